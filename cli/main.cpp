@@ -65,8 +65,9 @@ std::string unexpected(const CLI::App& app) {
 /// The first option of one value that has several.
 const CLI::Option* repeated(const CLI::App& command) {
   const auto options = command.get_options();
-  const auto found = std::ranges::find_if(
-      options, [](const CLI::Option* each) { return each->get_items_expected_max() == 1 && each->count() > 1; });
+  const auto found = std::ranges::find_if(options, [](const CLI::Option* each) {
+    return each->get_items_expected_max() == 1 && each->count() > 1;
+  });
   return found == options.end() ? nullptr : *found;
 }
 
@@ -105,7 +106,8 @@ void refuse_missing_values(const CLI::App& app, int argc, char** argv) {
     const bool joined = name != word;
     if (!joined && ++i == argc) continue;
     const std::string value = joined ? word.substr(name.size() + 1) : argv[i];
-    if (value.empty()) throw InputError(fmt::format("{} has an empty value; give it one, or leave it out", name));
+    if (value.empty())
+      throw InputError(fmt::format("{} has an empty value; give it one, or leave it out", name));
     if (joined) continue;
     if (value.starts_with("--") && command->get_option_no_throw(value.substr(0, value.find('='))))
       throw InputError(

@@ -151,7 +151,8 @@ SweepPlan plan_of(const PrecisionOptions& options) {
   return shard ? shard_of(std::move(plan), *shard) : plan;
 }
 
-/// A shard without rows, of more shards than blocks: its store is made all the same, so that a merge finds it.
+/// A shard without rows, of more shards than blocks: its store is made all the same, so that a merge finds
+/// it.
 void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& console) {
   open_sweep_store(plan, options.store, true);
   if (console.json) return console.print_json(Json::array());

@@ -39,8 +39,9 @@ std::string length_in_words(double h) {
 std::string multiplier_in_words(std::complex<double> mu) {
   if (!std::isfinite(mu.real()) || !std::isfinite(mu.imag())) return "-";
   const double imaginary = std::abs(mu.imag());
-  return imaginary < 1e-6 * std::abs(mu) ? short_number(mu.real())
-                                         : fmt::format("{} ± {}i", short_number(mu.real()), short_number(imaginary));
+  return imaginary < 1e-6 * std::abs(mu)
+             ? short_number(mu.real())
+             : fmt::format("{} ± {}i", short_number(mu.real()), short_number(imaginary));
 }
 
 std::string table_of(const ProbedLimit& found, const Console& console) {
@@ -62,19 +63,23 @@ std::string critical_in_words(const ProbedLimit& found) {
                                        short_number(2 * std::numbers::pi / std::abs(std::arg(mu)), 4))
                      : mu.real() < 0 ? "a motion that changes sign in every step grows"
                                      : "a motion without oscillation grows";
-  if (!found.moving.empty()) text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
+  if (!found.moving.empty())
+    text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
   return ": " + text;
 }
 
 std::string in_words(const ProbeOptions& options, const ProbedLimit& found, const Console& console) {
-  std::string text = fmt::format("{} of {}: {} numbers, ", found.model,
-                                 std::filesystem::path(options.plugin.substr(0, options.plugin.find(':'))).filename().string(),
-                                 found.dim);
+  std::string text = fmt::format(
+      "{} of {}: {} numbers, ", found.model,
+      std::filesystem::path(options.plugin.substr(0, options.plugin.find(':'))).filename().string(),
+      found.dim);
   text += found.state == ProbedState::equilibrium ? "in equilibrium"
-          : found.state == ProbedState::motion ? fmt::format("along the motion to {} s", short_number(*options.motion))
-                                               : "at its initial state";
+          : found.state == ProbedState::motion
+              ? fmt::format("along the motion to {} s", short_number(*options.motion))
+              : "at its initial state";
   text += "\n\n" + table_of(found, console) + "\n";
-  text += fmt::format("h_max     {}{}\n", console.strong(length_in_words(found.h_max)), critical_in_words(found));
+  text +=
+      fmt::format("h_max     {}{}\n", console.strong(length_in_words(found.h_max)), critical_in_words(found));
   if (!options.no_runs) {
     text += "observed  " + length_in_words(found.observed);
     if (std::isfinite(found.gap)) text += fmt::format(", gap {} %", short_number(100 * found.gap, 2));
@@ -100,7 +105,8 @@ void write_examples(const ProbeOptions& options, Console& console) {
 void probe(const ProbeOptions& options, Console& console) {
   if (!options.example.empty()) return write_examples(options, console);
   if (options.plugin.empty())
-    throw InputError("give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
+    throw InputError(
+        "give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
   if (!options.h0 || !options.h1) throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
   if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && *options.h0 > 0)
     refuse_endless(
@@ -113,7 +119,8 @@ void probe(const ProbeOptions& options, Console& console) {
   const auto leave = [&] {
     if (interrupted) throw Interrupted{};
   };
-  PluginStepper engine(parse_plugin(options.plugin), {.patience = options.patience.value_or(10), .watch = leave});
+  PluginStepper engine(parse_plugin(options.plugin),
+                       {.patience = options.patience.value_or(10), .watch = leave});
   const ProbedLimit found = [&] {
     Progress progress(console, "probe");
     return probe_steps(engine, {.h0 = *options.h0,
@@ -133,10 +140,10 @@ void probe(const ProbeOptions& options, Console& console) {
 }  // namespace
 
 void add_probe(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(app, console, "probe", "Find the largest stable step of your own step function",
-                                  {"hmax probe --example probe_example",
-                                   "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
-                                   "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
+  CLI::App& command = add_command(
+      app, console, "probe", "Find the largest stable step of your own step function",
+      {"hmax probe --example probe_example", "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
+       "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
   add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
            "FILE.so[:NAME[:ARGUMENT]]");

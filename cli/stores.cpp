@@ -63,15 +63,18 @@ Exported exported_runs(const Store& store, const ExportFormat& format) {
 /// Rows that are written as csv or jsonl.
 template <class Record>
 Exported exported(const std::vector<Record>& rows, std::string_view format, std::string_view kind,
-                  std::string (*to_csv)(std::span<const Record>), std::string (*to_jsonl)(std::span<const Record>)) {
+                  std::string (*to_csv)(std::span<const Record>),
+                  std::string (*to_jsonl)(std::span<const Record>)) {
   if (format == "csv") return {to_csv(rows), "problem,material,parameters,y0,model,", rows.size()};
   if (format == "jsonl") return {to_jsonl(rows), "{\"problem\":\"", rows.size()};
   throw InputError(fmt::format("--format is '{}', but {} are written as csv or jsonl", format, kind));
 }
 
 Exported exported_rows(const Store& store, std::string_view kind, const ExportFormat& format) {
-  if (kind == kinds[1]) return exported(store.limits(), format.name, "limits", limits_to_csv, limits_to_jsonl);
-  if (kind == kinds[2]) return exported(store.advice(), format.name, "rows of advice", advice_to_csv, advice_to_jsonl);
+  if (kind == kinds[1])
+    return exported(store.limits(), format.name, "limits", limits_to_csv, limits_to_jsonl);
+  if (kind == kinds[2])
+    return exported(store.advice(), format.name, "rows of advice", advice_to_csv, advice_to_jsonl);
   return exported_runs(store, format);
 }
 
@@ -98,8 +101,8 @@ void export_rows(const ExportOptions& options, Console& console) {
   if (!output.empty()) {
     write_file(output, out.text, out.opening);
     if (console.json)
-      console.print_json(Json{
-          {"store", store.file().string()}, {"format", format}, {"rows", out.rows}, {"output", output}});
+      console.print_json(
+          Json{{"store", store.file().string()}, {"format", format}, {"rows", out.rows}, {"output", output}});
     else
       console.print(fmt::format("{} rows in {}\n", out.rows, output));
   } else if (console.json && format != "gbench") {
@@ -109,8 +112,7 @@ void export_rows(const ExportOptions& options, Console& console) {
   } else {
     console.print(out.text);
   }
-  if (out.rows == 0)
-    console.remark(remark_on_none(store, kind));
+  if (out.rows == 0) console.remark(remark_on_none(store, kind));
 }
 
 Json to_json(const RowComparison& row) {
@@ -223,7 +225,8 @@ void merge(const std::string& out, const std::vector<std::string>& inputs, Conso
     Progress progress(console, "merge");
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (interrupted) throw Interrupted::with_store(store.file().string());
-      progress.update(static_cast<double>(i) / static_cast<double>(files.size()), files[i].filename().string());
+      progress.update(static_cast<double>(i) / static_cast<double>(files.size()),
+                      files[i].filename().string());
       merger.add(files[i]);
     }
   }
@@ -245,16 +248,17 @@ void merge(const std::string& out, const std::vector<std::string>& inputs, Conso
   if (summary.conflicts.empty()) return;
   console.print(fmt::format("{} conflicts, the first result is kept:\n", summary.conflicts.size()));
   for (const MergeConflict& each : summary.conflicts)
-    console.print(fmt::format("  {} of {}: {}\n", each.name, each.file.string(), fmt::join(each.changes, "; ")));
+    console.print(
+        fmt::format("  {} of {}: {}\n", each.name, each.file.string(), fmt::join(each.changes, "; ")));
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(app, console, "export", "Export the rows of a store",
-                                  {"hmax export study --format csv --output study.csv",
-                                   "hmax export livers --of limits --format csv",
-                                   "hmax export results/runs/study.sqlite --format gbench"});
+  CLI::App& command = add_command(
+      app, console, "export", "Export the rows of a store",
+      {"hmax export study --format csv --output study.csv", "hmax export livers --of limits --format csv",
+       "hmax export results/runs/study.sqlite --format gbench"});
   auto options = std::make_shared<ExportOptions>();
   require(
       add_text(command, "store", options->store, "File of the store, or its name under results/runs", ""));

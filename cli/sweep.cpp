@@ -92,7 +92,8 @@ SweepSpec spec_of(const SweepOptions& options, const SweepRequest& request) {
   if (is_given(options.jobs) && !options.explore)
     throw InputError("a sweep is measured on one thread; add --explore, or leave --jobs out");
   if (!options.explore) return spec;
-  if (options.publish) throw InputError("--explore measures no times that are fit to publish; leave --publish out");
+  if (options.publish)
+    throw InputError("--explore measures no times that are fit to publish; leave --publish out");
   if (!options.output.empty())
     throw InputError("--explore measures no times that are fit for figures; leave --output out");
   spec.explore = true;
@@ -309,7 +310,8 @@ SweepRequest request_of(const SweepOptions& options) {
 /// @throws InputError  for what asks for times where ranks that share a node measure none
 void refuse_beside_ranks(const SweepOptions& options, const SweepPlan& plan, const Ranks& ranks) {
   if (is_given(options.jobs))
-    throw InputError("--jobs is of one process; leave it out, and start as many processes as there are cores");
+    throw InputError(
+        "--jobs is of one process; leave it out, and start as many processes as there are cores");
   if (!are_times_rough(plan, ranks)) return;
   if (options.publish || !options.output.empty())
     throw InputError(fmt::format(
@@ -318,14 +320,34 @@ void refuse_beside_ranks(const SweepOptions& options, const SweepPlan& plan, con
         options.publish ? "--publish" : "--output"));
 }
 
+Json document_of(const SweepPlan& plan, const Store& store, const std::filesystem::path& file,
+                 const SweepSummary& summary, const std::vector<std::string>& figures) {
+  return {{"store", file.string()},
+          {"rows", summary.rows},
+          {"measured", summary.measured},
+          {"skipped", summary.skipped},
+          {"seconds", summary.seconds},
+          {"ranks", summary.ranks},
+          {"hands", summary.hands},
+          {"dealing_seconds", summary.dealing_seconds},
+          {"tasks", tasks_json(summary.tasks)},
+          {"tolerances", tolerances_json(plan)},
+          {"interrupted", summary.interrupted},
+          {"failed", failures_json(store.rows())},
+          {"figures", figures},
+          {"warnings", summary.warnings}};
+}
+
 void sweep(const SweepOptions& options, Console& console) {
   // With --shard each process has a part and a store of its own.
-  const std::unique_ptr<Ranks> ranks = options.shard.empty() && processes_started() > 1 ? open_ranks(processes_started()) : nullptr;
+  const std::unique_ptr<Ranks> ranks =
+      options.shard.empty() && processes_started() > 1 ? open_ranks(processes_started()) : nullptr;
   // From here on Ctrl-C waits for the row at hand, also while the references are computed.
   const auto& interrupted = interrupt_flag();
   const std::function<bool()> is_interrupted = [&] { return interrupted.load(); };
   if (ranks && ranks->rank() > 0)
-    return help_sweep(*ranks, [&] { return plan_sweep(spec_of(options, request_of(options))); }, is_interrupted);
+    return help_sweep(
+        *ranks, [&] { return plan_sweep(spec_of(options, request_of(options))); }, is_interrupted);
   std::optional<SweepDealer> dealer;
   if (ranks) dealer.emplace(*ranks);
   const SweepRequest request = request_of(options);
@@ -339,7 +361,8 @@ void sweep(const SweepOptions& options, Console& console) {
   if (options.output.empty())
     refuse_style_without_figure("--output FOLDER");
   else
-    for (std::size_t i = 0; i < plan.problems.size(); ++i) check_figure_files(options.output, figure_name(plan, i));
+    for (std::size_t i = 0; i < plan.problems.size(); ++i)
+      check_figure_files(options.output, figure_name(plan, i));
   Store store = open_sweep_store(plan, file, options.resume);
   if (options.publish) mark_published(store);
 
@@ -347,27 +370,16 @@ void sweep(const SweepOptions& options, Console& console) {
   {
     Progress progress(console, "sweep");
     const auto show = [&](const SweepProgress& p) { progress.update(p.fraction, p.what); };
-    summary = dealer ? dealer->run(plan, store, show, is_interrupted) : run_sweep(plan, store, show, is_interrupted);
+    summary = dealer ? dealer->run(plan, store, show, is_interrupted)
+                     : run_sweep(plan, store, show, is_interrupted);
   }
   for (const std::string& warning : summary.warnings) console.remark(warning);
   std::vector<std::string> figures;
   // A shard may have no row.
-  if (!options.output.empty() && !summary.interrupted && summary.rows > 0) figures = draw_sweep(plan, store, options.output, console);
+  if (!options.output.empty() && !summary.interrupted && summary.rows > 0)
+    figures = draw_sweep(plan, store, options.output, console);
   if (console.json) {
-    console.print_json(Json{{"store", file.string()},
-                            {"rows", summary.rows},
-                            {"measured", summary.measured},
-                            {"skipped", summary.skipped},
-                            {"seconds", summary.seconds},
-                            {"ranks", summary.ranks},
-                            {"hands", summary.hands},
-                            {"dealing_seconds", summary.dealing_seconds},
-                            {"tasks", tasks_json(summary.tasks)},
-                            {"tolerances", tolerances_json(plan)},
-                            {"interrupted", summary.interrupted},
-                            {"failed", failures_json(store.rows())},
-                            {"figures", figures},
-                            {"warnings", summary.warnings}});
+    console.print_json(document_of(plan, store, file, summary, figures));
   } else if (!summary.interrupted) {
     console.print(for_people(plan, store, summary, console));
     for (const std::string& figure : figures) console.print(fmt::format("The figure: {}\n", figure));

@@ -20,8 +20,8 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// Operations of a Cholesky factorisation that is made without asking, a fraction of a second, and of one that is
-/// made where nothing else is accurate.
+/// Operations of a Cholesky factorisation that is made without asking, a fraction of a second, and of one
+/// that is made where nothing else is accurate.
 constexpr double little_work = 2e8, most_work = 4e10;
 /// Ratio of b and a up to which polynomials are short enough.
 constexpr double most_spread = 1000;
@@ -44,7 +44,8 @@ void require_symmetric(const Sparse& M) {
   const Sparse difference = M - Sparse(M.transpose());
   const double apart = difference.nonZeros() > 0 ? difference.coeffs().cwiseAbs().maxCoeff() : 0;
   if (!std::isfinite(M.sum()) || !(apart <= 1e-10 * largest))
-    throw std::invalid_argument("the mass matrix M is not symmetric; give a symmetric one, or a vector of masses");
+    throw std::invalid_argument(
+        "the mass matrix M is not symmetric; give a symmetric one, or a vector of masses");
 }
 
 [[noreturn]] void refuse_indefinite() {
@@ -53,11 +54,12 @@ void require_symmetric(const Sparse& M) {
       "points");
 }
 
-/// Coefficients c_k of f = c_0 + c_1 T_1 + ... between a and b, to rounding: of an f with a singularity at zero they
-/// decrease like rho^-k, rho = (sqrt(b) + sqrt(a)) / (sqrt(b) - sqrt(a)).
+/// Coefficients c_k of f = c_0 + c_1 T_1 + ... between a and b, to rounding: of an f with a singularity at
+/// zero they decrease like rho^-k, rho = (sqrt(b) + sqrt(a)) / (sqrt(b) - sqrt(a)).
 template <class F>
 std::vector<double> chebyshev_series(double a, double b, const F& f) {
-  const double rho = (std::sqrt(b) + std::sqrt(a)) / std::max(std::sqrt(b) - std::sqrt(a), 1e-3 * std::sqrt(b));
+  const double rho =
+      (std::sqrt(b) + std::sqrt(a)) / std::max(std::sqrt(b) - std::sqrt(a), 1e-3 * std::sqrt(b));
   const int degree = static_cast<int>(std::ceil(33 / std::log(rho))) + 2, count = 2 * degree;
   std::vector<double> series(static_cast<std::size_t>(degree) + 1, 0.0);
   for (int j = 0; j < count; ++j) {
@@ -69,7 +71,8 @@ std::vector<double> chebyshev_series(double a, double b, const F& f) {
   return series;
 }
 
-/// b2 = c x + 2 T b1 - b2 with T = slope S + offset, of rows from `begin` on; `twice` is 2, of the last step 1.
+/// b2 = c x + 2 T b1 - b2 with T = slope S + offset, of rows from `begin` on; `twice` is 2, of the last
+/// step 1.
 template <int Width, class Product>
 void clenshaw_rows(const Product& S, double c, double twice, double slope, double offset, const double* x,
                    const double* b1, double* b2, std::size_t begin, std::size_t end) {
@@ -172,8 +175,8 @@ void CoupledMass::scale() {
   }
 }
 
-// Lanczos iteration without orthogonalising anew [paige1980accuracy]: the ends converge first. The margins are what an
-// end may lie beyond its Ritz value; polynomials tolerate more.
+// Lanczos iteration without orthogonalising anew [paige1980accuracy]: the ends converge first. The margins
+// are what an end may lie beyond its Ritz value; polynomials tolerate more.
 void CoupledMass::bound_spectrum() {
   const Index n = size(), most = std::min<Index>(n, 100);
   VectorXd before = VectorXd::Zero(n), q = numbers(n, 1).normalized(), w(n);
@@ -224,7 +227,8 @@ bool CoupledMass::is_accurate() const {
   return error(x) <= 1e-12 * f.norm() && error(y) <= 1e-12 * f.norm();
 }
 
-// Clenshaw's recurrence: b_k = c_k x + 2 T b_k+1 - b_k+2, p x = c_0 x + T b_1 - b_2, T = (2 S - (a + b)) / (b - a).
+// Clenshaw's recurrence: b_k = c_k x + 2 T b_k+1 - b_k+2, p x = c_0 x + T b_1 - b_2, T = (2 S - (a + b)) / (b
+// - a).
 void CoupledMass::apply(const std::vector<double>& series, VectorXd& x) const {
   // Kept by each thread: the forces of a step allocate nothing.
   thread_local VectorXd first, second;

@@ -10,13 +10,14 @@
 
 namespace hmax {
 
-/// A symmetric positive definite M, shape (n, n), and a root R of it, M = R^T R. In the coordinates u = R q the
-/// masses are one, and R^-T K R^-1 is symmetric where K is.
+/// A symmetric positive definite M, shape (n, n), and a root R of it, M = R^T R. In the coordinates u = R q
+/// the masses are one, and R^-T K R^-1 is symmetric where K is.
 ///
-/// Where a Cholesky factor P M P^T = L L^T takes little work, R = L^T P. Else M = D^1/2 S D^1/2 with D = diag(M) and
-/// R = S^1/2 D^1/2: the eigenvalues of S lie between a and b, of linear tetrahedra between 1/2 and 5/2 whatever the
-/// mesh [wathen1987realistic], so that Chebyshev polynomials in S are 1/S and S^-1/2 to rounding with some forty
-/// products. Either way every operation is linear, and its bits do not depend on threads.
+/// Where a Cholesky factor P M P^T = L L^T takes little work, R = L^T P. Else M = D^1/2 S D^1/2 with D =
+/// diag(M) and R = S^1/2 D^1/2: the eigenvalues of S lie between a and b, of linear tetrahedra between 1/2
+/// and 5/2 whatever the mesh [wathen1987realistic], so that Chebyshev polynomials in S are 1/S and S^-1/2 to
+/// rounding with some forty products. Either way every operation is linear, and its bits do not depend on
+/// threads.
 class CoupledMass {
  public:
   using Sparse = Eigen::SparseMatrix<double>;
@@ -25,8 +26,8 @@ class CoupledMass {
 
   /// @param M     both triangles, shape (n, n) [kg]
   /// @param root  `fitting` chooses by the work; the others are for tests
-  /// @throws std::invalid_argument  unless M is square, finite, symmetric and positive definite, and for one that
-  /// is so close to singular that none of the roots is accurate
+  /// @throws std::invalid_argument  unless M is square, finite, symmetric and positive definite, and for one
+  /// that is so close to singular that none of the roots is accurate
   explicit CoupledMass(const Sparse& M, Root root = Root::fitting);
   ~CoupledMass();
   CoupledMass(const CoupledMass&) = delete;
@@ -36,8 +37,8 @@ class CoupledMass {
   /// M without zeros, compressed.
   [[nodiscard]] const Sparse& matrix() const { return M_; }
   [[nodiscard]] const Vector& diagonal() const { return diagonal_; }
-  /// No eigenvalue of S, that is of D^-1 M, is smaller, as far as a Lanczos iteration can say: so no eigenvalue of
-  /// M^-1 K exceeds one of D^-1 K by more than the inverse.
+  /// No eigenvalue of S, that is of D^-1 M, is smaller, as far as a Lanczos iteration can say: so no
+  /// eigenvalue of M^-1 K exceeds one of D^-1 K by more than the inverse.
   [[nodiscard]] double least_share() const { return low_; }
   [[nodiscard]] bool has_factor() const { return factor_ != nullptr; }
 

@@ -46,7 +46,8 @@ Eigen::VectorXcd dense_eigenvalues(const Eigen::MatrixXd& A);
 /// The largest eigenvalue of a symmetric matrix, shape (n, n), n > 0, finite.
 double largest_eigenvalue_of(const Eigen::MatrixXd& A);
 
-/// |A| |A^-1| in the norm of the largest singular value; infinity, or some 1e16 and more, where A is singular.
+/// |A| |A^-1| in the norm of the largest singular value; infinity, or some 1e16 and more, where A is
+/// singular.
 /// @param A  shape (n, n), n > 0, finite
 double condition_of(const Eigen::MatrixXd& A);
 

@@ -1,9 +1,10 @@
 #include "core/heap.hpp"
 
-#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+
+#include <climits>
 
 #ifdef __GLIBC__
 #include <malloc.h>

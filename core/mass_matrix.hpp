@@ -14,8 +14,8 @@
 
 namespace hmax {
 
-/// M, shape (n, n) [kg], and a root R of it, M = R^T R: that of each mass where M is diagonal. Copies share a matrix
-/// that couples.
+/// M, shape (n, n) [kg], and a root R of it, M = R^T R: that of each mass where M is diagonal. Copies share a
+/// matrix that couples.
 /// @tparam RealT  of a diagonal M; one that couples computes in double
 template <class RealT>
 class MassMatrix {
@@ -26,7 +26,8 @@ class MassMatrix {
   MassMatrix() = default;
   /// A mass for each unknown, shape (n) [kg].
   template <class Derived>
-  MassMatrix(const Eigen::MatrixBase<Derived>& lumped)  // NOLINT(google-explicit-constructor): most masses are lumped
+  MassMatrix(const Eigen::MatrixBase<Derived>&
+                 lumped)  // NOLINT(google-explicit-constructor): most masses are lumped
       : diagonal_(lumped.template cast<Real>()) {}
   explicit MassMatrix(std::shared_ptr<const CoupledMass> coupled)
       : diagonal_(coupled->diagonal().template cast<Real>()), coupled_(std::move(coupled)) {}

@@ -22,7 +22,7 @@ namespace hmax {
 
 namespace {
 
-std::atomic<std::size_t> chosen = 0;  // 0: nobody has chosen
+std::atomic<std::size_t> chosen = 0;                                      // 0: nobody has chosen
 thread_local std::size_t most = std::numeric_limits<std::size_t>::max();  // threads of the calling thread
 
 /// The cores in the affinity mask of this process, which taskset, containers and batch systems narrow; the

@@ -28,9 +28,10 @@ std::size_t threads();
 /// throws is thrown when all have ended, of several that of the earliest piece. Where the system allows no
 /// further thread, or has no memory for its stack, those that are there do the work, at least the calling
 /// one. Inside a piece, and under OneThread, all pieces are done by the calling thread.
-/// Threads last from call to call, asleep between them; signals that end the program go to others. A piece may fork only to run another program.
-/// Threads take the next index from one counter, so that pieces of unequal cost share the cores evenly.
-/// Once a piece has thrown no further ones begin; those under way end. With count = 0 nothing is called.
+/// Threads last from call to call, asleep between them; signals that end the program go to others. A piece
+/// may fork only to run another program. Threads take the next index from one counter, so that pieces of
+/// unequal cost share the cores evenly. Once a piece has thrown no further ones begin; those under way end.
+/// With count = 0 nothing is called.
 /// @param progress  called by the calling thread with the number of pieces that are done
 void parallel_for(std::size_t count, const std::function<void(std::size_t i, std::size_t worker)>& work,
                   const std::function<void(std::size_t)>& progress, const std::function<bool()>& interrupted);
@@ -62,9 +63,8 @@ void parallel_rows(std::size_t rows, std::size_t entries, const Work& work) {
   constexpr std::size_t least_entries = 50'000;
   if (entries < 2 * least_entries) return work(std::size_t{0}, rows);
   const std::size_t parts = std::min(threads(), entries / least_entries);
-  parallel_for(parts, [&](std::size_t part, std::size_t) {
-    work(rows * part / parts, rows * (part + 1) / parts);
-  });
+  parallel_for(parts,
+               [&](std::size_t part, std::size_t) { work(rows * part / parts, rows * (part + 1) / parts); });
 }
 
 /// As long as this lives, parallel_for() uses no more threads than this when the calling thread calls it.

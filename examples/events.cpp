@@ -1,5 +1,5 @@
-/// Two observers: a needle falls from 5 cm above the skin, the run ends where it touches it, and its height is
-/// printed on the way.
+/// Two observers: a needle falls from 5 cm above the skin, the run ends where it touches it, and its height
+/// is printed on the way.
 #include <cstdio>
 #include <hmax/hmax.hpp>
 

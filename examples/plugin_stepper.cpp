@@ -1,5 +1,4 @@
-/// A stepper of your own for `hmax probe`: masses in a row with springs and dampers between them and two walls.
-/// Damping is implicit: its equations are solved by iteration from the last solution, which is hidden state.
+/// A stepper of your own for `hmax probe`: masses on damped springs, the damping implicit and iterated.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -24,13 +23,11 @@ static int step(void* handle, double h) {
     for (std::size_t i = 0; i < n; ++i) {
       const double by = (m * (v[i] - w[i]) - h * (k * apart(x, i, n) + c * apart(w, i, n))) / (m + 2 * h * c);
       w[i] += by;
-      change = std::fmax(change, std::fabs(by));
-      size = std::fmax(size, std::fabs(w[i]));
+      change = std::fmax(change, std::fabs(by)), size = std::fmax(size, std::fabs(w[i]));
     }
   }
-  if (!std::isfinite(size)) return HMAX_DIVERGED;
   for (std::size_t i = 0; i < n; ++i) x[i] += h * (v[i] = w[i]);
-  return HMAX_OK;
+  return std::isfinite(size) ? HMAX_OK : HMAX_DIVERGED;
 }
 static int create(const char* argument, void** handle) {  // the argument is the number of masses
   const std::size_t n = *argument ? std::strtoul(argument, nullptr, 10) : 20;
@@ -39,12 +36,15 @@ static int create(const char* argument, void** handle) {  // the argument is the
 static void destroy(void* handle) { delete &of(handle); }
 static int dimension(void* handle, size_t* n) { return *n = 2 * of(handle).n, HMAX_OK; }
 static size_t saved_size(void* handle) { return sizeof(double) * of(handle).all.size(); }
-static int get(void* handle, double* y) { return std::memcpy(y, of(handle).all.data(), 16 * of(handle).n), HMAX_OK; }
-static int set(void* handle, const double* y) { return std::memcpy(of(handle).all.data(), y, 16 * of(handle).n), HMAX_OK; }
-static int save(void* handle, void* to) { return std::memcpy(to, of(handle).all.data(), saved_size(handle)), HMAX_OK; }
-static int restore(void* handle, const void* from, size_t n) { return std::memcpy(of(handle).all.data(), from, n), HMAX_OK; }
-
-static const hmax_stepper stepper{{create, destroy, nullptr, dimension}, 0, get, set, step, saved_size, save, restore, nullptr, nullptr};
+static int copied(void* to, const void* from, size_t bytes) { return std::memcpy(to, from, bytes), HMAX_OK; }
+static int get(void* handle, double* y) { return copied(y, of(handle).all.data(), 16 * of(handle).n); }
+static int set(void* handle, const double* y) { return copied(of(handle).all.data(), y, 16 * of(handle).n); }
+static int save(void* handle, void* to) { return copied(to, of(handle).all.data(), saved_size(handle)); }
+static int restore(void* handle, const void* from, size_t n) {
+  return copied(of(handle).all.data(), from, n);
+}
+static const hmax_stepper stepper{
+    {create, destroy, nullptr, dimension}, 0, get, set, step, saved_size, save, restore, nullptr, nullptr};
 static const hmax_plugin_entry entries[]{{"chain", "masses on damped springs", nullptr, &stepper}};
 static const hmax_plugin plugin{HMAX_PLUGIN_VERSION, 1, entries};
 HMAX_PLUGIN_EXPORT const hmax_plugin* hmax_plugin_get(void) { return &plugin; }

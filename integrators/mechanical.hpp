@@ -104,17 +104,20 @@ void set_sparse_combination(const Eigen::Vector<Real, Eigen::Dynamic>& m, Scalar
 
 /// A = M + c C + k K for a sparse M, shape (n, n). M is added in place where A has entries wherever M has.
 template <class Real, class Scalar>
-void set_sparse_combination(const Eigen::SparseMatrix<double>& M, Scalar c, const Eigen::SparseMatrix<Real>& C,
-                            Scalar k, const Eigen::SparseMatrix<Real>& K, Eigen::SparseMatrix<Scalar>& A) {
+void set_sparse_combination(const Eigen::SparseMatrix<double>& M, Scalar c,
+                            const Eigen::SparseMatrix<Real>& C, Scalar k, const Eigen::SparseMatrix<Real>& K,
+                            Eigen::SparseMatrix<Scalar>& A) {
   const Eigen::Vector<Real, Eigen::Dynamic> none = Eigen::Vector<Real, Eigen::Dynamic>::Zero(M.cols());
   set_sparse_combination<Real, Scalar>(none, c, C, k, K, A);
   bool holds_all = true;
   for (Eigen::Index j = 0; j < A.cols() && holds_all; ++j) {
-    const int *at = A.innerIndexPtr() + A.outerIndexPtr()[j], *const end = A.innerIndexPtr() + A.outerIndexPtr()[j + 1];
+    const int *at = A.innerIndexPtr() + A.outerIndexPtr()[j], *const end = A.innerIndexPtr() +
+                                                                           A.outerIndexPtr()[j + 1];
     for (Eigen::SparseMatrix<double>::InnerIterator entry(M, j); entry && holds_all; ++entry) {
       at = std::lower_bound(at, end, static_cast<int>(entry.row()));
       holds_all = at != end && *at == entry.row();
-      if (holds_all) A.valuePtr()[at - A.innerIndexPtr()] += static_cast<Scalar>(static_cast<Real>(entry.value()));
+      if (holds_all)
+        A.valuePtr()[at - A.innerIndexPtr()] += static_cast<Scalar>(static_cast<Real>(entry.value()));
     }
   }
   if (holds_all) return;

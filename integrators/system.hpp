@@ -72,10 +72,10 @@ concept TimeDifferentiableSystem = System<S> &&
 };
 
 /// A mechanical system M q'' = F(t, q, v) behind its packed first-order form y = (q, v), dim() = 2 dofs().
-/// `mass` is the lumped M, shape (dofs), kg; a system whose M may couple unknowns has the verb `mass_matrix` too
-/// (core/mass_matrix.hpp), and `mass` then throws where it does; `force` writes F, shape (dofs), N; `stiffness` writes
-/// K = -dF/dq and `damping` C = -dF/dv, shape (dofs, dofs), of type DofMatrix (dense, sparse or a variant of
-/// both, as for Jacobians).
+/// `mass` is the lumped M, shape (dofs), kg; a system whose M may couple unknowns has the verb `mass_matrix`
+/// too (core/mass_matrix.hpp), and `mass` then throws where it does; `force` writes F, shape (dofs), N;
+/// `stiffness` writes K = -dF/dq and `damping` C = -dF/dv, shape (dofs, dofs), of type DofMatrix (dense,
+/// sparse or a variant of both, as for Jacobians).
 template <class S>
 concept SecondOrderSystem = System<S> &&
     requires(const S& system, real_of<typename S::State> t, const typename S::Dofs& q,
@@ -110,9 +110,9 @@ concept SplitSystem = System<S> &&
   system.jacobian_stiff(t, y, J);
 };
 
-/// A split second-order system whose stiff part is that of a linear structure, (v, -M^-1 (K0 q + C0 v)). It writes the
-/// constant matrices K0 and C0, shape (dofs, dofs); jacobian_stiff has the same in one matrix of twice the size,
-/// which is not symmetric.
+/// A split second-order system whose stiff part is that of a linear structure, (v, -M^-1 (K0 q + C0 v)). It
+/// writes the constant matrices K0 and C0, shape (dofs, dofs); jacobian_stiff has the same in one matrix of
+/// twice the size, which is not symmetric.
 template <class S>
 concept SplitStructure = SplitSystem<S> && SecondOrderSystem<S> &&
     requires(const S& system, typename S::DofMatrix& matrix) {

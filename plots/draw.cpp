@@ -398,8 +398,8 @@ void Writer::axes(const Panel& panel, const Place& place, const Extent& extent) 
           "'sans-serif,12'", "center");
   script_ += "unset ylabel\n";
   script_ += panel.grid ? "set grid ls 100\n" : "unset grid\n";
-  label(panel.y.label, left - room_for_names(panel.y) - left_margin + 14, (top + bottom) / 2, "'sans-serif,12'",
-        "center rotate by 90");
+  label(panel.y.label, left - room_for_names(panel.y) - left_margin + 14, (top + bottom) / 2,
+        "'sans-serif,12'", "center rotate by 90");
   for (std::size_t i = 0; i < panel.y.names.size(); ++i) {
     const double at = fraction(static_cast<double>(i + 1), panel.y, extent.y);
     label(shortened(one_line(panel.y.names[i]), longest_label), left - 10, bottom - at * (bottom - top),

@@ -35,7 +35,8 @@ std::vector<Row> shown(const std::vector<Row>& rows, const std::string& mode,
     throw InputError(
         "rows of several problems, parameters or end times cannot share a figure; select those of one");
   if (std::any_of(kept.begin(), kept.end(), [](const Row& row) { return row.explored; }))
-    throw InputError("the times of explored rows cannot be drawn; measure them by `hmax sweep` without --explore");
+    throw InputError(
+        "the times of explored rows cannot be drawn; measure them by `hmax sweep` without --explore");
   return kept;
 }
 

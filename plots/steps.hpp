@@ -24,8 +24,8 @@ std::vector<Style> method_styles(const std::vector<ShownMethod>& methods);
 /// CPU time of one run (median, bars from quartile to quartile) over global error, against h: one column of
 /// panels per mode present among `fixed` and `sampled`. Runs that did not reach the end are marks at the top
 /// edge of both panels, with or without numbers of their own. Rows of methods not in `methods` are left out.
-/// @throws InputError when the rows belong to several problems, parameters or end times, one was explored, or none is
-/// left
+/// @throws InputError when the rows belong to several problems, parameters or end times, one was explored, or
+/// none is left
 Figure step_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
 
 /// CPU time of one step [s] against h, mode `fixed`: what `step_figure` hides in five decades of run length.

@@ -95,7 +95,8 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
   if (!axis.names.empty()) {
     // The names themselves are labels: those of tics cannot have underscores.
     std::string places;
-    for (std::size_t i = 0; i < axis.names.size(); ++i) places += fmt::format("{}'' {}", i == 0 ? "" : ", ", i + 1);
+    for (std::size_t i = 0; i < axis.names.size(); ++i)
+      places += fmt::format("{}'' {}", i == 0 ? "" : ", ", i + 1);
     return text + "(" + places + ")\n";
   }
   // The default format shows as many digits as the ends of the range have.

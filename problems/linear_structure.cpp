@@ -80,8 +80,8 @@ Sparse sparse_of(StructureMatrix matrix) {
   return sparse != nullptr ? std::move(*sparse) : Sparse(std::get<MatrixXd>(matrix).sparseView());
 }
 
-/// Methods add M to K and C in place, which takes stored entries where M has some; of damped structures K and C have one
-/// pattern, so that no step looks for it.
+/// Methods add M to K and C in place, which takes stored entries where M has some; of damped structures K and
+/// C have one pattern, so that no step looks for it.
 void share_pattern(Sparse& K, Sparse& C, const MassMatrix<double>& M, bool damped) {
   Sparse zero(K.rows(), K.rows());
   zero.setIdentity();
@@ -126,10 +126,11 @@ void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const Mat
   const Index n = M.size();
   if (!M.is_diagonal()) {
     if (n > most_coupled_masses)
-      throw std::invalid_argument("the mass matrix couples " + std::to_string(n) +
-                                  " degrees of freedom, and the Jacobian of such a structure is written up to " +
-                                  std::to_string(most_coupled_masses) +
-                                  "; take a method that uses stiffness and damping themselves, or lump the mass matrix");
+      throw std::invalid_argument(
+          "the mass matrix couples " + std::to_string(n) +
+          " degrees of freedom, and the Jacobian of such a structure is written up to " +
+          std::to_string(most_coupled_masses) +
+          "; take a method that uses stiffness and damping themselves, or lump the mass matrix");
     MatrixXd full = MatrixXd::Zero(2 * n, 2 * n);
     full.topRightCorner(n, n).setIdentity();
     full.bottomLeftCorner(n, n) = -M.solve(MatrixXd(K));
@@ -179,7 +180,8 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
       std::visit([&, name = name](const auto& held) { require_whole(held, name, n); }, *matrix);
     // Dense ones too: methods and limits divide by a mass that couples with sparse K and C.
     return AnySystem(LinearStructure<Sparse>(
-        sparse_of(std::move(K)), MassMatrix<double>(std::make_shared<const CoupledMass>(sparse_of(std::move(M)))),
+        sparse_of(std::move(K)),
+        MassMatrix<double>(std::make_shared<const CoupledMass>(sparse_of(std::move(M)))),
         sparse_of(std::move(C))));
   }
   if (sparse)

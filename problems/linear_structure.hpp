@@ -15,8 +15,8 @@
 
 namespace hmax {
 
-/// J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n), of a structure as a first-order system. Of an M that couples unknowns
-/// M^-1 K is full.
+/// J = (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n), of a structure as a first-order system. Of an M that
+/// couples unknowns M^-1 K is full.
 /// @tparam MatrixT  Eigen::MatrixXd or Eigen::SparseMatrix<double>
 /// @throws std::invalid_argument  for such an M of more than most_coupled_masses rows
 template <class MatrixT>
@@ -34,7 +34,8 @@ class LinearStructure {
   static constexpr bool autonomous = true;
 
   /// @param K     stiffness, shape (n, n) [N/m]
-  /// @param mass  the diagonal of M, shape (n) [kg], all positive; or for a sparse K an M that couples unknowns
+  /// @param mass  the diagonal of M, shape (n) [kg], all positive; or for a sparse K an M that couples
+  /// unknowns
   /// @param C     damping, shape (n, n) [N s/m]
   /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not
   /// positive, and matrices of which only one triangle is stored
@@ -121,7 +122,8 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
 
 /// The system M q'' + C q' + K q = 0, y = (q, v), of any Eigen matrices, dense or sparse.
 /// @param K  stiffness, shape (n, n) [N/m]
-/// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n), which may couple degrees of freedom as a
+/// @param M  masses [kg]: a vector of n, or a matrix of shape (n, n), which may couple degrees of freedom as
+/// a
 ///           consistent mass matrix does
 /// @param C  damping, shape (n, n) [N s/m]
 /// @throws std::invalid_argument  for other shapes, numbers that are not finite, masses that are not

@@ -21,7 +21,8 @@ void each_entry(const Eigen::SparseMatrix<double>& matrix, const Visit& visit) {
       visit(Eigen::Index{entry.row()}, j, entry.value());
 }
 template <class Visit>
-void each_entry(const std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>& matrix, const Visit& visit) {
+void each_entry(const std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>& matrix,
+                const Visit& visit) {
   std::visit([&](const auto& held) { each_entry(held, visit); }, matrix);
 }
 

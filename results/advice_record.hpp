@@ -25,30 +25,32 @@ struct AdviceKey {
 };
 
 /// Shares of the frames, for the distribution of their times.
-inline constexpr std::array<double, 11> frame_shares{0.99, 0.9, 0.75, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001};
+inline constexpr std::array<double, 11> frame_shares{0.99, 0.9,  0.75, 0.5,   0.25, 0.1,
+                                                     0.05, 0.02, 0.01, 0.005, 0.001};
 
-/// One method with its options at the step that was found. Numbers that do not apply are NaN, limits that no step
-/// reaches are infinite.
+/// One method with its options at the step that was found. Numbers that do not apply are NaN, limits that no
+/// step reaches are infinite.
 struct AdviceRecord {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
   AdviceKey key;
-  std::string method;   ///< method id
-  std::string options;  ///< what a simulator chooses besides the step: "Jacobian frozen, direct"; may be empty
-  std::string bound;    ///< stability | accuracy | newton | budget | rate
+  std::string method;  ///< method id
+  std::string
+      options;        ///< what a simulator chooses besides the step: "Jacobian frozen, direct"; may be empty
+  std::string bound;  ///< stability | accuracy | newton | budget | rate
   std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow
   std::string status;   ///< what the verdict rests on, or why a number is missing
-  /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as to have no
-  /// such share fewer, empty where none was timed.
+  /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as
+  /// to have no such share fewer, empty where none was timed.
   std::string frame_tail;
-  double h = none;                 ///< [s]
+  double h = none;  ///< [s]
   double steps_per_frame = none;
-  double h_max = none;             ///< predicted [s]
-  double h_max_observed = none;    ///< [s]
-  double h_accurate = none;        ///< [s]
-  double error = none;             ///< relative
+  double h_max = none;                                          ///< predicted [s]
+  double h_max_observed = none;                                 ///< [s]
+  double h_accurate = none;                                     ///< [s]
+  double error = none;                                          ///< relative
   double frame_p50 = none, frame_p99 = none, frame_max = none;  ///< CPU time [s]
-  double first_frame = none;       ///< [s]
+  double first_frame = none;                                    ///< [s]
   double frames = none, missed = none;
   double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
   double linear_per_frame = none;  ///< the same of conjugate gradients

@@ -74,8 +74,8 @@ struct Comparison {
 /// in 1 to 3, and neither do rows of which one was explored: only their results are compared.
 Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options = {});
 
-/// What differs between two runs of the same key although nothing in it depends on the clock, "steps: 1000 -> 1001":
-/// steps, rejected steps, rhs and outcome exactly, the rest as compare() does.
+/// What differs between two runs of the same key although nothing in it depends on the clock, "steps: 1000 ->
+/// 1001": steps, rejected steps, rhs and outcome exactly, the rest as compare() does.
 std::vector<std::string> changes_between(const Row& a, const Row& b);
 
 /// Two-sided p-value of the Mann-Whitney U test: exact for up to 20 values a side without ties, else by the

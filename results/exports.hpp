@@ -11,8 +11,8 @@
 namespace hmax {
 
 /// The columns of the row exports in their order; the first 17 are fixed by contract, units are in the names
-/// (`_s` is seconds). `error_*` and reference_error are in the unit of the state; realtime_factor is t_reached /
-/// cpu_median_s, simulated seconds (from t = 0) per CPU second.
+/// (`_s` is seconds). `error_*` and reference_error are in the unit of the state; realtime_factor is
+/// t_reached / cpu_median_s, simulated seconds (from t = 0) per CPU second.
 ///
 /// A number that does not apply is missing: h in mode adaptive, rtol and atol in mode fixed. A number that
 /// could not be obtained is missing too, and `status` says so.

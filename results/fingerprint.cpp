@@ -265,7 +265,8 @@ std::vector<std::string> differences(const Fingerprint& before, const Fingerprin
   };
   for (const auto& [name, member] : texts) {
     // Every build has another program; what of it can change a time is compared by itself.
-    if (member != &Fingerprint::load && member != &Fingerprint::program) compare(name, before.*member, after.*member);
+    if (member != &Fingerprint::load && member != &Fingerprint::program)
+      compare(name, before.*member, after.*member);
   }
   std::set<std::string> names;
   for (const auto* libraries : {&before.libraries, &after.libraries}) {

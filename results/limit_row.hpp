@@ -37,12 +37,12 @@ struct LimitRow {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
   OperatingPointKey point;
-  std::string method;      ///< method id
-  std::string bound;       ///< stability | accuracy | newton | model | every_step | error_control | unknown
-  std::string state_kind;  ///< equilibrium | rest | initial | motion
-  std::string state;       ///< in words: which state, whose Jacobian
-  std::string note;        ///< why there is no limit, or what it holds for; may be empty
-  double h_max = none;     ///< [s]
+  std::string method;        ///< method id
+  std::string bound;         ///< stability | accuracy | newton | model | every_step | error_control | unknown
+  std::string state_kind;    ///< equilibrium | rest | initial | motion
+  std::string state;         ///< in words: which state, whose Jacobian
+  std::string note;          ///< why there is no limit, or what it holds for; may be empty
+  double h_max = none;       ///< [s]
   double h_unstable = none;  ///< where h_max is a lower bound: unstable from here on [s]
   double re = none, im = none, omega = none, zeta = none;  ///< of the limiting mode [1/s, 1/s, rad/s, 1]
   double rate_slow = none, rate_fast = none;               ///< of one that does not oscillate [1/s]
@@ -54,17 +54,17 @@ struct LimitRow {
 
   /// Of runs on both sides: confirmed | excused | contradicted | not_run; empty where nobody asked for runs.
   std::string verdict;
-  double observed = none;    ///< [s]
-  double gap = none;         ///< (observed - h_max) / h_max
-  double steps_used = none;  ///< steps of each run
+  double observed = none;     ///< [s]
+  double gap = none;          ///< (observed - h_max) / h_max
+  double steps_used = none;   ///< steps of each run
   double step_defect = none;  ///< distance of the steps of the code from what is analysed
 
-  double along_least = none;       ///< the least limit along the path [s]
-  double along_at = none;          ///< where it occurs: time [s], or share of the load
-  double along_growing = none;     ///< share of the path where the tangent itself grows
-  double along_grows_from = none;  ///< where it first does
-  std::string path_note;           ///< why the path ends early; may be empty
-  double from_start = none;        ///< the largest step below the first whose run leaves its motion [s]
+  double along_least = none;        ///< the least limit along the path [s]
+  double along_at = none;           ///< where it occurs: time [s], or share of the load
+  double along_growing = none;      ///< share of the path where the tangent itself grows
+  double along_grows_from = none;   ///< where it first does
+  std::string path_note;            ///< why the path ends early; may be empty
+  double from_start = none;         ///< the largest step below the first whose run leaves its motion [s]
   double from_start_stride = none;  ///< relative stride in which it was sought; 0: it could not be
 
   std::string details;       ///< JSON object: margins of the modes, limits along the path

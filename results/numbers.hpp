@@ -11,8 +11,8 @@ namespace hmax {
 /// zero.
 std::string to_text(double value);
 
-/// A finite value rounded to `digits` significant digits, without an exponent from a ten-thousandth up to a million: "2210" of
-/// 2212.4 and 3.
+/// A finite value rounded to `digits` significant digits, without an exponent from a ten-thousandth up to a
+/// million: "2210" of 2212.4 and 3.
 std::string rounded_text(double value, int digits);
 
 /// The number that fills `text`, apart from blanks around it; Fortran exponents (1.0D+3) and a leading plus

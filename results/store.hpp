@@ -57,13 +57,13 @@ class Store {
   /// @returns its id, larger than those of all sessions before
   std::int64_t begin_session(const Fingerprint& fingerprint, std::string_view started = {});
 
-  /// Rows inserted from now on belong to this session, which the same object has begun: rows of several machines may
-  /// come in any order.
+  /// Rows inserted from now on belong to this session, which the same object has begun: rows of several
+  /// machines may come in any order.
   /// @throws std::logic_error  without begin_session()
   void continue_session(std::int64_t session);
 
-  /// All of `rows` or, when this throws, none of them; Row::session is not read, the session begun or continued last is
-  /// stored. A row that was measured takes the place of an explored one with its key.
+  /// All of `rows` or, when this throws, none of them; Row::session is not read, the session begun or
+  /// continued last is stored. A row that was measured takes the place of an explored one with its key.
   /// @throws std::logic_error       without begin_session(), or when a key is there already: ask contains()
   /// first
   /// @throws std::invalid_argument  when a number of a key is not finite

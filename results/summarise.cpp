@@ -6,7 +6,9 @@
 
 namespace hmax {
 
-std::vector<double> comparable_times(const Row& row) { return row.explored ? std::vector<double>{} : row.cpu_s; }
+std::vector<double> comparable_times(const Row& row) {
+  return row.explored ? std::vector<double>{} : row.cpu_s;
+}
 
 TimingSummary summarise(std::vector<double> samples) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();

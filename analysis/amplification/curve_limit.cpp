@@ -45,9 +45,10 @@ std::optional<std::array<double, 2>> rayleigh_coefficients(const MechanicalPart&
   double alpha = 0, beta = 0;
   for (Index probe = 0; probe < probes; ++probe) {
     const VectorXd x = numbers.segment(probe * n, n), kx = scaled(part.K, x), cx = scaled(part.C, x);
-    const VectorXd sx = part.mass.is_diagonal() ? x
-                                                : VectorXd(part.mass.times(VectorXd(inverse_root.cwiseProduct(x)))
-                                                               .cwiseProduct(inverse_root));
+    const VectorXd sx =
+        part.mass.is_diagonal()
+            ? x
+            : VectorXd(part.mass.times(VectorXd(inverse_root.cwiseProduct(x))).cwiseProduct(inverse_root));
     if (probe == 0) {
       // The part of k x across s x determines beta, the part along s x then alpha.
       const double mean = sx.dot(kx) / sx.squaredNorm();

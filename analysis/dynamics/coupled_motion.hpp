@@ -86,10 +86,10 @@ class CoupledMotion {
   [[nodiscard]] CoupledLimit leaves_with(double h, const Eigen::VectorXcd& x, bool proved) const;
   [[nodiscard]] CoupledLimit with_shape(double h, Complex zeta, bool proved) const;
 
-  MotionMap map_;         ///< without common roots at zero
-  Eigen::Index n_ = 0;    ///< degrees of freedom
+  MotionMap map_;       ///< without common roots at zero
+  Eigen::Index n_ = 0;  ///< degrees of freedom
   MassMatrix<double> mass_;
-  Matrix k_, c_, d_;      ///< M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
+  Matrix k_, c_, d_;  ///< M^-1/2 K M^-1/2 [1/s^2], the same of C and of its diagonal [1/s]
   bool symmetric_ = true;
   double rate_ = 0;      ///< what h is measured by [1/s]
   double rounding_ = 0;  ///< how far beyond one a root may be by rounding
@@ -111,8 +111,8 @@ std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const Mechan
 /// The same of matrices that are elsewhere, symmetric and without negative eigenvalues.
 /// @param most_c, most_k  no less than the largest eigenvalues
 /// @return  the displacement in coordinates where M = I; empty where `find` has no vector
-std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find, double most_c,
-                                              double most_k, const Amplification& single);
+std::optional<CoupledLimit> proved_first_exit(const MotionMap& map, const FindLargestOfSum& find,
+                                              double most_c, double most_k, const Amplification& single);
 
 /// Whether the steps of the method on this model couple modes that its motion does not, or that it couples
 /// itself, so that they cannot be taken one by one.

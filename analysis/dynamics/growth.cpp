@@ -53,7 +53,8 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
 std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf& motion, std::size_t degree,
                                            double h, std::int64_t steps, double disturbance) {
   std::vector<Eigen::Vector2d> z;
-  const bool ended = run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { z.push_back(motion(y)); });
+  const bool ended =
+      run(h, steps, [&](const Eigen::Ref<const Eigen::VectorXd>& y) { z.push_back(motion(y)); });
   const bool broken = std::ranges::any_of(z, [](const auto& each) { return !each.allFinite(); });
   if (!ended || broken || z.size() < 3 * degree) return std::numeric_limits<double>::infinity();
   const auto p = static_cast<Eigen::Index>(degree), count = static_cast<Eigen::Index>(z.size()) - 2 * p;
@@ -85,7 +86,8 @@ std::int64_t steps_to_see(const ExpectedGrowth& expected) {
                to_outgrow = expected.linear ? std::numeric_limits<double>::infinity()
                                             : (expected.fall + threshold_of(expected)) / growth;
   const double steps = std::ceil(std::max(to_grow, std::min(to_decay, to_outgrow)));
-  return static_cast<std::int64_t>(std::clamp(steps, expected.least, std::max(expected.least, static_cast<double>(expected.most))));
+  return static_cast<std::int64_t>(
+      std::clamp(steps, expected.least, std::max(expected.least, static_cast<double>(expected.most))));
 }
 
 namespace {
@@ -117,8 +119,8 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
-  return observe_limit(
-      [&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps); }, predicted, expected);
+  return observe_limit([&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps); },
+                       predicted, expected);
 }
 
 // First the two sides of the prediction, with longer runs where they do not tell; then outwards by 10 % a

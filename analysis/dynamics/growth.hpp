@@ -34,7 +34,8 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
                        double noise = 0);
 
-/// Two numbers that say how one motion of a linear model stands, such as its displacement and its velocity, in one unit.
+/// Two numbers that say how one motion of a linear model stands, such as its displacement and its velocity,
+/// in one unit.
 using MotionOf = std::function<Eigen::Vector2d(const Eigen::Ref<const Eigen::VectorXd>& y)>;
 
 /// ln of the factor by which a step of size h multiplies a motion: of the largest |zeta| of the recurrence
@@ -62,7 +63,7 @@ struct ObservedLimit {
 
 /// What the model and the amplification say of runs close to a limit: how long they have to be.
 struct ExpectedGrowth {
-  double above = 0;   ///< ln of the factor by which a step at 1.001 of the limit multiplies the motion, > 0
+  double above = 0;  ///< ln of the factor by which a step at 1.001 of the limit multiplies the motion, > 0
   /// The same at 1 + share / 1000 of the limit, where growth has to be seen; 0: share times `above`.
   double close = 0;
   double beside = 0;  ///< ln of the largest factor below one that a step at the limit multiplies anything by,
@@ -80,12 +81,11 @@ struct ExpectedGrowth {
 };
 
 /// How long a run has to be that shows a share of the growth that is expected at 1.001 of the limit, after
-/// the rest has died away before the first quarter that is compared, or is outgrown; `least` steps at least, `most` at
-/// most.
-/// With g = ln of the growth per step at 1 + share / 1000 of the limit: N = 2 t / g for the growth, with t =
-/// visible, or ln 4 + visible where it is linear. The rest, exp(fall) times as large at first, is gone after
-/// 4 fall / |beside| steps, and outgrown where g N >= fall + t, so that the last quarter holds more than the second: the
-/// lesser of the two, and no less than for the growth.
+/// the rest has died away before the first quarter that is compared, or is outgrown; `least` steps at least,
+/// `most` at most. With g = ln of the growth per step at 1 + share / 1000 of the limit: N = 2 t / g for the
+/// growth, with t = visible, or ln 4 + visible where it is linear. The rest, exp(fall) times as large at
+/// first, is gone after 4 fall / |beside| steps, and outgrown where g N >= fall + t, so that the last quarter
+/// holds more than the second: the lesser of the two, and no less than for the growth.
 std::int64_t steps_to_see(const ExpectedGrowth& expected);
 
 /// Integrates at 0.999 and at 1.001 of a predicted limit, longer where neither tells, then closes in, by

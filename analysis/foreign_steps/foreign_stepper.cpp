@@ -100,7 +100,8 @@ Eigen::SparseMatrix<double> StateCoordinates::pattern(const Eigen::SparseMatrix<
   for (Eigen::Index j = 0; j < of_state.cols(); ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(of_state, j); entry; ++entry)
       for (const Eigen::Index row : coordinates[static_cast<std::size_t>(entry.row())])
-        for (const Eigen::Index column : coordinates[static_cast<std::size_t>(j)]) entries.emplace_back(row, column, 1);
+        for (const Eigen::Index column : coordinates[static_cast<std::size_t>(j)])
+          entries.emplace_back(row, column, 1);
   Eigen::SparseMatrix<double> found(size_, size_);
   found.setFromTriplets(entries.begin(), entries.end());
   return found;

@@ -11,8 +11,8 @@
 
 namespace hmax {
 
-/// A state is a vector of shape (dim). What else the next steps depend on, such as the start of an iteration or a cache of
-/// contacts, is hidden in the engine, and is kept in numbered slots.
+/// A state is a vector of shape (dim). What else the next steps depend on, such as the start of an iteration
+/// or a cache of contacts, is hidden in the engine, and is kept in numbered slots.
 class ForeignStepper {
  public:
   virtual ~ForeignStepper() = default;
@@ -27,8 +27,8 @@ class ForeignStepper {
   [[nodiscard]] virtual std::vector<Eigen::Index> quaternions() const { return {}; }
   /// Sizes of noticeable changes of the state, shape (dim); empty where they are not known.
   [[nodiscard]] virtual Eigen::VectorXd scales() const { return {}; }
-  /// An entry (i, j) where number i after a step depends on number j before it, shape (dim, dim); values do not matter. Empty
-  /// where it is not known.
+  /// An entry (i, j) where number i after a step depends on number j before it, shape (dim, dim); values do
+  /// not matter. Empty where it is not known.
   [[nodiscard]] virtual Eigen::SparseMatrix<double> pattern() const { return {}; }
 
   virtual Eigen::VectorXd state() = 0;
@@ -38,14 +38,16 @@ class ForeignStepper {
   virtual void save(int slot) = 0;
   virtual void restore(int slot) = 0;
 
-  /// The state after `count` steps from y, with what is hidden as in the slot; NaN where a step cannot be done.
+  /// The state after `count` steps from y, with what is hidden as in the slot; NaN where a step cannot be
+  /// done.
   virtual Eigen::VectorXd after(int slot, const Eigen::VectorXd& y, double h, std::int64_t count);
-  /// One step from what is in the slot, which then holds its end. @returns the state there, NaN where it cannot be done
+  /// One step from what is in the slot, which then holds its end. @returns the state there, NaN where it
+  /// cannot be done
   virtual Eigen::VectorXd advance(int slot, double h);
 };
 
-/// Coordinates of states near others: differences of the numbers, and three for each quaternion, in the frame that it turns.
-/// Along a motion the frames go with it.
+/// Coordinates of states near others: differences of the numbers, and three for each quaternion, in the frame
+/// that it turns. Along a motion the frames go with it.
 class StateCoordinates {
  public:
   /// @throws std::invalid_argument  where quaternions overlap or lie outside of a state
@@ -58,10 +60,13 @@ class StateCoordinates {
   [[nodiscard]] Eigen::VectorXd of(const Eigen::VectorXd& y, const Eigen::VectorXd& z) const;
   /// Numbers of the state as coordinates: those of a quaternion have its largest.
   [[nodiscard]] Eigen::VectorXd scales(const Eigen::VectorXd& of_state) const;
-  /// The pattern of a step in coordinates, shape (size, size). @param of_state  as ForeignStepper::pattern(), not empty
+  /// The pattern of a step in coordinates, shape (size, size). @param of_state  as ForeignStepper::pattern(),
+  /// not empty
   [[nodiscard]] Eigen::SparseMatrix<double> pattern(const Eigen::SparseMatrix<double>& of_state) const;
   /// Index in the state of a coordinate; of a quaternion its first one.
-  [[nodiscard]] Eigen::Index component(Eigen::Index coordinate) const { return owner_[static_cast<std::size_t>(coordinate)]; }
+  [[nodiscard]] Eigen::Index component(Eigen::Index coordinate) const {
+    return owner_[static_cast<std::size_t>(coordinate)];
+  }
 
  private:
   Eigen::Index size_ = 0;

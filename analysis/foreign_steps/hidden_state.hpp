@@ -23,7 +23,7 @@ struct HiddenState {
 };
 
 /// @param slot  with the state y
-HiddenState examine_hidden_state(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
-                                 int slot, const Eigen::VectorXd& y, double h);
+HiddenState examine_hidden_state(ForeignStepper& engine, const StateCoordinates& coordinates,
+                                 const Eigen::VectorXd& scale, int slot, const Eigen::VectorXd& y, double h);
 
 }  // namespace hmax

@@ -26,9 +26,10 @@ std::vector<std::int64_t> strides_of(std::int64_t steps) {
   return strides;
 }
 
-/// Distances after each stride, relative to that at the start; the last one is infinite where the run diverged.
-std::vector<double> distances(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
-                              double h, const GrowthRun& run) {
+/// Distances after each stride, relative to that at the start; the last one is infinite where the run
+/// diverged.
+std::vector<double> distances(ForeignStepper& engine, const StateCoordinates& coordinates,
+                              const VectorXd& scale, int slot, double h, const GrowthRun& run) {
   const std::vector<std::int64_t> strides = strides_of(run.steps);
   std::vector<double> found;
   engine.restore(slot);
@@ -51,13 +52,15 @@ std::vector<double> distances(ForeignStepper& engine, const StateCoordinates& co
   const double first = std::max(distance(start), 1e-3 * run.amplitude);
   for (std::size_t k = 0; k < strides.size(); ++k) {
     const bool done = engine.step(h, strides[k]);
-    const double now = done ? distance(run.follow ? undisturbed[k] : start) : std::numeric_limits<double>::infinity();
+    const double now =
+        done ? distance(run.follow ? undisturbed[k] : start) : std::numeric_limits<double>::infinity();
     if (run.watch) run.watch();
     found.push_back(now / first);
     if (!std::isfinite(now)) found.back() = std::numeric_limits<double>::infinity();
     if (!(now <= run.bound * std::sqrt(static_cast<double>(scale.size())))) {
       // Free motion at constant velocity gets there too.
-      const double half = *std::max_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k / 2 + 1));
+      const double half =
+          *std::max_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k / 2 + 1));
       if (found.back() > 6 * (k > 1 ? half : 1)) found.back() = std::numeric_limits<double>::infinity();
       break;
     }
@@ -67,8 +70,8 @@ std::vector<double> distances(ForeignStepper& engine, const StateCoordinates& co
 
 }  // namespace
 
-bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot, double h,
-               const GrowthRun& run) {
+bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
+               double h, const GrowthRun& run) {
   const std::vector<double> found = distances(engine, coordinates, scale, slot, h, run);
   if (!std::isfinite(found.back())) return true;
   const auto count = static_cast<std::ptrdiff_t>(found.size());
@@ -76,13 +79,14 @@ bool run_grows(ForeignStepper& engine, const StateCoordinates& coordinates, cons
     return *std::max_element(found.begin() + from, found.begin() + to);
   };
   const double early = largest(0, std::max<std::ptrdiff_t>(1, count / 16));
-  const double second = largest(count / 4, std::max(count / 4 + 1, count / 2)), last = largest(3 * count / 4, count);
+  const double second = largest(count / 4, std::max(count / 4 + 1, count / 2)),
+               last = largest(3 * count / 4, count);
   // What grew in the first quarter already may have come to an end of its own, such as a limit cycle.
   return last > 4 * second || last > run.most * early;
 }
 
-double growth_of_run(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot, double h,
-                     const GrowthRun& run) {
+double growth_of_run(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale,
+                     int slot, double h, const GrowthRun& run) {
   return std::log(distances(engine, coordinates, scale, slot, h, run).back());
 }
 

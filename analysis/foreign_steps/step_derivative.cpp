@@ -29,8 +29,8 @@ VectorXd signs(Index n, Index k) {
 
 }  // namespace
 
-StepDerivative::StepDerivative(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
-                               const VectorXd& y, double h)
+StepDerivative::StepDerivative(ForeignStepper& engine, const StateCoordinates& coordinates,
+                               const VectorXd& scale, int slot, const VectorXd& y, double h)
     : engine_(&engine), coordinates_(&coordinates), scale_(scale), y_(y), slot_(slot), h_(h) {
   next_ = engine.after(slot, y, h, 1);
   if (is_finite()) choose_increment();
@@ -51,7 +51,8 @@ double StepDerivative::least_increment() const {
   return 30 * rounding * coordinates_->scales(y_.cwiseAbs()).cwiseQuotient(scale_).maxCoeff();
 }
 
-// From large increments, where the step may not be linear, to small ones, where rounding is all: the pair that agrees best.
+// From large increments, where the step may not be linear, to small ones, where rounding is all: the pair
+// that agrees best.
 void StepDerivative::choose_increment() {
   const double least = least_increment();
   constexpr int levels = 17, directions = 3;
@@ -127,13 +128,14 @@ std::optional<SparseMatrix> StepDerivative::grouped_matrix(StepPattern& pattern,
   return J;
 }
 
-MatrixXd StepDerivative::confirmed_matrix(StepPattern& pattern, const std::function<void(double share)>& watch) {
+MatrixXd StepDerivative::confirmed_matrix(StepPattern& pattern,
+                                          const std::function<void(double share)>& watch) {
   MatrixXd J;
   if (pattern.pays())
     if (const std::optional<SparseMatrix> grouped = grouped_matrix(pattern, watch)) J = *grouped;
   if (J.size() == 0) J = matrix(pattern, watch);
-  const MatrixXd other =
-      pattern.pays() ? MatrixXd(grouped_at(3 * increment_, pattern, watch)) : matrix_at(3 * increment_, watch);
+  const MatrixXd other = pattern.pays() ? MatrixXd(grouped_at(3 * increment_, pattern, watch))
+                                        : matrix_at(3 * increment_, watch);
   // On the diagonal what is left of 1 counts.
   const MatrixXd one = MatrixXd::Identity(J.rows(), J.cols());
   return one + ((J - other).array().abs() < 0.3 * (J - one).array().abs()).select(J - one, 0);
@@ -189,7 +191,8 @@ VectorXd balancing_factors(const MatrixXd& J) {
 
 VectorXd balancing_factors(const std::function<VectorXd(const VectorXd&)>& J, Index n) {
   VectorXd D = VectorXd::Ones(n);
-  // D <- sqrt(D |J - I| D): one step would balance two numbers; a third leaves what only loosely hangs together in place.
+  // D <- sqrt(D |J - I| D): one step would balance two numbers; a third leaves what only loosely hangs
+  // together in place.
   for (int sweep = 0; sweep < 3; ++sweep) {
     VectorXd squares = VectorXd::Zero(n);
     for (Index k = 0; k < 4; ++k) {

@@ -25,7 +25,8 @@ void StepPattern::learn(const Eigen::MatrixXd& J) {
   if (undeclared_ && undeclared_->second < 0) {
     Eigen::MatrixXd beyond = J.cwiseAbs();
     for (Index j = 0; j < entries_.cols(); ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator entry(entries_, j); entry; ++entry) beyond(entry.row(), j) = 0;
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(entries_, j); entry; ++entry)
+        beyond(entry.row(), j) = 0;
     beyond.maxCoeff(&undeclared_->first, &undeclared_->second);
   }
   take(J.sparseView(1.0, 0.0));

@@ -155,15 +155,16 @@ void Probe::judge_start() {
                           ": h_max is that of this state; give the length of a motion to follow it");
 }
 
-/// The same scales in balance: of like size in positions and velocities, from what a step of size h makes of them.
+/// The same scales in balance: of like size in positions and velocities, from what a step of size h makes of
+/// them.
 VectorXd Probe::balanced(const VectorXd& unbalanced, double h) {
   StepDerivative derivative(engine_, coordinates_, unbalanced, home, start_, h);
   if (!derivative.is_finite() || !std::isfinite(derivative.error())) return unbalanced;
   const VectorXd factors =
       coordinates_.size() > settings_.spectrum.matrix_to
           ? balancing_factors([&](const VectorXd& v) { return derivative.product(v); }, coordinates_.size())
-          : balancing_factors(
-                derivative.confirmed_matrix(pattern_, [this](double share) { tell(share_ + 0.02 * share, "first differences"); }));
+          : balancing_factors(derivative.confirmed_matrix(
+                pattern_, [this](double share) { tell(share_ + 0.02 * share, "first differences"); }));
   if (!factors.allFinite()) return unbalanced;
   VectorXd scale = unbalanced.cwiseProduct(factors.cwiseMax(1e-8));
   if (!is_single()) return scale;
@@ -183,7 +184,8 @@ void Probe::choose_scales(double h) {
   const VectorXd before = scale_;
   scale_ = balanced(unbalanced, h);
   if (!is_single()) return;
-  // In float a velocity of what seems its size moves a position by less than the last place. The scales with the least error.
+  // In float a velocity of what seems its size moves a position by less than the last place. The scales with
+  // the least error.
   const VectorXd size = coordinates_.scales(start_.cwiseAbs());
   const double largest = size.maxCoeff();
   double least = StepDerivative(engine_, coordinates_, scale_, home, start_, h).error();
@@ -206,11 +208,13 @@ void Probe::check_smoothness() {
   const StepDerivative derivative(engine_, coordinates_, scale_, home, rest_, h);
   if (!derivative.is_finite()) return;
   if (derivative.error() > 0.01)
-    found_.status.push_back("differences of the step at two increments differ by " + rounded_text(derivative.error(), 2) +
+    found_.status.push_back("differences of the step at two increments differ by " +
+                            rounded_text(derivative.error(), 2) +
                             ": the step is not smooth at this state, as at a contact that opens");
   else if (!(is_linear_ = derivative.is_linear()))
-    found_.status.push_back("the changes of two small disturbances do not add up: the step is not smooth at this state, as with "
-                            "impulses that are bounded; h_max says nothing, trust observed");
+    found_.status.push_back(
+        "the changes of two small disturbances do not add up: the step is not smooth at this state, as with "
+        "impulses that are bounded; h_max says nothing, trust observed");
 }
 
 StepSpectrum Probe::along_motion(double h) {
@@ -236,12 +240,13 @@ double Probe::distance_of_step(const VectorXd& y, double h) {
   return next.allFinite() ? distance(y, next) : infinity;
 }
 
-/// Engines that make constraints softer at large steps rest elsewhere there: y = S(y) by Newton's method from the last rest,
-/// (I - J) x = S(y) - y, of least norm where motions are free.
+/// Engines that make constraints softer at large steps rest elsewhere there: y = S(y) by Newton's method from
+/// the last rest, (I - J) x = S(y) - y, of least norm where motions are free.
 VectorXd Probe::rest_at(double h) {
   VectorXd y = rest_;
   double left = distance_of_step(y, h);
-  if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to) return y;
+  if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to)
+    return y;
   const Index n = coordinates_.size();
   if (left <= (is_single() ? 1e-3 : 1e-8)) return y;
   for (int k = 0; k < 10 && left > rest_tolerance() && std::isfinite(left); ++k) {
@@ -271,7 +276,8 @@ StepSpectrum Probe::at(double h) {
                                              .matrix_to = settings_.spectrum.matrix_to,
                                              .watch = watcher()});
   found_.rows.push_back(row);
-  if (row.grows && (!found_.critical || h < found_.critical->h)) found_.critical = row;  // until the limit is known
+  if (row.grows && (!found_.critical || h < found_.critical->h))
+    found_.critical = row;  // until the limit is known
   return row;
 }
 
@@ -307,7 +313,8 @@ void Probe::find_limit() {
   double low = 0;
   for (int i = 0; i < count; ++i) {
     const double part = count > 1 ? static_cast<double>(i) / (count - 1) : 0;
-    const double h = i + 1 == count ? settings_.h1 : settings_.h0 * std::pow(settings_.h1 / settings_.h0, part);
+    const double h =
+        i + 1 == count ? settings_.h1 : settings_.h0 * std::pow(settings_.h1 / settings_.h0, part);
     share_ = 0.02 + 0.4 * static_cast<double>(i) / count;
     detail_ = "h = " + rounded_text(h, 4) + " s";
     tell(share_, detail_);
@@ -339,23 +346,23 @@ void Probe::check_rest_at_limit() {
   const Index i = coordinates_.component(most);
   const std::string by = rounded_text(other[i] - start_[i], 2);
   if (!is_rest) found_.state = ProbedState::initial;
-  found_.status.push_back(
-      "the state of rest depends on the step size: " +
-      (is_rest ? "at " + rounded_text(h, 3) + " s its number " + std::to_string(i) + " is off by " + by +
-                     "; each step size is probed at its own"
-               : "a step of " + rounded_text(h, 3) + " s changes its number " + std::to_string(i) + " by " + by +
-                     "; h_max is that of the state of rest at small steps"));
+  found_.status.push_back("the state of rest depends on the step size: " +
+                          (is_rest ? "at " + rounded_text(h, 3) + " s its number " + std::to_string(i) +
+                                         " is off by " + by + "; each step size is probed at its own"
+                                   : "a step of " + rounded_text(h, 3) + " s changes its number " +
+                                         std::to_string(i) + " by " + by +
+                                         "; h_max is that of the state of rest at small steps"));
 }
 
 void Probe::check_pattern() {
   if (!pattern_.undeclared()) return;
   const auto [row, column] = *pattern_.undeclared();
-  found_.status.push_back(
-      "the declared pattern of the step is wrong and not used: number " + std::to_string(coordinates_.component(row)) +
-      " after a step depends on " +
-      (column < 0 ? std::string("more numbers than it says")
-                  : "number " + std::to_string(coordinates_.component(column)) + " before it") +
-      "; declare these couplings, or a longer reach");
+  found_.status.push_back("the declared pattern of the step is wrong and not used: number " +
+                          std::to_string(coordinates_.component(row)) + " after a step depends on " +
+                          (column < 0
+                               ? std::string("more numbers than it says")
+                               : "number " + std::to_string(coordinates_.component(column)) + " before it") +
+                          "; declare these couplings, or a longer reach");
 }
 
 void Probe::name_growing_numbers() {
@@ -363,15 +370,17 @@ void Probe::name_growing_numbers() {
   const VectorXd& motion = found_.critical->motion;
   std::vector<Index> order(static_cast<std::size_t>(motion.size()));
   std::iota(order.begin(), order.end(), Index{0});
-  std::ranges::sort(order, [&](Index a, Index b) { return motion[a] != motion[b] ? motion[a] > motion[b] : a < b; });
+  std::ranges::sort(order,
+                    [&](Index a, Index b) { return motion[a] != motion[b] ? motion[a] > motion[b] : a < b; });
   for (const Index i : order)
     if (found_.moving.size() < 4 && motion[i] > 0.1) found_.moving.push_back(i);
 }
 
 GrowthRun Probe::growth_run(double h) const {
   // As far as the step is linear, and above its rounding.
-  const double increment = found_.rows.front().increment, amplitude =
-      is_single() ? std::clamp(increment / 5, 3e-5, 1e-3) : std::clamp(increment, 1e-7, 1e-6);
+  const double increment = found_.rows.front().increment,
+               amplitude =
+                   is_single() ? std::clamp(increment / 5, 3e-5, 1e-3) : std::clamp(increment, 1e-7, 1e-6);
   GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
                 .amplitude = amplitude,
                 .bound = is_single() ? 100 * amplitude : 1e5 * amplitude,
@@ -384,7 +393,8 @@ GrowthRun Probe::growth_run(double h) const {
 bool Probe::runs_grow(double h) {
   share_ = std::min(0.99, share_ + 0.02);
   detail_ = "runs with h = " + rounded_text(h, 5) + " s";
-  if (found_.state != ProbedState::motion) return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
+  if (found_.state != ProbedState::motion)
+    return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
   const auto growth = [&](double size) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
   };
@@ -403,7 +413,8 @@ std::int64_t Probe::observed_steps() {
   const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
   constexpr double least = 400;
   const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
-  if (!is_linear_ || !std::isfinite(found_.h_max)) return static_cast<std::int64_t>(std::min(affordable, 20000.0));
+  if (!is_linear_ || !std::isfinite(found_.h_max))
+    return static_cast<std::int64_t>(std::min(affordable, 20000.0));
   const double rate = std::log(found_.critical->spectral_radius);
   return std::llround(std::clamp(rate > 0 ? 10 / rate : infinity, least, affordable));
 }
@@ -536,9 +547,12 @@ ProbedLimit Probe::run() {
 
 std::string_view name_of(ProbedState state) {
   switch (state) {
-    case ProbedState::equilibrium: return "equilibrium";
-    case ProbedState::initial: return "initial";
-    case ProbedState::motion: return "motion";
+    case ProbedState::equilibrium:
+      return "equilibrium";
+    case ProbedState::initial:
+      return "initial";
+    case ProbedState::motion:
+      return "motion";
   }
   return "";
 }

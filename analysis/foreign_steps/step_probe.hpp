@@ -1,4 +1,5 @@
-/// The largest stable step of an engine that is known by its steps alone: from their derivative, and from running it.
+/// The largest stable step of an engine that is known by its steps alone: from their derivative, and from
+/// running it.
 #pragma once
 
 #include <complex>
@@ -35,16 +36,16 @@ struct ProbedLimit {
   Eigen::Index dim = 0;
   ProbedState state = ProbedState::initial;
   std::vector<StepSpectrum> rows;  ///< by h, with the steps of the bisection
-  double h_max = 0;     ///< [s]; infinity without growth up to h1, NaN where steps of h0 grow already
+  double h_max = 0;  ///< [s]; infinity without growth up to h1, NaN where steps of h0 grow already
   std::optional<StepSpectrum> critical{};  ///< a step 0.2 % beyond the limit
   std::vector<Eigen::Index> moving{};      ///< numbers of the state that move most in its growing mode
-  double observed = 0;  ///< [s] by runs; as h_max; NaN where nothing was run
-  double gap = 0;       ///< (observed - h_max) / h_max; NaN without a number on both sides
-  std::int64_t steps = 0;            ///< of each of the runs
+  double observed = 0;                     ///< [s] by runs; as h_max; NaN where nothing was run
+  double gap = 0;                          ///< (observed - h_max) / h_max; NaN without a number on both sides
+  std::int64_t steps = 0;                  ///< of each of the runs
   /// h_max and observed are apart by more than 5 %, along a motion by more than 20 %: one of them is wrong,
   /// or the runs are too short. `status` has a sentence.
   bool contradiction = false;
-  std::vector<std::string> status{}; ///< sentences: what the numbers do not tell
+  std::vector<std::string> status{};  ///< sentences: what the numbers do not tell
 };
 
 /// Numbers of the largest state that is probed: a spectrum takes some thousand steps and a basis of eighty

@@ -23,7 +23,8 @@ using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A motion in scaled coordinates as numbers of the state.
-VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale, Index dim) {
+VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale,
+                  Index dim) {
   VectorXd numbers = VectorXd::Zero(dim);
   for (Index k = 0; k < motion.size(); ++k) {
     const Index i = coordinates.component(k);
@@ -33,9 +34,11 @@ VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, c
   return largest > 0 ? VectorXd(numbers / largest) : numbers;
 }
 
-/// How far a multiplier is off, |y^H (D x - J x)| / |y^H x| with differences D in the direction of its own right eigenvector x:
-/// the error of the matrix as this eigenvalue has it, where the norm of that error says too much.
-double own_error(const StepDerivative& derivative, const MatrixXd& J, const Eigen::VectorXcd& x, const Eigen::RowVectorXcd& y) {
+/// How far a multiplier is off, |y^H (D x - J x)| / |y^H x| with differences D in the direction of its own
+/// right eigenvector x: the error of the matrix as this eigenvalue has it, where the norm of that error says
+/// too much.
+double own_error(const StepDerivative& derivative, const MatrixXd& J, const Eigen::VectorXcd& x,
+                 const Eigen::RowVectorXcd& y) {
   const VectorXd re = x.real(), im = x.imag();
   Eigen::VectorXcd off = (derivative.product(re) - J * re).cast<Complex>();
   off += Complex(0, 1) * (derivative.product(im) - J * im).cast<Complex>();
@@ -43,7 +46,8 @@ double own_error(const StepDerivative& derivative, const MatrixXd& J, const Eige
 }
 
 /// All eigenvalues with their tolerances.
-void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpectrum& found, VectorXd& motion) {
+void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpectrum& found,
+                    VectorXd& motion) {
   const double error = derivative.error();
   const SortedEigenpairs pairs(J);
   if (pairs.values.empty()) {
@@ -100,8 +104,9 @@ void by_products(const LinearOperator& J, Index n, const StepDerivative& derivat
 
 }  // namespace
 
-StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
-                              const VectorXd& y, double h, StepPattern& pattern, const StepSpectrumSettings& settings) {
+StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
+                              const VectorXd& scale, int slot, const VectorXd& y, double h,
+                              StepPattern& pattern, const StepSpectrumSettings& settings) {
   const StepSpectrum broken{.h = h,
                             .spectral_radius = infinity,
                             .multiplier = infinity,
@@ -122,7 +127,8 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
   if (pattern.pays()) J = derivative.grouped_matrix(pattern, told);
   // Entries below the error of the matrix are none.
   if (!J && n <= settings.matrix_to)
-    J = derivative.matrix(pattern, told).sparseView(1, n <= settings.eigenvalues_to ? 0 : derivative.error() / static_cast<double>(n));
+    J = derivative.matrix(pattern, told)
+            .sparseView(1, n <= settings.eigenvalues_to ? 0 : derivative.error() / static_cast<double>(n));
   if (J && !VectorXd::Map(J->valuePtr(), J->nonZeros()).allFinite()) return broken;
   if (J && n <= settings.eigenvalues_to)
     by_eigenvalues(*J, derivative, found, motion);
@@ -137,8 +143,9 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
   return found;
 }
 
-double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale, int slot,
-                           int work, double h, std::int64_t steps, double increment, const std::function<void()>& watch) {
+double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale,
+                           int slot, int work, double h, std::int64_t steps, double increment,
+                           const std::function<void()>& watch) {
   VectorXd v = start_vector(coordinates.size());
   double growth = 0;
   // Far away neighbours are one state to rounding, and their difference is zero.

@@ -13,21 +13,21 @@ namespace hmax {
 
 struct StepSpectrumSettings {
   Eigen::Index eigenvalues_to = 300;  ///< up to so many coordinates all eigenvalues of the matrix
-  Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi iteration; above
-                                      ///< that products alone, or the matrix by a pattern
-  std::function<void()> watch = {};   ///< called now and then; may throw
+  Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi
+                                  ///< iteration; above that products alone, or the matrix by a pattern
+  std::function<void()> watch = {};  ///< called now and then; may throw
 };
 
 /// What a step of size h makes of small differences of states.
 struct StepSpectrum {
-  double h = 0;               ///< [s]
-  double spectral_radius = 0; ///< infinity where a step cannot be done, or leaves the range of numbers
+  double h = 0;                ///< [s]
+  double spectral_radius = 0;  ///< infinity where a step cannot be done, or leaves the range of numbers
   /// That grows most, or the largest one where none grows; NaN along motions.
   std::complex<double> multiplier{};
   /// Of |multiplier|: how far it may be off by differences. A multiplier of modulus 1 to this accuracy does
   /// not grow. Of a step that is not resolved the growth that may be there unseen.
   double tolerance = 0;
-  double increment = 0;    ///< of the differences, in units of scales
+  double increment = 0;  ///< of the differences, in units of scales
   bool grows = false;
   bool resolved = true;      ///< false: growth of less than `tolerance` a step may be there unseen
   Eigen::VectorXd motion{};  ///< that grows, as numbers of the state; shape (dim), its largest number 1
@@ -39,16 +39,17 @@ struct StepSpectrum {
 /// @param pattern  of the step, in coordinates; where it pays the matrix is made by its groups at any size.
 /// It is learned
 ///                 where a matrix is made without it
-StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
-                              int slot, const Eigen::VectorXd& y, double h, StepPattern& pattern,
-                              const StepSpectrumSettings& settings = {});
+StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
+                              const Eigen::VectorXd& scale, int slot, const Eigen::VectorXd& y, double h,
+                              StepPattern& pattern, const StepSpectrumSettings& settings = {});
 
-/// ln of the factor by which `steps` steps from the state in `slot` stretch the difference of two neighbours: the product of
-/// the derivatives of the steps, applied twice to a vector, the second time to what the first one made of it.
+/// ln of the factor by which `steps` steps from the state in `slot` stretch the difference of two neighbours:
+/// the product of the derivatives of the steps, applied twice to a vector, the second time to what the first
+/// one made of it.
 /// @param work  a slot that is written
 /// @return infinity where a step cannot be done or leaves the range of numbers
-double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates, const Eigen::VectorXd& scale,
-                           int slot, int work, double h, std::int64_t steps, double increment,
-                           const std::function<void()>& watch);
+double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates,
+                           const Eigen::VectorXd& scale, int slot, int work, double h, std::int64_t steps,
+                           double increment, const std::function<void()>& watch);
 
 }  // namespace hmax

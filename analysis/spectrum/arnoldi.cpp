@@ -49,7 +49,8 @@ class KrylovSpace {
   }
 
   [[nodiscard]] DominantEigenvalue dominant(const SortedEigenpairs& ritz, double tolerance) const {
-    DominantEigenvalue found{.value = ritz.values.front(), .vector = V_.leftCols(size_) * ritz.vectors.col(0)};
+    DominantEigenvalue found{.value = ritz.values.front(),
+                             .vector = V_.leftCols(size_) * ritz.vectors.col(0)};
     found.residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(0)).value());
     found.converged = found.residual <= tolerance * std::abs(found.value);
     found.products = products_;
@@ -84,8 +85,9 @@ class KrylovSpace {
       ++kept;
     MatrixXd parts(size_, kept);
     for (Index i = 0; i < kept; ++i)
-      parts.col(i) = ritz.values[static_cast<std::size_t>(i)].imag() < 0 ? VectorXd(ritz.vectors.col(i).imag())
-                                                                        : VectorXd(ritz.vectors.col(i).real());
+      parts.col(i) = ritz.values[static_cast<std::size_t>(i)].imag() < 0
+                         ? VectorXd(ritz.vectors.col(i).imag())
+                         : VectorXd(ritz.vectors.col(i).real());
     const MatrixXd Q = orthonormal_basis(parts);
     const MatrixXd T = Q.transpose() * H_.topLeftCorner(size_, size_) * Q;
     const Eigen::RowVectorXd below = H_.row(size_).head(size_) * Q;

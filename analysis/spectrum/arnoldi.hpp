@@ -13,8 +13,8 @@ namespace hmax {
 using LinearOperator = std::function<Eigen::VectorXd(const Eigen::VectorXd& x)>;
 
 struct ArnoldiSettings {
-  Eigen::Index basis = 30;          ///< vectors before a restart
-  Eigen::Index kept = 10;           ///< Ritz vectors that a restart keeps, one more where a conjugate would be cut off
+  Eigen::Index basis = 30;  ///< vectors before a restart
+  Eigen::Index kept = 10;  ///< Ritz vectors that a restart keeps, one more where a conjugate would be cut off
   Eigen::Index most_products = 90;  ///< at least `basis` of them
   double tolerance = 1e-8;          ///< of the residual, relative to the eigenvalue
   /// The iteration ends when it can tell on which side of this modulus the largest eigenvalue lies; 0: never
@@ -37,14 +37,14 @@ struct DominantEigenvalue {
   [[nodiscard]] bool exceeds(double threshold) const {
     return std::abs(value) > threshold && residual < 0.05 * (std::abs(value) - threshold);
   }
-  /// Whether it is below the threshold by more than the residual. Ritz values lie within those of the operator: of an
-  /// eigenvalue that the space has no part of this tells nothing.
+  /// Whether it is below the threshold by more than the residual. Ritz values lie within those of the
+  /// operator: of an eigenvalue that the space has no part of this tells nothing.
   [[nodiscard]] bool stays_below(double threshold) const { return std::abs(value) + residual <= threshold; }
 };
 
-/// By Arnoldi iteration with thick restarts: a restart keeps the space of the largest Ritz vectors, which leaves a
-/// Krylov space [stewart2002krylov]. An eigenvalue in a cluster of equal moduli converges slowly; a power of A
-/// separates them.
+/// By Arnoldi iteration with thick restarts: a restart keeps the space of the largest Ritz vectors, which
+/// leaves a Krylov space [stewart2002krylov]. An eigenvalue in a cluster of equal moduli converges slowly; a
+/// power of A separates them.
 /// @param start  shape (n), not zero, with a part in every eigenvector of interest
 DominantEigenvalue dominant_eigenvalue(const LinearOperator& A, const Eigen::VectorXd& start,
                                        const ArnoldiSettings& settings = {});

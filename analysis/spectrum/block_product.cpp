@@ -77,7 +77,8 @@ void SymmetricProduct::apply(const double* in, double* out) const {
   });
 }
 
-void SymmetricProduct::apply_entries(const double* in, double* out, std::size_t begin, std::size_t end) const {
+void SymmetricProduct::apply_entries(const double* in, double* out, std::size_t begin,
+                                     std::size_t end) const {
   const double* value = values_.data() + first_[begin];
   for (std::size_t row = begin; row < end; ++row) {
     double sum = 0;

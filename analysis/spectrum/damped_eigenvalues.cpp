@@ -55,7 +55,9 @@ class QuadraticSpace {
       y = x;
       if (M_) M_->multiply(y);
     };
-    const auto remove = [&](VectorXd& x) { x -= times(V_, size_, transposed_times(images_in_M(), size_, x)); };
+    const auto remove = [&](VectorXd& x) {
+      x -= times(V_, size_, transposed_times(images_in_M(), size_, x));
+    };
     if (!make_orthonormal(t, image_, times_M, remove)) return false;
     V_.col(size_) = t;
     if (M_) MV_.col(size_) = image_;
@@ -359,7 +361,8 @@ std::optional<double> growing_eigenvalue(const FindLargestOfSum& find, double mo
     // No negative stiffness along it beyond rounding: nothing grows.
     if (!(least.kappa < -1e-9 * most_k)) return lambda;
     // -gamma/2 + sqrt(gamma^2/4 - kappa) without cancellation, kappa < 0.
-    const double next = -2 * least.kappa / (least.gamma + std::sqrt(least.gamma * least.gamma - 4 * least.kappa));
+    const double next =
+        -2 * least.kappa / (least.gamma + std::sqrt(least.gamma * least.gamma - 4 * least.kappa));
     if (lambda && next <= *lambda * (1 + 1e-10)) return lambda;
     lambda = next;
   }

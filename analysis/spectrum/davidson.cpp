@@ -56,7 +56,8 @@ class Space {
     return true;
   }
 
-  /// u, kappa and r = A u - kappa M u of the largest Ritz value; the Ritz vectors are kept for restart() and lock().
+  /// u, kappa and r = A u - kappa M u of the largest Ritz value; the Ritz vectors are kept for restart() and
+  /// lock().
   double ritz(VectorXd& u, VectorXd& r) {
     const MatrixXd H = H_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(H);
@@ -84,7 +85,8 @@ class Space {
  private:
   void take(Index first, Index count) {
     const MatrixXd S = ritz_.middleCols(first, count);
-    for (MatrixXd* vectors : {&V_, &MV_, &AV_}) vectors->leftCols(count) = (vectors->leftCols(size_) * S).eval();
+    for (MatrixXd* vectors : {&V_, &MV_, &AV_})
+      vectors->leftCols(count) = (vectors->leftCols(size_) * S).eval();
     H_.topLeftCorner(count, count) = values_.segment(first, count).asDiagonal();
     size_ = count;
   }
@@ -100,8 +102,8 @@ class Space {
 
 }  // namespace
 
-PencilPairs largest_pencil_eigenpairs(const SymmetricOperator& A, const CoupledMass& M, Index count, double tolerance,
-                                      Index most_products) {
+PencilPairs largest_pencil_eigenpairs(const SymmetricOperator& A, const CoupledMass& M, Index count,
+                                      double tolerance, Index most_products) {
   const Index n = M.size();
   Space space(A, M, count);
   PencilPairs result;

@@ -18,10 +18,10 @@ struct PencilPairs {
   bool converged = false;  ///< false: fewer than were asked for
 };
 
-/// The largest eigenvalues of A u = kappa M u for a symmetric A, with their multiplicities, by Davidson's method
-/// with restarts [davidson1975iterative]: the best vector of a space, the residual r = A u - kappa M u, and D^-1 r as
-/// the next direction, where D = diag(M) is close to M. A step takes one product with each matrix, where Lanczos
-/// iteration would divide by M. It begins with the same vector in every run.
+/// The largest eigenvalues of A u = kappa M u for a symmetric A, with their multiplicities, by Davidson's
+/// method with restarts [davidson1975iterative]: the best vector of a space, the residual r = A u - kappa M
+/// u, and D^-1 r as the next direction, where D = diag(M) is close to M. A step takes one product with each
+/// matrix, where Lanczos iteration would divide by M. It begins with the same vector in every run.
 /// @param A              y = A x
 /// @param tolerance      of |r| in the norm of M^-1, relative to kappa: an eigenvalue is as near as that
 /// @param most_products  in all; then those that have converged are taken

@@ -62,7 +62,8 @@ LargestEigenvalues dense_largest(const MatrixXd& J, Index count) {
   const SortedEigenpairs pairs(J);
   // One more, so that trim() sees whether a pair would be cut.
   const Index taken = std::min(count + 1, static_cast<Index>(pairs.values.size()));
-  return {.lambda = {pairs.values.begin(), pairs.values.begin() + taken}, .vectors = pairs.vectors.leftCols(taken)};
+  return {.lambda = {pairs.values.begin(), pairs.values.begin() + taken},
+          .vectors = pairs.vectors.leftCols(taken)};
 }
 
 /// Takes off the value that was computed beyond `count`, unless it is the conjugate of the one before.
@@ -79,8 +80,8 @@ void trim(LargestEigenvalues& result, Index count) {
 }
 
 /// k = R^-T K R^-1 with M = R^T R, and what turns its eigenvectors into shapes.
-/// k is symmetric and similar to M^-1 K: its eigenvectors u give the shapes R^-1 u, which are orthonormal in M.
-/// Holds references, so the part must outlive it.
+/// k is symmetric and similar to M^-1 K: its eigenvectors u give the shapes R^-1 u, which are orthonormal in
+/// M. Holds references, so the part must outlive it.
 class Scaled {
  public:
   const MassMatrix<double>& mass;
@@ -102,8 +103,8 @@ class Scaled {
 
   [[nodiscard]] Index size() const { return mass.size(); }
   [[nodiscard]] MatrixXd matrix() const { return mass_scaled(mass, part_.K); }
-  /// A matrix that is similar to k - shift I but for a positive definite factor on both sides, of which L D L^T is
-  /// made: k - shift I itself, or K - shift M where M couples.
+  /// A matrix that is similar to k - shift I but for a positive definite factor on both sides, of which L D
+  /// L^T is made: k - shift I itself, or K - shift M where M couples.
   [[nodiscard]] Sparse shifted(double shift) const {
     // One triangle decides, so that the factored matrix is exactly symmetric.
     Sparse result;
@@ -133,8 +134,8 @@ class Scaled {
   }
   /// k for products, in blocks where K has them.
   [[nodiscard]] MassScaledProduct product() const { return {part_.K, mass}; }
-  /// An upper bound of |kappa| [1/s^2]: max_j sum_i |k_ij| where M is diagonal, else that with diag(M) over the least
-  /// eigenvalue of diag(M)^-1 M.
+  /// An upper bound of |kappa| [1/s^2]: max_j sum_i |k_ij| where M is diagonal, else that with diag(M) over
+  /// the least eigenvalue of diag(M)^-1 M.
   [[nodiscard]] double gershgorin() const {
     const VectorXd inverse_root = mass.diagonal().cwiseSqrt().cwiseInverse();
     double largest = 0;
@@ -206,9 +207,9 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   return result;
 }
 
-/// The largest by products alone, of an M that couples by Davidson's method; where these do not converge, by a factor
-/// of k - (1 + 1e-8) bound I, which is negative definite by Gershgorin's theorem. Beyond most_factored unknowns no such
-/// factor is tried. The smallest always by a factor of k + 1e-8 bound I.
+/// The largest by products alone, of an M that couples by Davidson's method; where these do not converge, by
+/// a factor of k - (1 + 1e-8) bound I, which is negative definite by Gershgorin's theorem. Beyond
+/// most_factored unknowns no such factor is tried. The smallest always by a factor of k + 1e-8 bound I.
 ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool largest, bool with_shapes) {
   const double bound = scaled.gershgorin();
   const Index n = scaled.size();
@@ -238,9 +239,8 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
     if (with_shapes) result.shapes = scaled.mass.root_solve(pair.vector);
   } else {
     const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
-    result = {.kappa = pairs.values,
-              .shapes = scaled.mass.root_solve(pairs.vectors),
-              .converged = pairs.converged};
+    result = {
+        .kappa = pairs.values, .shapes = scaled.mass.root_solve(pairs.vectors), .converged = pairs.converged};
   }
   return result.converged || n > most_factored ? result
                                                : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
@@ -298,7 +298,9 @@ LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index restarts) 
 
 #else
 
-LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index /*restarts*/) { return dense_largest(MatrixXd(J), count); }
+LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index /*restarts*/) {
+  return dense_largest(MatrixXd(J), count);
+}
 
 #endif
 
@@ -326,7 +328,8 @@ bool has_krylov() {
 // A matrix without entries has no Krylov space: it goes to the dense method too.
 LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to, Index restarts) {
   const bool by_dense = goes_dense(J.rows(), count, dense_to) || J.nonZeros() == 0;
-  LargestEigenvalues result = by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count, restarts);
+  LargestEigenvalues result =
+      by_dense ? dense_largest(MatrixXd(J), count) : krylov_largest(J, count, restarts);
   trim(result, count);
   return result;
 }

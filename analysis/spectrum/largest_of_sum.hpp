@@ -7,8 +7,8 @@
 
 namespace hmax {
 
-/// The largest eigenvalue of a c + b k, c and k the damping and the stiffness in coordinates where the mass is one, and
-/// what damps and stiffens its vector x, |x| = 1: gamma = x^T c x [1/s], kappa = x^T k x [1/s^2].
+/// The largest eigenvalue of a c + b k, c and k the damping and the stiffness in coordinates where the mass
+/// is one, and what damps and stiffens its vector x, |x| = 1: gamma = x^T c x [1/s], kappa = x^T k x [1/s^2].
 struct LargestOfSum {
   double value = 0, residual = 0;
   double gamma = 0, kappa = 0;

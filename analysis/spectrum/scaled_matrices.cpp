@@ -14,7 +14,8 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 /// Scaled by diagonal masses; one that couples is left to each product.
 SymmetricProduct product_of(const AnyMatrix& A, const MassMatrix<double>& M) {
-  const VectorXd scale = M.is_diagonal() ? VectorXd(M.diagonal().cwiseSqrt().cwiseInverse()) : VectorXd::Ones(M.size());
+  const VectorXd scale =
+      M.is_diagonal() ? VectorXd(M.diagonal().cwiseSqrt().cwiseInverse()) : VectorXd::Ones(M.size());
   if (is_sparse(A)) return {std::get<Sparse>(A), scale};
   return {Sparse(std::get<Eigen::MatrixXd>(A).sparseView()), scale};
 }
@@ -33,7 +34,8 @@ LargestEigenpair largest(const MassScaledProduct& A, const MassMatrix<double>& M
 
 }  // namespace
 
-MassScaledProduct::MassScaledProduct(const AnyMatrix& A, const MassMatrix<double>& M) : M_(M), A_(product_of(A, M)) {}
+MassScaledProduct::MassScaledProduct(const AnyMatrix& A, const MassMatrix<double>& M)
+    : M_(M), A_(product_of(A, M)) {}
 
 void MassScaledProduct::apply(const double* x, double* y) const {
   if (M_.is_diagonal()) return A_.apply(x, y);

@@ -9,7 +9,8 @@
 
 namespace hmax {
 
-/// R^-T A R^-1 of a symmetric A with M = R^T R, for products with many vectors: of lumped masses M^-1/2 A M^-1/2.
+/// R^-T A R^-1 of a symmetric A with M = R^T R, for products with many vectors: of lumped masses M^-1/2 A
+/// M^-1/2.
 class MassScaledProduct {
  public:
   /// @param A  shape (n, n); a dense matrix is stored as a sparse one without its zeros

@@ -50,8 +50,8 @@ void require_convergence(Eigen::ComputationInfo info) {
         "of similar size");
 }
 
-/// A mechanical part as dense matrices of one unit: k = R^-T K R^-1 [1/s^2], c = R^-T C R^-1 [1/s], M = R^T R.
-/// Similar to M^-1 K and M^-1 C, and symmetric where K and C are.
+/// A mechanical part as dense matrices of one unit: k = R^-T K R^-1 [1/s^2], c = R^-T C R^-1 [1/s], M = R^T
+/// R. Similar to M^-1 K and M^-1 C, and symmetric where K and C are.
 struct MassScaled {
   MatrixXd k, c;  ///< shape (n, n) each
 
@@ -175,8 +175,8 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
     const Index from = order[static_cast<std::size_t>(i)];
     result.lambda.push_back(values[from]);
     scaled.col(i) = vectors.col(from).normalized();
-    // (x, conj x) = sqrt(2) (Re x, Im x) U with a unitary U, which changes no singular value. Eigen's vectors of a pair
-    // that is real to rounding are two real ones.
+    // (x, conj x) = sqrt(2) (Re x, Im x) U with a unitary U, which changes no singular value. Eigen's vectors
+    // of a pair that is real to rounding are two real ones.
     const Eigen::VectorXcd x = scaled.col(i);
     if (x.imag().isZero(0))
       real.col(i) = x.real();
@@ -358,7 +358,8 @@ Eigenvectors eigenvectors_of(const LinearModel& model) {
   const Companion companion(*model.mechanical);
   const MassMatrix<double>& M = model.mechanical->mass;
   const Index n = M.size();
-  const MatrixXd same = MatrixXd::Identity(n, n), root = M.root_times(same), inverse_root = M.root_solve(same);
+  const MatrixXd same = MatrixXd::Identity(n, n), root = M.root_times(same),
+                 inverse_root = M.root_solve(same);
   MatrixXd to = MatrixXd::Zero(2 * n, 2 * n), back = to;
   to.topLeftCorner(n, n) = companion.s * root;
   to.bottomRightCorner(n, n) = root;

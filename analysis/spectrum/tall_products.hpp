@@ -14,13 +14,15 @@ namespace hmax {
 Eigen::VectorXd transposed_times(const Eigen::MatrixXd& V, Eigen::Index columns, const Eigen::VectorXd& x);
 Eigen::VectorXd times(const Eigen::MatrixXd& V, Eigen::Index columns, const Eigen::VectorXd& s);
 
-/// Makes t, shape (n), orthogonal to a space and of length 1 in the product of M: Gram and Schmidt, again where so little is
-/// left that rounding shows. False where nothing but rounding is left, or t is zero or not finite.
+/// Makes t, shape (n), orthogonal to a space and of length 1 in the product of M: Gram and Schmidt, again
+/// where so little is left that rounding shows. False where nothing but rounding is left, or t is zero or not
+/// finite.
 /// @param image   becomes M t, shape (n)
 /// @param times_M (t, image): image = M t
 /// @param remove  takes from t its part in the space
 template <class TimesM, class Remove>
-bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_M, const Remove& remove) {
+bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_M,
+                      const Remove& remove) {
   double left = 1;  // of it, in the norm of M
   for (int time = 0;; ++time) {
     times_M(t, image);

@@ -51,8 +51,8 @@ std::vector<double> shares_of_edge(const MechanicalMode& from, const MechanicalM
 
 bool oscillates(const MechanicalMode& mode) { return mode.gamma * mode.gamma < 4 * mode.kappa; }
 
-/// The largest eigenvalue of a c + b k with its residual, of units in which c and k are one at most. Shifted by one: near
-/// the origin lie many modes, which are not told apart.
+/// The largest eigenvalue of a c + b k with its residual, of units in which c and k are one at most. Shifted
+/// by one: near the origin lie many modes, which are not told apart.
 double largest_of(const ScaledMatrices& scaled, double a, double b) {
   VectorXd damped(scaled.size());
   const auto sum = [&](const VectorXd& x, VectorXd& y) {
@@ -94,7 +94,8 @@ void DampingRange::cut(double a, double b, double c) {
 
 RangeTangents::RangeTangents(std::shared_ptr<const ScaledMatrices> matrices, double gamma_max,
                              double kappa_max)
-    : offset_of_([matrices = std::move(matrices)](double a, double b) { return largest_of(*matrices, a, b); }),
+    : offset_of_(
+          [matrices = std::move(matrices)](double a, double b) { return largest_of(*matrices, a, b); }),
       gamma_(gamma_max),
       kappa_(kappa_max),
       tangents_(angles.size()) {}

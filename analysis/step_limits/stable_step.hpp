@@ -22,8 +22,9 @@ struct StepLimit {
 /// Re lambda of an eigenvalue that was computed in double is zero when it is less than this of |lambda|.
 inline constexpr double eigenvalue_rounding = 1e-13;
 
-/// The modes of a spectrum that grow in the model itself: Re lambda is beyond eigenvalue_rounding of |lambda| and beyond
-/// 4 (n + 1) epsilon of the largest |lambda| of n, which is the rounding that a stiff mode leaves in all others.
+/// The modes of a spectrum that grow in the model itself: Re lambda is beyond eigenvalue_rounding of |lambda|
+/// and beyond 4 (n + 1) epsilon of the largest |lambda| of n, which is the rounding that a stiff mode leaves
+/// in all others.
 std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum);
 
 /// The first exit of every mode from the origin, h' in (0, h]: what lies behind a gap is of no use to anybody

@@ -52,8 +52,9 @@ StepGrowth linear_growth(const StepMap& map, const VectorXd& start, const StepMa
   int power = settings.power;
   DominantEigenvalue found = dominant_of_power(map, start, power, settings.most_products, settings);
   const auto threshold = [&] { return std::exp(power * settings.weak_growth); };
-  // Slow growth beside motions that neither grow nor decay: the Ritz values of a short iteration lie within those, and
-  // tell nothing of it. A motion that has gone for thousands of steps consists mostly of what grows.
+  // Slow growth beside motions that neither grow nor decay: the Ritz values of a short iteration lie within
+  // those, and tell nothing of it. A motion that has gone for thousands of steps consists mostly of what
+  // grows.
   if (std::isfinite(std::abs(found.value)) && !found.converged && !found.exceeds(threshold()) &&
       !found.stays_below(threshold()) && settings.long_power > power) {
     power = settings.long_power;
@@ -116,8 +117,8 @@ StepGrowth growth_of_steps(const StepMap& map, const VectorXd& start, const Step
 }
 
 StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const StepMapSettings& settings) {
-  // Every step size begins with a part of every motion: from the motion of the one before an iteration may converge to a
-  // mode that does not grow, and miss one that does.
+  // Every step size begins with a part of every motion: from the motion of the one before an iteration may
+  // converge to a mode that does not grow, and miss one that does.
   const VectorXd start = start_vector(n);
   VectorXd motion = start;
   bool resolved = true;
@@ -147,14 +148,15 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
   double farther = 0, of_farther = 0, root = 0;
   for (int tries = 0; tries < 40 && high - low > settings.resolution * high; ++tries) {
     double next = (low + high) / 2;
-    const bool has_line = farther > high && std::isfinite(of_farther) && of_farther > above && high < 1.1 * low;
+    const bool has_line =
+        farther > high && std::isfinite(of_farther) && of_farther > above && high < 1.1 * low;
     if (has_line) {
-      const double crossing =
-          high - (above - settings.weak_growth) * (farther - high) / (of_farther - above);
+      const double crossing = high - (above - settings.weak_growth) * (farther - high) / (of_farther - above);
       // Where lines agree the corner is known better than any step beside it would show.
       if (crossing > low && std::abs(crossing - root) < settings.resolution * high) break;
       root = crossing;
-      next = std::clamp(crossing + 0.2 * (high - crossing), low + 0.05 * (high - low), high - 0.05 * (high - low));
+      next = std::clamp(crossing + 0.2 * (high - crossing), low + 0.05 * (high - low),
+                        high - 0.05 * (high - low));
     }
     const StepGrowth growth = growth_at(next);
     if (!growth.grows) {
@@ -167,9 +169,8 @@ StepMapLimit first_growing_step(const StepMapAt& map_at, Eigen::Index n, const S
     above = growth.rate;
     critical = motion;
   }
-  return {.h_max = root > low && root < high ? root : (low + high) / 2,
-          .motion = critical,
-          .resolved = resolved};
+  return {
+      .h_max = root > low && root < high ? root : (low + high) / 2, .motion = critical, .resolved = resolved};
 }
 
 }  // namespace hmax

@@ -24,11 +24,21 @@ std::string Candidate::words() const {
 }
 
 std::vector<std::string> simulator_methods() {
-  return {"explicit_euler",   "rk2_heun",      "rk4",
-          "symplectic_euler", "explicit_newmark", "central_difference",
-          "adams_bashforth_2", "rkc_2",        "linearly_implicit_euler",
-          "implicit_euler",   "trapezoidal",   "newmark",
-          "hht_alpha",        "sdirk_4",       "imex_euler"};
+  return {"explicit_euler",
+          "rk2_heun",
+          "rk4",
+          "symplectic_euler",
+          "explicit_newmark",
+          "central_difference",
+          "adams_bashforth_2",
+          "rkc_2",
+          "linearly_implicit_euler",
+          "implicit_euler",
+          "trapezoidal",
+          "newmark",
+          "hht_alpha",
+          "sdirk_4",
+          "imex_euler"};
 }
 
 std::vector<Candidate> candidates(const std::vector<Method>& methods, const Problem& problem) {

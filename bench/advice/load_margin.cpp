@@ -33,8 +33,9 @@ double displacement_of(const Candidate& candidate, double h, const ProbingMotion
 /// A tool that went further and faster would touch for another time and elsewhere.
 bool can_be_larger(const TissueSettings& settings) {
   return settings.tools.empty() &&
-         (!settings.forces.empty() ||
-          std::ranges::any_of(settings.supports, [](const Support& support) { return !support.travel.isZero(); }));
+         (!settings.forces.empty() || std::ranges::any_of(settings.supports, [](const Support& support) {
+           return !support.travel.isZero();
+         }));
 }
 
 }  // namespace
@@ -54,8 +55,8 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
   return larger;
 }
 
-LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
-                       const ProblemWith& make, const Watcher& watcher) {
+LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
+                       const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher) {
   LoadMargin margin;
   if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
   if ((margin.inversion = first_inversion(motion, reference))) {

@@ -24,15 +24,17 @@ struct LoadMargin {
   std::optional<Inversion> inversion = {};  ///< at `fails`: no step helps where the loads invert an element
 };
 
-/// The motion with its forces, and the travels of its supports, times a factor; gravity and tools as they are. Of what is
-/// no body the amplitude P of its force, where it has one and `make` is given, and its initial state.
+/// The motion with its forces, and the travels of its supports, times a factor; gravity and tools as they
+/// are. Of what is no body the amplitude P of its force, where it has one and `make` is given, and its
+/// initial state.
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make);
 
 /// Motions of 2, 4 and 8 times the loads, until one fails or inverts an element, then two between; none is
 /// begun after 10 s of CPU time, and `fails` is NaN where that ends the search before one has failed. All is
 /// NaN of bodies that a tool touches or that nothing but gravity loads.
 /// @param h  [s]
-LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion, const ReferenceMotion& reference,
-                       const ProblemWith& make, const Watcher& watcher = {});
+LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
+                       const ReferenceMotion& reference, const ProblemWith& make,
+                       const Watcher& watcher = {});
 
 }  // namespace hmax

@@ -69,9 +69,9 @@ void come_and_go(std::vector<PressingForce>& forces) {
   forces = std::move(both);
 }
 
-/// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of the degrees of
-/// freedom, have fewer iterations, and none is begun with a load under which they are likely to fail: a smaller one
-/// serves as well.
+/// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of
+/// the degrees of freedom, have fewer iterations, and none is begun with a load under which they are likely
+/// to fail: a smaller one serves as well.
 bool is_large(const TissueBody& body) { return body.dofs() > 5000; }
 
 StaticSettings settings_for(const TissueBody& body, double tolerance) {
@@ -82,8 +82,8 @@ StaticSettings settings_for(const TissueBody& body, double tolerance) {
   return settings;
 }
 
-/// The first of 1, 1/2, ..., 1/64 that is tried: of a large body one that would move it by at most 2 % of its size, if its
-/// stiffness stayed that at rest.
+/// The first of 1, 1/2, ..., 1/64 that is tried: of a large body one that would move it by at most 2 % of its
+/// size, if its stiffness stayed that at rest.
 double first_share(const Problem& problem) {
   const TissueBody& body = *problem.body;
   if (!is_large(body)) return 1;
@@ -116,12 +116,14 @@ std::optional<double> share_with_equilibrium(const Problem& problem, const Watch
 /// The share of its forces that a body is probed with, and what is said of it.
 std::pair<double, std::string> probing_share(const Problem& problem, const Watcher& watcher) {
   if (const auto share = share_with_equilibrium(problem, watcher))
-    return {*share, *share == 1 ? "the load"
-                                : fmt::format("{:.3g} of the load, {}", *share, words_of_share(*problem.body))};
+    return {*share, *share == 1
+                        ? "the load"
+                        : fmt::format("{:.3g} of the load, {}", *share, words_of_share(*problem.body))};
   const double share = force_for_2_percent(problem, Eigen::VectorXd::Zero(problem.body->dofs()));
-  return {share, fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
-                             "equilibrium",
-                             share)};
+  return {share,
+          fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
+                      "equilibrium",
+                      share)};
 }
 
 ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
@@ -148,8 +150,8 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const double t_end = rise + hold + rise + after;
   return {.problem = with_settings(resting.problem, std::move(settings)),
           .t_end = t_end,
-          .words = fmt::format("{}; it rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s", words, rise,
-                               hold, rise),
+          .words = fmt::format("{}; it rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s",
+                               words, rise, hold, rise),
           .load_share = share,
           .gravity_share = resting.share};
 }
@@ -159,11 +161,13 @@ std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion,
                                                     const std::vector<double>& at, const Watcher& watcher) {
   std::vector<Eigen::VectorXd> states;
   const RunSpec spec{.t_end = motion.t_end, .h = h, .max_steps = 100'000'000};
-  const RunRecord record = find_method(method).bind(motion.problem).run(
-      spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        if (watcher) watcher();
-        if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
-      });
+  const RunRecord record = find_method(method)
+                               .bind(motion.problem)
+                               .run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                 if (watcher) watcher();
+                                 if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h)
+                                   states.emplace_back(y);
+                               });
   if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
   return states;
 }
@@ -187,8 +191,9 @@ struct ReferenceMethod {
   double h;
 };
 
-/// Newmark from a step that simulators take; rk4 from half of its limit where that costs less. A step of newmark takes
-/// as long as hundreds of evaluations of the force of a body, and needs some dozen times shorter steps than this.
+/// Newmark from a step that simulators take; rk4 from half of its limit where that costs less. A step of
+/// newmark takes as long as hundreds of evaluations of the force of a body, and needs some dozen times
+/// shorter steps than this.
 ReferenceMethod reference_method(double frame, double rk4_limit) {
   constexpr double longest = 0.01, most_explicit_steps = 200;
   const auto part_of_frame = [&](double most) { return frame / std::ceil(frame / most); };
@@ -253,19 +258,20 @@ RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher
   for (double share = first_share(with_settings(problem, alone)); share >= 1.0 / 64; share /= 2) {
     if (watcher) watcher();
     weighted.gravity = alone.gravity = share * settings.gravity;
-    const StaticSolution resting =
-        found_equilibrium(with_settings(problem, alone), 1, settings_for(*problem.body, 1e-10),
-                          [] { return 0.0; });
+    const StaticSolution resting = found_equilibrium(with_settings(problem, alone), 1,
+                                                     settings_for(*problem.body, 1e-10), [] { return 0.0; });
     if (!resting.converged) continue;
-    RestingBody found{share == 1 ? problem : with_settings(problem, std::move(weighted)),
-                      share == 1 ? " beside gravity"
-                                 : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body)),
-                      share};
+    RestingBody found{
+        share == 1 ? problem : with_settings(problem, std::move(weighted)),
+        share == 1 ? " beside gravity"
+                   : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body)),
+        share};
     found.problem.y0.head(resting.q.size()) = resting.q;
     return found;
   }
   weighted.gravity.setZero();
-  return {with_settings(problem, std::move(weighted)), " without gravity, under which there is no equilibrium", 0};
+  return {with_settings(problem, std::move(weighted)),
+          " without gravity, under which there is no equilibrium", 0};
 }
 
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
@@ -288,8 +294,8 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
   press.force = across;
   press.profile = {};
   settings.forces = {press};
-  const double force = 0.5 * force_for_2_percent(with_settings(motion.problem, settings),
-                                                 motion.problem.y0.head(body.dofs()));
+  const double force =
+      0.5 * force_for_2_percent(with_settings(motion.problem, settings), motion.problem.y0.head(body.dofs()));
   const double omega = slowest > 0 ? slowest / 4 : 1;
   settings.forces.front().force *= force;
   settings.forces.front().profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
@@ -308,7 +314,8 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
   ReferenceMotion reference;
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
   if (motion.problem.body)
-    return halved_until_steady(motion, reference_method(frame, rk4_limit), tolerance, std::move(reference), watcher);
+    return halved_until_steady(motion, reference_method(frame, rk4_limit), tolerance, std::move(reference),
+                               watcher);
   const Reference exact = make_reference(motion.problem, motion.t_end);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
   for (const double t : reference.t) {
@@ -319,7 +326,8 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
   // What rounding alone moves is no motion: errors relative to it are around one at every step.
   if (!(reference.scale > 1e-10 * motion.problem.y0.cwiseAbs().maxCoeff()))
     throw InputError(fmt::format(
-        "{} stays at its initial state, and steps are judged by a motion; give another start with --y0", motion.problem.id));
+        "{} stays at its initial state, and steps are judged by a motion; give another start with --y0",
+        motion.problem.id));
   reference.error_bound = exact.error_bound / reference.scale;
   return reference;
 }

@@ -16,8 +16,8 @@ namespace hmax {
 
 namespace {
 
-/// Those that came nearest: what fails for all of these fails for the others. Last are those with steps so short that
-/// they were not run.
+/// Those that came nearest: what fails for all of these fails for the others. Last are those with steps so
+/// short that they were not run.
 std::vector<Method> nearest_methods(const Advice& failed, double tolerance) {
   constexpr std::size_t most = 4;
   std::vector<const AdviceRow*> rows;
@@ -30,7 +30,8 @@ std::vector<Method> nearest_methods(const Advice& failed, double tolerance) {
   });
   std::vector<Method> methods;
   for (const AdviceRow* row : rows)
-    if (methods.size() < most && std::ranges::find(methods, row->candidate.method.id, &Method::id) == methods.end())
+    if (methods.size() < most &&
+        std::ranges::find(methods, row->candidate.method.id, &Method::id) == methods.end())
       methods.push_back(row->candidate.method);
   return methods;
 }
@@ -103,14 +104,16 @@ void try_budget(Trials& trials, const Problem& problem, const AdviceQuestion& qu
   if (question.frame_budget() >= question.frame()) return;
   AdviceQuestion whole_frame = trials.question();
   whole_frame.budget.reset();
-  trials.helps({.change = "budget_ms", .from = 1e3 * question.frame_budget()}, whole_frame, [&] { return problem; });
+  trials.helps({.change = "budget_ms", .from = 1e3 * question.frame_budget()}, whole_frame,
+               [&] { return problem; });
 }
 
 void try_rates(Trials& trials, const Problem& problem, const AdviceQuestion& question) {
   for (const double divisor : {2.0, 5.0, 10.0, 20.0, 50.0}) {
     AdviceQuestion slower = trials.question();
     slower.rate = question.rate / divisor;
-    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower, [&] { return problem; }))
+    if (trials.helps({.change = "rate", .from = question.rate, .to = slower.rate}, slower,
+                     [&] { return problem; }))
       break;
   }
 }
@@ -131,7 +134,8 @@ std::string words_of_moves(const TetMesh& before, const TetMesh& after) {
                      1e3 * moves.maxCoeff());
 }
 
-/// The element that owns the limit, and ever more of those after it as long as undamped steps at rest gain a tenth.
+/// The element that owns the limit, and ever more of those after it as long as undamped steps at rest gain a
+/// tenth.
 void try_mended(Trials& trials, const Problem& problem, const std::function<Problem(int)>& make) {
   if (!trials.go_on()) return;
   double kappa = fastest_mode_of(*problem.body, false).kappa;
@@ -155,17 +159,20 @@ void try_coarser(Trials& trials, const Problem& problem, const std::function<Pro
   if (!trials.go_on()) return;
   const auto coarser = made(make);
   if (!coarser) return;
-  const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().tetrahedron_count()); };
+  const auto count = [](const Problem& of) {
+    return static_cast<double>(of.body->mesh().tetrahedron_count());
+  };
   trials.helps({.change = "tetrahedra", .from = count(problem), .to = count(*coarser)}, trials.question(),
                [&] { return *coarser; });
 }
 
-/// The step [s] with which the fastest row that is too slow for stability alone would be in time; infinity without one.
+/// The step [s] with which the fastest row that is too slow for stability alone would be in time; infinity
+/// without one.
 double step_in_time(const Advice& failed, const AdviceQuestion& question) {
   const AdviceRow* fastest = nullptr;
   for (const AdviceRow& row : failed.rows)
-    if (row.verdict == AdviceVerdict::too_slow && std::isfinite(row.h_max) && row.error <= question.tolerance &&
-        (!fastest || row.frame.p50 < fastest->frame.p50))
+    if (row.verdict == AdviceVerdict::too_slow && std::isfinite(row.h_max) &&
+        row.error <= question.tolerance && (!fastest || row.frame.p50 < fastest->frame.p50))
       fastest = &row;
   constexpr double spare = 1.1;  // of the time of a frame
   return fastest ? spare * fastest->h * fastest->frame.p50 / question.frame_budget()
@@ -216,7 +223,9 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
     for (const double factor : scaling.factors) {
       const double to = factor * parameter->second;
       if (trials.helps({.change = parameter->first, .from = parameter->second, .to = to}, trials.question(),
-                       [&] { return make({{parameter->first, to}}); }))
+                       [&] {
+                         return make({{parameter->first, to}});
+                       }))
         break;
     }
   }
@@ -224,8 +233,8 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
 
 }  // namespace
 
-void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed, const Remaking& make,
-                   const AdviceWatcher& watcher) {
+void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed,
+                   const Remaking& make, const AdviceWatcher& watcher) {
   failed.remedies.clear();
   failed.all_tried = true;
   failed.stage = AdviceStage::remedies;

@@ -26,11 +26,13 @@ const std::array<Quantity, 3>& quantities() {
   return all;
 }
 
-/// Parameters of the problem that belong to a quantity, those of single regions too, times a factor. A density does not
-/// act where the mass of the body is given.
-std::vector<std::pair<std::string, double>> scaled(const Problem& problem, const Quantity& quantity, double factor) {
-  const bool has_mass = std::ranges::any_of(
-      problem.parameters, [](const auto& parameter) { return parameter.first == "mass" && parameter.second != 0; });
+/// Parameters of the problem that belong to a quantity, those of single regions too, times a factor. A
+/// density does not act where the mass of the body is given.
+std::vector<std::pair<std::string, double>> scaled(const Problem& problem, const Quantity& quantity,
+                                                   double factor) {
+  const bool has_mass = std::ranges::any_of(problem.parameters, [](const auto& parameter) {
+    return parameter.first == "mass" && parameter.second != 0;
+  });
   std::vector<std::pair<std::string, double>> values;
   for (const auto& [name, value] : problem.parameters) {
     const std::string_view stem = std::string_view(name).substr(0, name.find(':'));
@@ -56,13 +58,15 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
     try {
       if (!unchanged) unchanged = predict(method, linearised(problem, 0, y)).h_max.value_or(std::nan(""));
       if (!(*unchanged > 0 && std::isfinite(*unchanged))) return bands;
-      const double low = limit_of(quantity, 1 - quantity.spread), high = limit_of(quantity, 1 + quantity.spread);
+      const double low = limit_of(quantity, 1 - quantity.spread),
+                   high = limit_of(quantity, 1 + quantity.spread);
       if (!(low > 0 && high > 0 && std::isfinite(low) && std::isfinite(high))) continue;
-      bands.push_back({.quantity = quantity.name,
-                       .spread = quantity.spread,
-                       .low = std::min(low, high) / *unchanged,
-                       .high = std::max(low, high) / *unchanged,
-                       .exponent = std::log(high / low) / std::log((1 + quantity.spread) / (1 - quantity.spread))});
+      bands.push_back(
+          {.quantity = quantity.name,
+           .spread = quantity.spread,
+           .low = std::min(low, high) / *unchanged,
+           .high = std::max(low, high) / *unchanged,
+           .exponent = std::log(high / low) / std::log((1 + quantity.spread) / (1 - quantity.spread))});
     } catch (const InputError&) {
       continue;  // no such model
     }

@@ -23,13 +23,13 @@ struct UserMotion {
   double t_end = 0;                                          ///< [s]
 };
 
-/// Reads CSV with a column t [s] from 0 on and the columns fx, fy, fz [N] or x, y, z [m]. Between its lines the motion
-/// is smooth and does not overshoot.
+/// Reads CSV with a column t [s] from 0 on and the columns fx, fy, fz [N] or x, y, z [m]. Between its lines
+/// the motion is smooth and does not overshoot.
 /// @throws InputError  naming the file and what it lacks
 UserMotion read_user_motion(const std::filesystem::path& file);
 
-/// The motion of a body that rests under gravity, or the most of it that has an equilibrium, on which the user's
-/// forces act in place of its load, or whose points move as the user says.
+/// The motion of a body that rests under gravity, or the most of it that has an equilibrium, on which the
+/// user's forces act in place of its load, or whose points move as the user says.
 /// @throws InputError  for what is no body, and for displacements of no point
 ProbingMotion probing_motion(const Problem& problem, const UserMotion& motion, const Watcher& watcher = {});
 

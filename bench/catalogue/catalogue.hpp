@@ -41,8 +41,10 @@ std::vector<std::string> method_families();
 std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts);
 
 /// The methods of a list of names. A name is an id or alias as of find_method, a family
-/// ("explicit_runge_kutta") or "all"; of the last two those are taken that suit all `problems`. Each is taken once.
-/// @throws InputError for unknown names, and where nothing is left of families (chosen_methods.hpp says what is left out)
+/// ("explicit_runge_kutta") or "all"; of the last two those are taken that suit all `problems`. Each is taken
+/// once.
+/// @throws InputError for unknown names, and where nothing is left of families (chosen_methods.hpp says what
+/// is left out)
 std::vector<Method> choose_methods(const std::vector<std::string>& names,
                                    const std::vector<Problem>& problems);
 

@@ -45,12 +45,12 @@ struct StructurePieces {
 
 /// M q'' + (C + alpha M + beta K) q' + K q = 0 with matrices in files, or in pieces.
 struct DistributedStructure {
-  std::string stiffness, mass, damping;  ///< files; damping may be empty
+  std::string stiffness, mass, damping;   ///< files; damping may be empty
   std::optional<StructurePieces> pieces;  ///< in the place of files
-  bool lumped = false;                   ///< masses are the sums of the rows of M
-  double alpha = 0, beta = 0;            ///< [1/s], [s]
-  /// Reads a file that the library behind the engine cannot: called by rank 0 alone, which then deals out the rows.
-  /// A column of masses is a diagonal matrix.
+  bool lumped = false;                    ///< masses are the sums of the rows of M
+  double alpha = 0, beta = 0;             ///< [1/s], [s]
+  /// Reads a file that the library behind the engine cannot: called by rank 0 alone, which then deals out the
+  /// rows. A column of masses is a diagonal matrix.
   /// @throws std::exception  one sentence
   std::function<MatrixRows(const std::string& file, bool is_mass)> read;
 };
@@ -58,14 +58,15 @@ struct DistributedStructure {
 /// The ends of the spectrum of K u = kappa M u, and the damping that goes with it.
 struct StructureEnds {
   std::int64_t unknowns = 0;
-  std::int64_t entries = 0;   ///< of K
-  bool coupled_mass = false;  ///< M is not diagonal
+  std::int64_t entries = 0;     ///< of K
+  bool coupled_mass = false;    ///< M is not diagonal
   bool look_exchanged = false;  ///< K has the entries of a mass, and M those of a stiffness
-  double alpha = 0, beta = 0;  ///< with those of the damping matrix [1/s], [s]
-  double kappa_max = 0;        ///< [1/s^2]
-  double residual = 0;         ///< of kappa_max, relative
-  int iterations = 0;          ///< restarts of the iteration that found it
-  /// C couples the modes: it is no sum of M and K, and alpha and beta are 0, those of the options are added to it.
+  double alpha = 0, beta = 0;   ///< with those of the damping matrix [1/s], [s]
+  double kappa_max = 0;         ///< [1/s^2]
+  double residual = 0;          ///< of kappa_max, relative
+  int iterations = 0;           ///< restarts of the iteration that found it
+  /// C couples the modes: it is no sum of M and K, and alpha and beta are 0, those of the options are added
+  /// to it.
   bool general_damping = false;
   double gamma_max = 0;  ///< then no less than the largest eigenvalue of C u = gamma M u [1/s]
   /// Of a K that has one, a negative Rayleigh quotient near the least kappa [1/s^2].
@@ -73,7 +74,8 @@ struct StructureEnds {
   std::string solver;  ///< what found kappa_max
 };
 
-/// The largest eigenvalue of (a C + b K) u = theta M u, and what its vector is damped and stiffened by, u^T M u = 1.
+/// The largest eigenvalue of (a C + b K) u = theta M u, and what its vector is damped and stiffened by, u^T M
+/// u = 1.
 struct SumEnd {
   double value = 0, residual = 0;  ///< the latter in the norm of M^-1: an eigenvalue is as near as that
   double gamma = 0, kappa = 0;     ///< u^T C u [1/s], u^T K u [1/s^2]
@@ -83,9 +85,10 @@ struct SumEnd {
 /// What a process is about to do in a run that all of them share; the least of what all say is what all do.
 enum class Going { interrupted, ended, on };
 
-/// A structure whose rows are dealt out in blocks: every process holds its rows of all vectors, shape (rows). Where M is
-/// diagonal the unknowns are u = M^1/2 q, so that M is I and K is M^-1/2 K M^-1/2. All functions but rows(), ends(),
-/// fastest_shape() and noise() are called by all processes together, with the same vectors.
+/// A structure whose rows are dealt out in blocks: every process holds its rows of all vectors, shape (rows).
+/// Where M is diagonal the unknowns are u = M^1/2 q, so that M is I and K is M^-1/2 K M^-1/2. All functions
+/// but rows(), ends(), fastest_shape() and noise() are called by all processes together, with the same
+/// vectors.
 /// @throws std::exception  where the library behind it fails
 class DistributedModel {
  public:
@@ -98,8 +101,8 @@ class DistributedModel {
   [[nodiscard]] virtual const StructureEnds& ends() const = 0;
   /// Of this process.
   [[nodiscard]] virtual std::size_t rows() const = 0;
-  /// u of kappa_max, u^T M u = 1, and pseudo-random numbers from -1/2 to 1/2 that do not depend on the number of
-  /// processes: the rows of this process.
+  /// u of kappa_max, u^T M u = 1, and pseudo-random numbers from -1/2 to 1/2 that do not depend on the number
+  /// of processes: the rows of this process.
   [[nodiscard]] virtual std::span<const double> fastest_shape() const = 0;
   [[nodiscard]] virtual std::span<const double> noise() const = 0;
   /// out = K x, M x and M^-1 K x.
@@ -110,8 +113,8 @@ class DistributedModel {
   virtual std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) = 0;
   /// Where damping is general: to `tolerance` of |a| gamma_max + |b| kappa_max.
   virtual SumEnd largest_of_sum(double a, double b, double tolerance) = 0;
-  /// Where damping is general: up to `most` eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest modulus,
-  /// conjugates side by side and counted as one, the largest first [1/s].
+  /// Where damping is general: up to `most` eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest
+  /// modulus, conjugates side by side and counted as one, the largest first [1/s].
   virtual std::vector<std::complex<double>> largest_damped(std::size_t most) = 0;
   /// Each number becomes its sum over all processes, the same on all of them.
   virtual void add_up(std::span<double> numbers) = 0;
@@ -121,8 +124,8 @@ class DistributedModel {
   virtual Going together(Going going) = 0;
 };
 
-/// Processes that share matrices. While it lives only rank 0 prints: the standard streams of all others go to the
-/// null device.
+/// Processes that share matrices. While it lives only rank 0 prints: the standard streams of all others go to
+/// the null device.
 class DistributedEngine {
  public:
   DistributedEngine() = default;

@@ -133,8 +133,8 @@ class DistributedSystem {
   double fastest_;
 };
 
-/// Runs of the rows of this process. One that ends early here ends everywhere, and the other way round: each run has
-/// one last word with all others.
+/// Runs of the rows of this process. One that ends early here ends everywhere, and the other way round: each
+/// run has one last word with all others.
 ShowSteps steps_of(const Method& method, const ModeStart& start, Shared shared, double fastest) {
   Problem problem;
   problem.id = "rows";
@@ -170,7 +170,8 @@ std::array<double, count> summed(DistributedModel& model, std::array<double, cou
   return of_rows;
 }
 
-VectorXd product(DistributedModel& model, void (DistributedModel::*times)(const double*, double*), const VectorXd& x) {
+VectorXd product(DistributedModel& model, void (DistributedModel::*times)(const double*, double*),
+                 const VectorXd& x) {
   VectorXd out(x.size());
   (model.*times)(x.data(), out.data());
   return out;
@@ -225,7 +226,8 @@ std::string why_not_stepped(const Method& method) {
   if (!method.bind) return fmt::format("{} is a formula that nothing in hmax steps with", method.id);
   if (!method.fixed_step) return fmt::format("{} takes no steps of a fixed size", method.id);
   if (method.is_foreign())
-    return fmt::format("{} is of {}, which knows nothing of rows on other processes", method.id, method.engine);
+    return fmt::format("{} is of {}, which knows nothing of rows on other processes", method.id,
+                       method.engine);
   if (method.needs_split)
     return fmt::format("{} takes a part of the model that is declared to be stiff", method.id);
   return {};
@@ -242,7 +244,8 @@ void verify(Prediction& row, const Method& method, const Linearised& near, Distr
     row.note = fmt::format("not verified: {}; leave out --engine", why);
     return;
   }
-  if (std::string why = why_not_from_fastest(row, near, model, static_cast<int>(without_rows)); !why.empty()) {
+  if (std::string why = why_not_from_fastest(row, near, model, static_cast<int>(without_rows));
+      !why.empty()) {
     row.note = std::move(why);
     return;
   }
@@ -250,7 +253,8 @@ void verify(Prediction& row, const Method& method, const Linearised& near, Distr
   const ModeStart start = start_from_fastest(model, lambda);
   const ShowSteps run = steps_of(method, start, {model, interrupted}, fastest);
   FarSteps far = short_far_steps(fastest);
-  far.note = fmt::format("verified at a step of {:.3g} s alone: --engine petsc takes no longer ones", far.h.back());
+  far.note =
+      fmt::format("verified at a step of {:.3g} s alone: --engine petsc takes no longer ones", far.h.back());
   try {
     verify_from(start, run, row, method, near, far);
   } catch (const ComplexEquations& error) {

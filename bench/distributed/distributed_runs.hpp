@@ -19,9 +19,9 @@ std::string why_not_stepped(const Method& method);
 /// The user ended the runs; thrown on all processes.
 struct RunsInterrupted {};
 
-/// As verify() (bench/limits/verification.hpp): integrates with the code of the method on both sides of the prediction,
-/// from the fastest mode, and puts what it shows into the row; a `note` where there are no such runs. Called by all
-/// processes together, with the same row.
+/// As verify() (bench/limits/verification.hpp): integrates with the code of the method on both sides of the
+/// prediction, from the fastest mode, and puts what it shows into the row; a `note` where there are no such
+/// runs. Called by all processes together, with the same row.
 /// @param near         linearised() of the ends of the model
 /// @param interrupted  asked at every step
 /// @throws RunsInterrupted, std::exception

@@ -28,10 +28,13 @@ MatrixRows rows_of(const std::string& name, bool is_mass) {
     file.columns = file.rows;
   }
   if (file.storage == Storage::skew)
-    throw InputError(fmt::format("{} is skew-symmetric, and --engine petsc takes symmetric matrices; leave out --engine", name));
-  if (file.rows == file.columns && file.storage == Storage::general && is_one_triangle(file) && !file.entries.empty())
-    throw InputError(
-        fmt::format("{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles", name));
+    throw InputError(fmt::format(
+        "{} is skew-symmetric, and --engine petsc takes symmetric matrices; leave out --engine", name));
+  if (file.rows == file.columns && file.storage == Storage::general && is_one_triangle(file) &&
+      !file.entries.empty())
+    throw InputError(fmt::format(
+        "{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles",
+        name));
   return matrix_rows(assembled(file, file.rows, file.columns));
 }
 
@@ -42,7 +45,10 @@ void set_range(DistributedModel& model, ModeSet& modes) {
   ModeRange& range = *modes.range;
   range.find = [&model](double a, double b, double tolerance) {
     const SumEnd end = model.largest_of_sum(a, b, tolerance);
-    return LargestOfSum{.value = end.value, .residual = end.residual, .gamma = end.gamma, .kappa = end.kappa,
+    return LargestOfSum{.value = end.value,
+                        .residual = end.residual,
+                        .gamma = end.gamma,
+                        .kappa = end.kappa,
                         .converged = end.converged};
   };
   range.most_c = ends.gamma_max;
@@ -53,7 +59,8 @@ void set_range(DistributedModel& model, ModeSet& modes) {
     return found;
   };
   range.largest = first(1);
-  for (const std::size_t most : {2, 5, 12}) range.searches.emplace_back([first, most] { return first(most); });
+  for (const std::size_t most : {2, 5, 12})
+    range.searches.emplace_back([first, most] { return first(most); });
   range.rest = range.largest.rest;
   modes.spectrum.lambda = range.largest.lambda;
   if (ends.negative) range.growing = growing_eigenvalue(range.find, range.most_k);
@@ -92,8 +99,14 @@ Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
     model.coupled = std::make_shared<const CoupledMass>(model.M);
   }
   model.unknowns = {0, 1};
-  Problem pair{.id = id, .material = {}, .note = {}, .parameters = {{"alpha", ends.alpha}, {"beta", ends.beta}},
-               .states = {}, .y0 = Eigen::VectorXd::Zero(4), .t_end = 1, .system = system_of(model, ends.alpha, ends.beta)};
+  Problem pair{.id = id,
+               .material = {},
+               .note = {},
+               .parameters = {{"alpha", ends.alpha}, {"beta", ends.beta}},
+               .states = {},
+               .y0 = Eigen::VectorXd::Zero(4),
+               .t_end = 1,
+               .system = system_of(model, ends.alpha, ends.beta)};
   return pair;
 }
 
@@ -115,7 +128,8 @@ Linearised linearised(const Problem& pair, DistributedModel& model, StateKind ki
     throw InputError(fmt::format(
         "damping with alpha {:.6g} /s excites slow motions, and --engine petsc does not compute the slow end; leave out --engine",
         ends.alpha));
-  DampingCurve curve{.alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
+  DampingCurve curve{
+      .alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
   near.modes.slow_end = std::make_shared<SlowEnd>(curve.kappa_min);
   near.modes.curve = curve;
   for (const double kappa : {curve.kappa_min, curve.kappa_max}) {
@@ -134,8 +148,14 @@ DistributedStructure distributed_structure(const MatrixFiles& files, double alph
   refuse(files.stiffness_series || files.damping_series, "series of matrices");
   refuse(files.one_triangle, "storage=triangle");
   refuse(files.drop_constraints, "drop=constraints");
-  return {.stiffness = files.stiffness, .mass = files.mass, .damping = files.damping, .pieces = {}, .lumped = files.lumped,
-          .alpha = alpha, .beta = beta, .read = rows_of};
+  return {.stiffness = files.stiffness,
+          .mass = files.mass,
+          .damping = files.damping,
+          .pieces = {},
+          .lumped = files.lumped,
+          .alpha = alpha,
+          .beta = beta,
+          .read = rows_of};
 }
 
 }  // namespace hmax

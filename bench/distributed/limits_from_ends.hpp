@@ -15,8 +15,8 @@ namespace hmax {
 /// A matrix in the form that engines take.
 MatrixRows matrix_rows(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix);
 
-/// Two oscillators whose kappa are the ends of a spectrum, with the damping and the kind of mass of the structure:
-/// a limit on the curve of its modes depends on nothing else.
+/// Two oscillators whose kappa are the ends of a spectrum, with the damping and the kind of mass of the
+/// structure: a limit on the curve of its modes depends on nothing else.
 Problem pair_with_ends(const std::string& id, const StructureEnds& ends);
 
 /// That pair near rest, with the curve of all modes of the structure: what predict() takes. The slow end is

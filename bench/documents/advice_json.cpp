@@ -107,7 +107,8 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
   const AdviceRow* best = advice.recommended();
   for (const AdviceRow& row : advice.rows) {
-    rows.push_back(to_json(row, question, error_scale(problem), &row == best ? &advice.load_margin : nullptr));
+    rows.push_back(
+        to_json(row, question, error_scale(problem), &row == best ? &advice.load_margin : nullptr));
     if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
   }
   for (const Remedy& remedy : advice.remedies)

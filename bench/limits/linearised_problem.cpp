@@ -86,8 +86,8 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
                        .model = linear_model(problem, t, y),
                        .linearity = linearity_of(problem)};
   ask(point, problem);
-  point.state =
-      fmt::format("{} at t = {} s, Jacobian {}", words_of(problem.shown.state(y)), to_text(problem.shown.time(t)), name_of(point.model.origin));
+  point.state = fmt::format("{} at t = {} s, Jacobian {}", words_of(problem.shown.state(y)),
+                            to_text(problem.shown.time(t)), name_of(point.model.origin));
   return point;
 }
 

@@ -11,9 +11,9 @@ namespace hmax {
 bool is_at_rest(const TissueBody& body);
 
 /// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
-/// at 0, or for a body at equilibrium_time() (bench/models/equilibria/body_balance.hpp); near the initial state itself
-/// where there is none, which `status` then says. Above most_cheaply_factored degrees of freedom the
-/// equations of a body are solved by conjugate gradients.
+/// at 0, or for a body at equilibrium_time() (bench/models/equilibria/body_balance.hpp); near the initial
+/// state itself where there is none, which `status` then says. Above most_cheaply_factored degrees of freedom
+/// the equations of a body are solved by conjugate gradients.
 /// @param at  rest: a body without displacement, whatever loads it
 /// @throws InputError  as linearise()
 Linearised linearised(const Problem& problem, AskedState at = AskedState::equilibrium,

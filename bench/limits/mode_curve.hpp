@@ -43,7 +43,8 @@ std::optional<double> negative_stiffness(const LinearModel& model, double kappa_
 /// slow one. False, and nothing done, for all other models.
 /// @param small    up to so many degrees of freedom a structure is not large
 /// @param is_body  then its stiffness without displacement has no negative eigenvalue
-bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_modes, bool is_body = true);
+bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_modes,
+               bool is_body = true);
 
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {

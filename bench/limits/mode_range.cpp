@@ -83,7 +83,8 @@ bool may_buckle(const LinearModel& model, double kappa_max, bool is_body) {
     const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Eigen::Index>(7, part.mass.size()));
     // Within the rounding of few decimals it is a rigid-body mode.
     const double rounding = entry_rounding(part.K) * kappa_max;
-    const auto rigid = std::ranges::count_if(least.kappa, [&](double kappa) { return kappa < 0 && -kappa <= rounding; });
+    const auto rigid =
+        std::ranges::count_if(least.kappa, [&](double kappa) { return kappa < 0 && -kappa <= rounding; });
     return !least.converged || least.negative > rigid;
   }
   return negative_stiffness(model, kappa_max, is_body).has_value();
@@ -112,12 +113,14 @@ std::optional<Eigen::VectorXcd> ModeRange::shape_of(Complex lambda) {
 
 double ModeRange::least_damping(const MechanicalPart& part) {
   std::call_once(damping_once_, [&] {
-    if (!find && part.mass.size() <= most_cheaply_factored) least_damping_ = least_damping_per_stiffness(part);
+    if (!find && part.mass.size() <= most_cheaply_factored)
+      least_damping_ = least_damping_per_stiffness(part);
   });
   return least_damping_;
 }
 
-std::optional<CoupledLimit> ModeRange::first_exit(const Amplification& single, const MechanicalPart& part) const {
+std::optional<CoupledLimit> ModeRange::first_exit(const Amplification& single,
+                                                  const MechanicalPart& part) const {
   const MotionMap& map = single.motion.value();
   return find ? proved_first_exit(map, find, most_c, most_k, single) : proved_first_exit(map, part, single);
 }
@@ -131,7 +134,8 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
   const auto matrices = std::make_shared<const ScaledMatrices>(part);
   constexpr double roughly = 1e-3;
   const LargestEigenpair k = matrices->largest_k(roughly), c = matrices->largest_c(roughly);
-  if (may_buckle(model, k.bound, is_body)) range.growing = growing_eigenvalue(matrices->largest_of_sum(c.bound, k.bound), k.bound);
+  if (may_buckle(model, k.bound, is_body))
+    range.growing = growing_eigenvalue(matrices->largest_of_sum(c.bound, k.bound), k.bound);
   const auto search = std::make_shared<DampedSearch>(matrices, k, c);
   constexpr Eigen::Index most_products = 1000, few_products = 300;
   range.largest = search->first(1, most_products);
@@ -159,12 +163,13 @@ bool set_largest(const LinearModel& model, ModeSet& modes) {
   const AnyMatrix J = model.J();
   if (!is_sparse(J)) return false;
   constexpr Eigen::Index few_restarts = 40;  // at 100,000 unknowns seconds
-  LargestEigenvalues largest = largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4, small_enough_for_dense, few_restarts);
+  LargestEigenvalues largest =
+      largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4, small_enough_for_dense, few_restarts);
   if (!largest.converged)
-    throw InputError(
-        fmt::format("the largest eigenvalues of {} states lie so close together that they did not converge, and all of "
-                    "them are too many; `hmax run` with --method and --h shows whether a step holds",
-                    model.y.size()));
+    throw InputError(fmt::format(
+        "the largest eigenvalues of {} states lie so close together that they did not converge, and all of "
+        "them are too many; `hmax run` with --method and --h shows whether a step holds",
+        model.y.size()));
   modes.range = std::make_shared<ModeRange>();
   modes.range->open = true;
   for (Complex& lambda : largest.lambda) {

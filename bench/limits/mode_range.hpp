@@ -21,14 +21,14 @@ namespace hmax {
 struct ModeRange {
   double rest = 0;                ///< no eigenvalue that is not listed is larger in modulus [1/s]
   std::optional<double> growing;  ///< the eigenvalue of a body that buckles [1/s]
-  bool open = false;  ///< nothing but `rest` is known of the eigenvalues that are not listed
+  bool open = false;              ///< nothing but `rest` is known of the eigenvalues that are not listed
   std::unique_ptr<RangeTangents>
-      tangents;                          ///< to the range of all modes; null where that is open or one grows
-  /// Of matrices that are elsewhere: finds what limits ask of them, and no less than the largest eigenvalues of c and k.
-  /// Null where they are here.
+      tangents;  ///< to the range of all modes; null where that is open or one grows
+  /// Of matrices that are elsewhere: finds what limits ask of them, and no less than the largest eigenvalues
+  /// of c and k. Null where they are here.
   FindLargestOfSum find = {};
   double most_c = 0, most_k = 0;
-  DampedEigenvalues largest;             ///< that the spectrum lists; none where `open`
+  DampedEigenvalues largest;  ///< that the spectrum lists; none where `open`
   std::vector<std::function<DampedEigenvalues()>>
       searches;  ///< each finds more eigenvalues than the last one
 
@@ -40,7 +40,8 @@ struct ModeRange {
   /// rho with gamma >= rho kappa of all modes, found once a limit asks for it, or 0.
   double least_damping(const MechanicalPart& part);
   /// The first exit of steps that couple the modes, as far as it is proved.
-  [[nodiscard]] std::optional<CoupledLimit> first_exit(const Amplification& single, const MechanicalPart& part) const;
+  [[nodiscard]] std::optional<CoupledLimit> first_exit(const Amplification& single,
+                                                       const MechanicalPart& part) const;
 
  private:
   std::mutex more_mutex_;
@@ -55,9 +56,9 @@ struct ModeRange {
 bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small = most_dense_coupled,
                bool is_body = true);
 
-/// Puts the largest eigenvalues of any other model of more than most_dense_rows states into `modes`: one of first
-/// order, or with matrices that are not symmetric. False, and nothing done, for smaller models, dense ones, and in a
-/// build without Krylov methods.
+/// Puts the largest eigenvalues of any other model of more than most_dense_rows states into `modes`: one of
+/// first order, or with matrices that are not symmetric. False, and nothing done, for smaller models, dense
+/// ones, and in a build without Krylov methods.
 /// @throws InputError  where the iteration does not converge
 bool set_largest(const LinearModel& model, ModeSet& modes);
 

@@ -18,13 +18,14 @@ struct ModeStart {
   Distance distance;
   Distance amplitude =
       {};  ///< of the mode alone, which takes no notice of others; empty where it is not known
-  /// Of a structure for a mode of shape u, u^T M u = 1: its velocity u^T M v and what its displacement is a step of size h,
-  /// u^T M q / h. No other mode has a part in them where the motion decouples; and little, where u is the shape that begins to
-  /// grow of a structure whose steps couple its modes. Empty for others.
+  /// Of a structure for a mode of shape u, u^T M u = 1: its velocity u^T M v and what its displacement is a
+  /// step of size h, u^T M q / h. No other mode has a part in them where the motion decouples; and little,
+  /// where u is the shape that begins to grow of a structure whose steps couple its modes. Empty for others.
   std::function<MotionOf(double h)> motion = {};
   /// The share that others may have in `motion`.
   double disturbance = 1e-6;
-  /// The distance of everything but that mode from rest: of y less u (u^T M q, u^T M v); empty where `motion` is.
+  /// The distance of everything but that mode from rest: of y less u (u^T M q, u^T M v); empty where `motion`
+  /// is.
   Distance beside = {};
   bool defective = false;  ///< the mode shares its eigenvector with another
   /// The rest is so little of the distance that growth of the mode shows at once, without waiting for it to

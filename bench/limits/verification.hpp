@@ -19,7 +19,8 @@ namespace hmax {
 /// equations of steps without limit are not solved. Nothing where there is no number to verify (methods that
 /// choose their steps, growing models, models without a mode that moves); a `note` where runs would take too
 /// much: driven models of many states, dense factors of large Jacobians.
-/// @param watch  called at every step; may throw, which ends the runs and leaves the row as it was; may be empty
+/// @param watch  called at every step; may throw, which ends the runs and leaves the row as it was; may be
+/// empty
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch = {});
 

@@ -134,10 +134,11 @@ BodySummary summary_of(const TissueBody& body) {
 
 std::string in_words(const BodySummary& summary) {
   const Eigen::Vector3d mm = 1000 * summary.size;
-  const std::string added = summary.heavier > 0
-                                ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass", rounded(summary.added_mass),
-                                              summary.heavier, 100 * summary.added_mass / summary.mass)
-                                : "";
+  const std::string added =
+      summary.heavier > 0
+          ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass",
+                        rounded(summary.added_mass), summary.heavier, 100 * summary.added_mass / summary.mass)
+          : "";
   return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held{}",
                      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
                      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
@@ -151,7 +152,8 @@ std::vector<std::string> unusual_values(const BodySummary& summary) {
     if (sentences.empty()) judge(usual_young, E, sentences);
   const std::size_t before = sentences.size();
   for (const double rho : summary.density)
-    if (sentences.size() == before) judge(summary.from_mass ? usual_density_from_mass : usual_density, rho, sentences);
+    if (sentences.size() == before)
+      judge(summary.from_mass ? usual_density_from_mass : usual_density, rho, sentences);
   if (summary.skin > 0) judge(usual_skin, summary.skin, sentences);
   judge(usual_size, summary.size.maxCoeff(), sentences);
   if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);

@@ -43,7 +43,8 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view id) {
     const std::size_t sign = item.find('=');
     if (sign == std::string_view::npos || sign + 1 == item.size())
       throw InputError(fmt::format(
-          "'{}' of --matrices names no file; write for instance --matrices stiffness=K.mtx,mass=M.mtx", item));
+          "'{}' of --matrices names no file; write for instance --matrices stiffness=K.mtx,mass=M.mtx",
+          item));
     parts.emplace_back(item.substr(0, sign), item.substr(sign + 1));
   }
   return parts;
@@ -62,7 +63,8 @@ bool take_word(std::string_view word, const std::string& key, std::string_view e
 }
 
 void require_word(const std::string& key, const std::string& value, std::string_view word) {
-  if (value != word) throw InputError(fmt::format("unknown word '{0}' of {1}=; write {1}={2}", value, key, word));
+  if (value != word)
+    throw InputError(fmt::format("unknown word '{0}' of {1}=; write {1}={2}", value, key, word));
 }
 
 void check(const MatrixFiles& files) {
@@ -73,9 +75,10 @@ void check(const MatrixFiles& files) {
   if (!files.jacobian.empty() && files.drop_constraints)
     throw InputError("drop=constraints applies to stiffness and mass, and a jacobian is given; remove it");
   if (files.jacobian.empty() && (files.stiffness.empty() || files.mass.empty()))
-    throw InputError(fmt::format("--matrices has no {}; write --matrices stiffness=K.mtx,mass=M.mtx, or "
-                                 "jacobian=J.mtx for a first-order model",
-                                 files.stiffness.empty() ? "stiffness" : "mass"));
+    throw InputError(
+        fmt::format("--matrices has no {}; write --matrices stiffness=K.mtx,mass=M.mtx, or "
+                    "jacobian=J.mtx for a first-order model",
+                    files.stiffness.empty() ? "stiffness" : "mass"));
 }
 
 /// The last model that was read.
@@ -97,13 +100,15 @@ std::shared_ptr<const MatrixModel> model_of(const std::string& id) {
 }
 
 /// alpha and beta. @throws InputError  for other parameters
-std::array<double, 2> rayleigh_of(const std::string& id, const MatrixModel& model, const ProblemSettings& settings) {
+std::array<double, 2> rayleigh_of(const std::string& id, const MatrixModel& model,
+                                  const ProblemSettings& settings) {
   constexpr std::array<std::string_view, 2> names{"alpha", "beta"};
   std::array<double, 2> values{0, 0};
   for (const auto& [name, value] : settings.parameters) {
     const auto* const found = std::ranges::find(names, name);
     if (model.is_first_order())
-      throw InputError(fmt::format("{} belongs to second-order models, and {} is y' = J y; remove it", name, id));
+      throw InputError(
+          fmt::format("{} belongs to second-order models, and {} is y' = J y; remove it", name, id));
     if (found == names.end())
       throw InputError(fmt::format("unknown parameter '{}' of matrices; {}", name, suggestion(name, names)));
     if (!std::isfinite(value))
@@ -138,7 +143,8 @@ std::vector<std::string> state_names(const MatrixModel& model) {
   const auto add = [&](std::string_view letter) {
     for (const Index row : model.unknowns) {
       const auto i = static_cast<std::size_t>(row);
-      names.push_back(fmt::format("{}{}", letter, i < model.names.size() ? model.names[i] : std::to_string(row + 1)));
+      names.push_back(
+          fmt::format("{}{}", letter, i < model.names.size() ? model.names[i] : std::to_string(row + 1)));
     }
   };
   if (model.is_first_order()) {
@@ -161,25 +167,27 @@ MechanicalPart part_of(const AnySystem& system) {
 
 /// The exact motion, from all modes, computed when it is first asked for.
 void add_exact_motion(Problem& problem, const MatrixModel& model) {
-  if (model.is_first_order() || model.size() > most_modal_dofs || !model.facts.symmetric_K || model.facts.damped ||
-      model.varying)
+  if (model.is_first_order() || model.size() > most_modal_dofs || !model.facts.symmetric_K ||
+      model.facts.damped || model.varying)
     return;
   struct Once {
     std::once_flag flag;
     std::optional<ModalMotion> motion;
   };
   problem.has_exact_solution = true;
-  problem.exact = [system = std::get<AnySystem>(problem.system), y0 = problem.y0,
-                   once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
-    std::call_once(once->flag, [&] {
-      once->motion.emplace(part_of(system), VectorXd::Zero(system.dofs()), y0);
-    });
+  problem.exact =
+      [system = std::get<AnySystem>(problem.system), y0 = problem.y0,
+       once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
+    std::call_once(once->flag,
+                   [&] { once->motion.emplace(part_of(system), VectorXd::Zero(system.dofs()), y0); });
     return once->motion->at(static_cast<double>(t)).cast<long double>();
   };
 }
 
 /// "1 mode", "2 modes"
-std::string counted(Index count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+std::string counted(Index count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
 
 std::string shown(double value) { return fmt::format("{:.6g}", value); }
 
@@ -189,28 +197,34 @@ std::string file_name(const std::string& file) { return std::filesystem::path(fi
 std::string note_of(const MatrixModel& model) {
   const MatrixFacts& facts = model.facts;
   if (model.is_first_order())
-    return fmt::format("{}: {}, {} entries{}", file_name(model.files.jacobian), counted(model.size(), "state"),
-                       model.J.nonZeros(), facts.symmetric_K ? ", symmetric" : "");
-  std::string note = fmt::format(
-      "{}; {}: {} entries, {}; {}: {}, entries sum to {} kg, three times {} kg in 3-D", counted(model.size(), "unknown"),
-      file_name(model.files.stiffness), model.K.nonZeros(), facts.symmetric_K ? "symmetric" : "not symmetric",
-      file_name(model.files.mass),
-      facts.coupled_mass ? "a mass that couples unknowns" : model.files.lumped ? "sums of rows" : "a mass for each unknown",
-      shown(facts.mass), shown(facts.mass / 3));
+    return fmt::format("{}: {}, {} entries{}", file_name(model.files.jacobian),
+                       counted(model.size(), "state"), model.J.nonZeros(),
+                       facts.symmetric_K ? ", symmetric" : "");
+  std::string note =
+      fmt::format("{}; {}: {} entries, {}; {}: {}, entries sum to {} kg, three times {} kg in 3-D",
+                  counted(model.size(), "unknown"), file_name(model.files.stiffness), model.K.nonZeros(),
+                  facts.symmetric_K ? "symmetric" : "not symmetric", file_name(model.files.mass),
+                  facts.coupled_mass   ? "a mass that couples unknowns"
+                  : model.files.lumped ? "sums of rows"
+                                       : "a mass for each unknown",
+                  shown(facts.mass), shown(facts.mass / 3));
   if (facts.damped)
-    note += fmt::format("; {}: {}", file_name(model.files.damping), facts.symmetric_C ? "symmetric" : "not symmetric");
+    note += fmt::format("; {}: {}", file_name(model.files.damping),
+                        facts.symmetric_C ? "symmetric" : "not symmetric");
   if (model.varying) {
     const std::vector<double>& times = model.varying->times();
     note += fmt::format("; given at {} times from {} to {} s, linear between them", times.size(),
                         to_text(times.front()), to_text(times.back()));
   }
   if (facts.multipliers > 0)
-    note += fmt::format("; {} eliminated, with an unknown each", counted(facts.multipliers, "Lagrange multiplier"));
-  if (facts.massless > 0) note += fmt::format("; {} without mass condensed", counted(facts.massless, "unknown"));
+    note += fmt::format("; {} eliminated, with an unknown each",
+                        counted(facts.multipliers, "Lagrange multiplier"));
+  if (facts.massless > 0)
+    note += fmt::format("; {} without mass condensed", counted(facts.massless, "unknown"));
   if (facts.dropped)
-    note += fmt::format("; {} left out",
-                        counted(static_cast<Index>(facts.constraints.decoupled.size() + facts.constraints.penalties.size()),
-                                "constraint row"));
+    note += fmt::format("; {} left out", counted(static_cast<Index>(facts.constraints.decoupled.size() +
+                                                                    facts.constraints.penalties.size()),
+                                                 "constraint row"));
   return note;
 }
 
@@ -228,18 +242,21 @@ void remark_constraints(const MatrixModel& model, std::vector<std::string>& rema
   if (rows.none() || model.facts.dropped) return;
   std::string found;
   if (!rows.penalties.empty())
-    found = fmt::format("{} ({})", counted(static_cast<Index>(rows.penalties.size()), "penalty row"), rows_in_words(model, rows.penalties));
+    found = fmt::format("{} ({})", counted(static_cast<Index>(rows.penalties.size()), "penalty row"),
+                        rows_in_words(model, rows.penalties));
   if (!rows.decoupled.empty())
     found += fmt::format("{}{} with a diagonal alone ({})", found.empty() ? "" : " and ",
-                         counted(static_cast<Index>(rows.decoupled.size()), "row"), rows_in_words(model, rows.decoupled));
+                         counted(static_cast<Index>(rows.decoupled.size()), "row"),
+                         rows_in_words(model, rows.decoupled));
   remarks.push_back(
       rows.own_the_fastest()
           ? fmt::format("the fastest mode, {1} rad/s, is that of {0}; all others have at most {2} rad/s; add "
                         "drop=constraints to --matrices to leave such rows out",
                         found, shown(rows.fastest), shown(rows.others))
-          : fmt::format("unknowns are held in place by {}; their modes have at most {} rad/s; drop=constraints in "
-                        "--matrices leaves them out",
-                        found, shown(rows.fastest)));
+          : fmt::format(
+                "unknowns are held in place by {}; their modes have at most {} rad/s; drop=constraints in "
+                "--matrices leaves them out",
+                found, shown(rows.fastest)));
 }
 
 }  // namespace
@@ -256,7 +273,8 @@ MatrixFiles matrix_files(const std::string& id) {
       throw InputError(fmt::format("--matrices names {} twice; remove one of them", key));
     seen.push_back(key);
     if (key == "stiffness") {
-      files.stiffness_series = take_word(series_word, key, "K.txt for the stiffnesses that K.txt names", value);
+      files.stiffness_series =
+          take_word(series_word, key, "K.txt for the stiffnesses that K.txt names", value);
       files.stiffness = value;
     } else if (key == "mass") {
       files.lumped = take_word(lumped_word, key, "M.mtx for the sums of the rows of M.mtx", value);
@@ -298,12 +316,14 @@ std::string matrices_beside(const std::string& id, const std::string& folder) {
 
 Problem make_matrix_problem(const std::string& id, const ProblemSettings& settings) {
   if (!settings.material.empty())
-    throw InputError("--material belongs to bodies and oscillators, and matrices have their own numbers; remove it");
+    throw InputError(
+        "--material belongs to bodies and oscillators, and matrices have their own numbers; remove it");
   const std::shared_ptr<const MatrixModel> model = model_of(id);
   const auto [alpha, beta] = rayleigh_of(id, *model, settings);
   VectorXd start = model->start;
   if (!settings.y0.empty()) {
-    const VectorXd given = Eigen::Map<const VectorXd>(settings.y0.data(), static_cast<Index>(settings.y0.size()));
+    const VectorXd given =
+        Eigen::Map<const VectorXd>(settings.y0.data(), static_cast<Index>(settings.y0.size()));
     if (!given.allFinite()) throw InputError("--y0 holds a number that is not finite; give finite numbers");
     start = start_from(*model, given, "--y0");
   }
@@ -342,7 +362,8 @@ Problem with_frozen_matrices(const Problem& problem, double t) {
 }
 
 std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
-  if (model.is_first_order() || model.size() > most_counted_modes || !model.facts.symmetric_K) return std::nullopt;
+  if (model.is_first_order() || model.size() > most_counted_modes || !model.facts.symmetric_K)
+    return std::nullopt;
   // Sylvester's law of inertia: the signs are the same with every positive mass.
   const VectorXd mass = model.facts.coupled_mass ? VectorXd(model.M.diagonal()) : model.mass;
   const MechanicalPart part =
@@ -366,32 +387,35 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
   const MatrixFacts& facts = model->facts;
   std::vector<std::string> remarks;
-  if (facts.repeated > 0)
-    remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));
+  if (facts.repeated > 0) remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));
   if (model->is_first_order()) return remarks;
   if (!facts.redundant.empty())
     remarks.push_back(fmt::format("the constraints of {} ({}) follow from others and are left out",
-                                  counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"), rows_in_words(*model, facts.redundant)));
+                                  counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"),
+                                  rows_in_words(*model, facts.redundant)));
   if (facts.look_swapped) remarks.emplace_back(exchanged_matrices);
   if (!facts.symmetric_K)
     remarks.push_back(
         "the stiffness is not symmetric, so the model has no energy and may grow by itself; check the file if a "
         "symmetric one is expected");
   if (facts.damped && !facts.symmetric_C)
-    remarks.push_back("the damping is not symmetric, as that of gyroscopic forces is; check the file if a symmetric one is "
-                      "expected");
+    remarks.push_back(
+        "the damping is not symmetric, as that of gyroscopic forces is; check the file if a symmetric one is "
+        "expected");
   remark_constraints(*model, remarks);
   const std::optional<ModeCounts> counts = mode_counts(*model);
   if (counts && counts->negative > 0)
-    remarks.push_back(fmt::format(
-        "{} of negative stiffness: the model is unstable, K is not that of a stable state",
-        counted(counts->negative, "mode")));
+    remarks.push_back(
+        fmt::format("{} of negative stiffness: the model is unstable, K is not that of a stable state",
+                    counted(counts->negative, "mode")));
   if (counts && counts->rigid > 0)
     remarks.push_back(fmt::format("{}{} of zero frequency{}", counts->rigid == 7 ? "at least " : "",
-                                  counted(counts->rigid, "mode"), counts->rigid == 6 ? ", the rigid motions of a free body in 3-D" : ""));
+                                  counted(counts->rigid, "mode"),
+                                  counts->rigid == 6 ? ", the rigid motions of a free body in 3-D" : ""));
   else if (!counts && facts.free_directions > 0)
-    remarks.push_back(fmt::format("K does not resist translation along {} directions: supports do not hold the model",
-                                  facts.free_directions));
+    remarks.push_back(
+        fmt::format("K does not resist translation along {} directions: supports do not hold the model",
+                    facts.free_directions));
   return remarks;
 }
 

@@ -31,23 +31,24 @@ MatrixFiles matrix_files(const std::string& id);
 /// The same id with file names that are meant relative to `folder`.
 std::string matrices_beside(const std::string& id, const std::string& folder);
 
-/// The problem of such an id. Its parameters are alpha [1/s] and beta [s] of Rayleigh damping, in second order.
-/// The last files that were read stay in memory, so that the same model with other parameters is made at once.
+/// The problem of such an id. Its parameters are alpha [1/s] and beta [s] of Rayleigh damping, in second
+/// order. The last files that were read stay in memory, so that the same model with other parameters is made
+/// at once.
 /// @throws InputError  for files and parameters that are none
 Problem make_matrix_problem(const std::string& id, const ProblemSettings& settings);
 
 /// The matrices of a problem that was made of them.
 std::shared_ptr<const MatrixModel> matrices_of(const Problem& problem);
 
-/// The times at which the matrices of a problem are given, rising [s]; empty where they do not change, and of other
-/// problems.
+/// The times at which the matrices of a problem are given, rising [s]; empty where they do not change, and of
+/// other problems.
 std::vector<double> times_of_matrices(const Problem& problem);
 
 /// The problem with its matrices as they are at the time t [s]; others as they are.
 Problem with_frozen_matrices(const Problem& problem, double t);
 
-/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow; empty for
-/// other problems.
+/// What a user should know of the matrices of a problem: constraint rows, asymmetry, modes that grow; empty
+/// for other problems.
 std::vector<std::string> matrix_remarks(const Problem& problem);
 
 /// How many modes of K move without stiffness, and how many have a negative one.

@@ -95,12 +95,12 @@ std::vector<std::string> remarks_on_points(const MeshFile& file) {
                     file.merged.size(), file.name));
   if (const auto apart = coincidences(file.mesh, near_coincidence); !apart.empty()) {
     const auto number = [&](TetMesh::Index i) { return file.point_numbers[static_cast<std::size_t>(i)]; };
-    remarks.push_back(
-        fmt::format("{} has {} within {} of an edge from another point, not merged: point {} beside point {}{}; "
-                    ":merge={} behind the mesh merges them",
-                    file.name, apart.size() == 1 ? "1 point" : fmt::format("{} points", apart.size()),
-                    to_text(near_coincidence), number(apart.front().point), number(apart.front().first),
-                    apart.size() == 1 ? "" : ", ...", to_text(near_coincidence)));
+    remarks.push_back(fmt::format(
+        "{} has {} within {} of an edge from another point, not merged: point {} beside point {}{}; "
+        ":merge={} behind the mesh merges them",
+        file.name, apart.size() == 1 ? "1 point" : fmt::format("{} points", apart.size()),
+        to_text(near_coincidence), number(apart.front().point), number(apart.front().first),
+        apart.size() == 1 ? "" : ", ...", to_text(near_coincidence)));
   }
   return remarks;
 }

@@ -115,7 +115,8 @@ bool is_driven(const Problem& problem) {
   if (problem.body) return !problem.body->is_autonomous();
   const AnySystem& system = std::get<AnySystem>(problem.system);
   if (system.is_autonomous()) return false;
-  // What says how it depends on the state says of time what is true: no comparison of instants, which may miss the one.
+  // What says how it depends on the state says of time what is true: no comparison of instants, which may
+  // miss the one.
   if (system.linearity() != Linearity::unknown) return true;
   const Eigen::VectorXd scale = problem.y0.cwiseAbs().cwiseMax(0.1);
   Eigen::VectorXd y = problem.y0, f = y, later = y;

@@ -21,8 +21,8 @@ namespace hmax {
 /// @throws InputError unless the problem has two states
 void require_planar(const Problem& problem);
 
-/// Whether f depends on time, of any number of states. The oscillator, bodies, the test set and formulas know; of
-/// others f is compared at eight instants and nine points, to the last bit.
+/// Whether f depends on time, of any number of states. The oscillator, bodies, the test set and formulas
+/// know; of others f is compared at eight instants and nine points, to the last bit.
 bool is_driven(const Problem& problem);
 
 /// The problem with f as it is at the instant t [s]: autonomous.

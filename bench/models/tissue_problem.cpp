@@ -136,7 +136,9 @@ std::string tissue_id(std::string_view model, std::string_view mesh, std::string
                      load.empty() || load == tissue_loads().front() ? "" : fmt::format("/{}", load), mesh);
 }
 
-bool is_tissue_id(std::string_view id) { return !is_matrices_id(id) && id.find('@') != std::string_view::npos; }
+bool is_tissue_id(std::string_view id) {
+  return !is_matrices_id(id) && id.find('@') != std::string_view::npos;
+}
 
 bool has_linear_forces(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
@@ -184,7 +186,8 @@ Problem with_body(const Problem& problem, std::shared_ptr<const TissueBody> body
 
 Problem with_settings(const Problem& problem, TissueSettings settings) {
   const TissueBody& body = *problem.body;
-  return with_body(problem, std::make_shared<const TissueBody>(body.mesh(), std::move(settings), body.origin()));
+  return with_body(problem,
+                   std::make_shared<const TissueBody>(body.mesh(), std::move(settings), body.origin()));
 }
 
 Problem after_ramps(const Problem& problem) {
@@ -195,9 +198,11 @@ Problem after_ramps(const Problem& problem) {
 std::string start_in_words(const Problem& problem) {
   constexpr Eigen::Index most_listed = 64;
   if (problem.body) return "rest";
-  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed) return describe(problem.shown.state(problem.y0));
+  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed)
+    return describe(problem.shown.state(problem.y0));
   Digest digest;
-  digest.add({reinterpret_cast<const char*>(problem.y0.data()), sizeof(double) * static_cast<std::size_t>(problem.y0.size())});
+  digest.add({reinterpret_cast<const char*>(problem.y0.data()),
+              sizeof(double) * static_cast<std::size_t>(problem.y0.size())});
   return fmt::format("{} numbers, {}", problem.y0.size(), digest.text());
 }
 

@@ -34,8 +34,8 @@ Problem with_settings(const Problem& problem, TissueSettings settings);
 /// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
 Problem after_ramps(const Problem& problem);
 
-/// Where a problem starts: its numbers, of many unknowns of matrices a digest of them, or "rest" of a body, which
-/// always does.
+/// Where a problem starts: its numbers, of many unknowns of matrices a digest of them, or "rest" of a body,
+/// which always does.
 std::string start_in_words(const Problem& problem);
 
 }  // namespace hmax

@@ -1,7 +1,6 @@
 /// Ranks by MPI. A module of its own, opened in processes that mpirun has started.
-#include <mpi.h>
-
 #include <cstddef>
+#include <mpi.h>
 
 #include "bench/ranks/ranks.hpp"
 #include "bench/ranks/silence.hpp"

@@ -61,7 +61,8 @@ PolynomialSolver solver_of(const Damped& matrices, Mat M, std::size_t most) {
   check(PEPSetProblemType(pep, PEP_HERMITIAN), of_damped);
   check(PEPSetType(pep, PEPTOAR), of_damped);
   check(PEPSetWhichEigenpairs(pep, PEP_LARGEST_MAGNITUDE), of_damped);
-  check(PEPSetScale(pep, PEP_SCALE_SCALAR, PETSC_DEFAULT, nullptr, nullptr, PETSC_DEFAULT, PETSC_DEFAULT), of_damped);
+  check(PEPSetScale(pep, PEP_SCALE_SCALAR, PETSC_DEFAULT, nullptr, nullptr, PETSC_DEFAULT, PETSC_DEFAULT),
+        of_damped);
   check(PEPSetTolerances(pep, 1e-9, 1000), of_damped);
   PetscInt rows = 0;
   check(MatGetSize(matrices.K, &rows, nullptr), of_damped);
@@ -116,14 +117,16 @@ SumEnd largest_of_sum(const Damped& matrices, double a, double b, double toleran
   check(VecAXPY(residual, -end.value, in_M), what);
   if (matrices.divide_by_M) check(KSPSolve(matrices.divide_by_M, residual, in_M), what);
   PetscScalar square = 0;
-  check(VecDot(residual, matrices.divide_by_M ? static_cast<Vec>(in_M) : static_cast<Vec>(residual), &square), what);
+  check(VecDot(residual, matrices.divide_by_M ? static_cast<Vec>(in_M) : static_cast<Vec>(residual), &square),
+        what);
   end.residual = std::sqrt(std::max(square, 0.0));
   return end;
 }
 
 std::vector<Complex> largest_damped(const Damped& matrices, std::size_t most) {
   const Matrix identity = matrices.M ? Matrix() : diagonal_like(matrices.K, 1);
-  const PolynomialSolver pep = solver_of(matrices, matrices.M ? matrices.M : static_cast<Mat>(identity), most);
+  const PolynomialSolver pep =
+      solver_of(matrices, matrices.M ? matrices.M : static_cast<Mat>(identity), most);
   check(PEPSolve(pep), of_damped);
   PetscInt found = 0;
   check(PEPGetConverged(pep, &found), of_damped);
@@ -141,8 +144,9 @@ std::vector<Complex> largest_damped(const Damped& matrices, std::size_t most) {
     values.push_back(lambda);
   }
   if (values.empty())
-    throw std::runtime_error("the largest eigenvalues of damped motion did not converge; leave out --engine, or give --alpha and "
-                             "--beta in place of the damping matrix");
+    throw std::runtime_error(
+        "the largest eigenvalues of damped motion did not converge; leave out --engine, or give --alpha and "
+        "--beta in place of the damping matrix");
   std::ranges::sort(values, [](Complex p, Complex q) { return std::abs(p) > std::abs(q); });
   // Small problems are solved by every rank for itself, maybe by processors that round in other ways.
   MPI_Bcast(values.data(), static_cast<int>(values.size()), MPI_C_DOUBLE_COMPLEX, 0, world);

@@ -101,7 +101,9 @@ Matrix dealt_out(const std::string& file, const ReadRows& read) {
   if (rank() == 0) try {
       rows = read(file);
       if (rows.first.back() > std::numeric_limits<int>::max())
-        message = file + " has more than 2^31 entries, which rank 0 cannot deal out; write it in the binary format of PETSc";
+        message =
+            file +
+            " has more than 2^31 entries, which rank 0 cannot deal out; write it in the binary format of PETSc";
     } catch (const std::exception& error) {
       message = error.what();
     }
@@ -109,7 +111,9 @@ Matrix dealt_out(const std::string& file, const ReadRows& read) {
   std::array<std::int64_t, 2> shape{rows.rows, rows.columns};
   MPI_Bcast(shape.data(), 2, MPI_INT64_T, 0, world);
   // Blocks as PetscSplitOwnership makes them, which MatLoad takes as well.
-  const auto begin_of = [&](int of) { return of * (shape[0] / ranks()) + std::min<std::int64_t>(of, shape[0] % ranks()); };
+  const auto begin_of = [&](int of) {
+    return of * (shape[0] / ranks()) + std::min<std::int64_t>(of, shape[0] % ranks());
+  };
   const std::int64_t own = begin_of(rank() + 1) - begin_of(rank());
   if (rank() == 0)
     for (int to = 1; to < ranks(); ++to) send(block_of(rows, begin_of(to), begin_of(to + 1)), to);
@@ -123,8 +127,10 @@ Matrix dealt_out(const std::string& file, const ReadRows& read) {
         what);
   check(MatSetType(matrix, MATAIJ), what);
   // One of them applies, on one rank the first.
-  check(MatSeqAIJSetPreallocationCSR(matrix, block.first.data(), block.column.data(), block.value.data()), what);
-  check(MatMPIAIJSetPreallocationCSR(matrix, block.first.data(), block.column.data(), block.value.data()), what);
+  check(MatSeqAIJSetPreallocationCSR(matrix, block.first.data(), block.column.data(), block.value.data()),
+        what);
+  check(MatMPIAIJSetPreallocationCSR(matrix, block.first.data(), block.column.data(), block.value.data()),
+        what);
   return matrix;
 }
 
@@ -135,7 +141,8 @@ Matrix read_matrix(const std::string& file, const ReadRows& read) {
   PetscInt rows = 0, columns = 0;
   check(MatGetSize(matrix, &rows, &columns), file);
   if (rows != columns || rows == 0)
-    throw std::runtime_error(file + " has the shape " + std::to_string(rows) + " x " + std::to_string(columns) +
+    throw std::runtime_error(file + " has the shape " + std::to_string(rows) + " x " +
+                             std::to_string(columns) +
                              ", and a matrix of a structure is square; give another file");
   PetscReal size = 0;
   check(MatNorm(matrix, NORM_INFINITY, &size), file);
@@ -213,9 +220,10 @@ Vector lumped_mass(Mat M, bool lumped, const std::string& file) {
     PetscInt at = 0;
     check(VecMin(v, &at, &smallest), file);
     if (!(smallest > 0))
-      throw std::runtime_error(file + ": the " + what + " of row " + std::to_string(at + 1) +
-                               " is not positive; --engine petsc takes no unknowns without mass and no constraint rows, "
-                               "leave out --engine");
+      throw std::runtime_error(
+          file + ": the " + what + " of row " + std::to_string(at + 1) +
+          " is not positive; --engine petsc takes no unknowns without mass and no constraint rows, "
+          "leave out --engine");
   };
   if (lumped) {
     check(MatGetRowSum(M, mass), file);
@@ -246,7 +254,8 @@ void require_symmetric(Mat A, const std::string& file) {
   PetscBool symmetric = PETSC_FALSE;
   check(MatIsSymmetric(A, 1e-10 * size, &symmetric), file);
   if (!symmetric)
-    throw std::runtime_error(file + " is not symmetric, and --engine petsc takes symmetric matrices; leave out --engine");
+    throw std::runtime_error(
+        file + " is not symmetric, and --engine petsc takes symmetric matrices; leave out --engine");
   check(MatSetOption(A, MAT_SYMMETRIC, PETSC_TRUE), file);
 }
 

@@ -12,12 +12,13 @@ namespace hmax::petsc {
 /// Reads a file on rank 0.
 using ReadRows = std::function<MatrixRows(const std::string& file)>;
 
-/// Reads a matrix; collective. PETSc's own files with indices as wide as its own are read by all ranks, each its
-/// rows; all other files by rank 0, which sends the others theirs.
+/// Reads a matrix; collective. PETSc's own files with indices as wide as its own are read by all ranks, each
+/// its rows; all other files by rank 0, which sends the others theirs.
 /// @throws std::runtime_error  for files that cannot be read and matrices that are not square
 Matrix read_matrix(const std::string& file, const ReadRows& read);
 
-/// The masses where M is diagonal, or `lumped` asks for the sums of its rows; no object where M couples unknowns.
+/// The masses where M is diagonal, or `lumped` asks for the sums of its rows; no object where M couples
+/// unknowns.
 /// @throws std::runtime_error  for a diagonal or a sum that is not positive
 Vector lumped_mass(Mat M, bool lumped, const std::string& file);
 

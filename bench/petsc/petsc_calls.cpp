@@ -10,7 +10,8 @@ std::string& last_message() {
 }
 
 PetscErrorCode keep_message(MPI_Comm /*comm*/, int /*line*/, const char* /*function*/, const char* /*file*/,
-                            PetscErrorCode code, PetscErrorType type, const char* message, void* /*context*/) {
+                            PetscErrorCode code, PetscErrorType type, const char* message,
+                            void* /*context*/) {
   if (type == PETSC_ERROR_INITIAL && message) last_message() = message;
   return code;
 }

@@ -1,11 +1,10 @@
 /// Calls of PETSc and MPI: their errors as exceptions, their objects with an owner.
 #pragma once
 
-#include <string>
-#include <utility>
-
 #include <slepceps.h>
 #include <slepcpep.h>
+#include <string>
+#include <utility>
 
 namespace hmax::petsc {
 
@@ -13,8 +12,8 @@ namespace hmax::petsc {
 std::string& last_message();
 
 /// Keeps the message for the sentence of hmax, and prints nothing; a PETSc error handler.
-PetscErrorCode keep_message(MPI_Comm comm, int line, const char* function, const char* file, PetscErrorCode code,
-                            PetscErrorType type, const char* message, void* context);
+PetscErrorCode keep_message(MPI_Comm comm, int line, const char* function, const char* file,
+                            PetscErrorCode code, PetscErrorType type, const char* message, void* context);
 
 /// @throws std::runtime_error  `what` and the message of PETSc, where the code is that of an error
 void check(PetscErrorCode code, const std::string& what);

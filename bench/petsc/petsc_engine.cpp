@@ -1,4 +1,5 @@
-/// The engine petsc: matrices on PETSc, eigenvalues by SLEPc. A module of its own, opened when it is asked for.
+/// The engine petsc: matrices on PETSc, eigenvalues by SLEPc. A module of its own, opened when it is asked
+/// for.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -64,8 +65,8 @@ class Engine final : public DistributedEngine {
     return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
   }
 
-  /// An error that all ranks came to is thrown by all; a rank that is alone with one ends them all, since the others
-  /// wait for it.
+  /// An error that all ranks came to is thrown by all; a rank that is alone with one ends them all, since the
+  /// others wait for it.
   void throw_together(std::string message) const {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibarrier(world, &request);
@@ -95,6 +96,7 @@ class Engine final : public DistributedEngine {
 }  // namespace hmax::petsc
 
 // NOLINTNEXTLINE(readability-identifier-naming): found by its name
-extern "C" __attribute__((visibility("default"))) std::unique_ptr<hmax::DistributedEngine> hmax_make_distributed_engine() {
+extern "C" __attribute__((visibility("default"))) std::unique_ptr<hmax::DistributedEngine>
+hmax_make_distributed_engine() {
   return std::make_unique<hmax::petsc::Engine>();
 }

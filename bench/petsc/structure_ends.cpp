@@ -12,8 +12,8 @@ namespace {
 const MPI_Comm world = MPI_COMM_WORLD;
 const std::string of_eigenvalues = "the largest eigenvalue is not found";
 
-/// alpha and beta of c = alpha m + beta k, products of the matrices with one vector: least squares, refined, since what
-/// the mass adds to the damping may be small.
+/// alpha and beta of c = alpha m + beta k, products of the matrices with one vector: least squares, refined,
+/// since what the mass adds to the damping may be small.
 std::pair<double, double> fitted(Vec c, Vec k, Vec m, const std::string& what) {
   PetscReal of_k = 0, of_m = 0;
   check(VecNorm(k, NORM_2, &of_k), what);
@@ -75,7 +75,8 @@ void add_rayleigh(Mat C, double alpha, double beta, Mat K, Mat M, Vec lumped) {
   check(MatDiagonalSet(C, diagonal, ADD_VALUES), what);
 }
 
-std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file) {
+std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped,
+                                                     const std::string& file) {
   Vector c, k, m;
   check(MatCreateVecs(K, c.out(), k.out()), file);
   check(VecDuplicate(k, m.out()), file);
@@ -134,8 +135,9 @@ Vector find_largest(Mat K, Mat M, StructureEnds& ends) {
   check(EPSGetConverged(eps, &found), of_eigenvalues);
   check(EPSGetIterationNumber(eps, &iterations), of_eigenvalues);
   if (found == 0)
-    throw std::runtime_error("the largest eigenvalue of " + std::to_string(ends.unknowns) + " unknowns did not converge in " +
-                             std::to_string(iterations) + " restarts; leave out --engine");
+    throw std::runtime_error("the largest eigenvalue of " + std::to_string(ends.unknowns) +
+                             " unknowns did not converge in " + std::to_string(iterations) +
+                             " restarts; leave out --engine");
   PetscScalar kappa = 0;
   Vector shape;
   check(MatCreateVecs(K, shape.out(), nullptr), of_eigenvalues);
@@ -163,7 +165,8 @@ PetscErrorCode keep_least(EPS /*eps*/, PetscInt /*iterations*/, PetscInt converg
 std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double kappa_max) {
   const std::string what = "the least eigenvalue is not found";
   const Solver eps = solver_for(K, M, EPS_SMALLEST_REAL, 1e-8);
-  check(EPSSetDimensions(eps, 1, static_cast<PetscInt>(std::min<std::int64_t>(unknowns, 40)), PETSC_DEFAULT), what);
+  check(EPSSetDimensions(eps, 1, static_cast<PetscInt>(std::min<std::int64_t>(unknowns, 40)), PETSC_DEFAULT),
+        what);
   const bool is_only_end = !(kappa_max > 0);  // then it is the rate of growth
   check(EPSSetTolerances(eps, 1e-8, is_only_end ? 300 : M ? 60 : 4), what);
   double least = std::numeric_limits<double>::infinity();

@@ -18,10 +18,11 @@ Vector fixed_vector(Mat K);
 /// @param lumped  in place of M where it is diagonal
 void add_rayleigh(Mat C, double alpha, double beta, Mat K, Mat M, Vec lumped);
 
-/// alpha and beta of C = alpha M + beta K, with the matrices compared in full; nothing where C is no such sum. C loses
-/// its rounding, or all there is of it.
+/// alpha and beta of C = alpha M + beta K, with the matrices compared in full; nothing where C is no such
+/// sum. C loses its rounding, or all there is of it.
 /// @param lumped  in place of M where it is diagonal
-std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped, const std::string& file);
+std::optional<std::pair<double, double>> rayleigh_of(Mat C, Mat K, Mat M, Vec lumped,
+                                                     const std::string& file);
 
 /// Iteration for one end of the spectrum of K u = kappa M u, by the type that its mass allows.
 Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance);
@@ -29,8 +30,8 @@ Solver solver_for(Mat K, Mat M, EPSWhich which, PetscReal tolerance);
 /// u / (u^T M u)^1/2
 void normalise(Vec u, Mat M);
 
-/// A negative Ritz value of K u = kappa M u, which the least eigenvalue is not above, after a few restarts: what one that
-/// is far from zero takes.
+/// A negative Ritz value of K u = kappa M u, which the least eigenvalue is not above, after a few restarts:
+/// what one that is far from zero takes.
 /// @param kappa_max  beside which it is negative
 /// @param M          null for I
 std::optional<double> negative_end(Mat K, Mat M, std::int64_t unknowns, double kappa_max);

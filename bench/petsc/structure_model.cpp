@@ -43,9 +43,11 @@ class Model final : public DistributedModel {
       : K_(std::move(K)), M_(std::move(M)), C_(std::move(C)), ends_(std::move(ends)) {
     const Vector shape = find_ends(K_, M_, is_positive, ends_);
     // Small eigenproblems are solved by every rank for itself, maybe by processors that round in other ways.
-    std::array<double, 5> numbers{ends_.kappa_max, ends_.alpha, ends_.beta, ends_.negative.value_or(0), ends_.residual};
+    std::array<double, 5> numbers{ends_.kappa_max, ends_.alpha, ends_.beta, ends_.negative.value_or(0),
+                                  ends_.residual};
     MPI_Bcast(numbers.data(), numbers.size(), MPI_DOUBLE, 0, world);
-    ends_.kappa_max = numbers[0], ends_.alpha = numbers[1], ends_.beta = numbers[2], ends_.residual = numbers[4];
+    ends_.kappa_max = numbers[0], ends_.alpha = numbers[1], ends_.beta = numbers[2],
+    ends_.residual = numbers[4];
     ends_.negative = numbers[3] < 0 ? std::optional(numbers[3]) : std::nullopt;
     check(MatCreateVecs(K_, x_.out(), out_.out()), of_products);
     noise_ = own_rows(fixed_vector(K_));
@@ -113,8 +115,9 @@ class Model final : public DistributedModel {
     check(MatNorm(C_, NORM_INFINITY, &size), of_products);
     // Its sign does not depend on M.
     if (negative_end(C_, nullptr, ends_.unknowns, size))
-      throw std::runtime_error("the damping matrix has a negative eigenvalue: it excites motion, and --engine petsc takes "
-                               "damping that does not; leave out --engine");
+      throw std::runtime_error(
+          "the damping matrix has a negative eigenvalue: it excites motion, and --engine petsc takes "
+          "damping that does not; leave out --engine");
     if (M_) {
       // No row of M is less than its diagonal, as far as a bound of the size needs to know.
       Vector diagonal;

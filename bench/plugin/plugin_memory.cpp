@@ -44,7 +44,8 @@ void SharedCount::store(std::uint32_t value) {
 void SharedCount::sleep_unless(std::uint32_t wanted, std::optional<int> milliseconds) {
   sleepers_.store(1);
   if (const std::uint32_t seen = value_.load(); seen != wanted) {
-    const timespec time{.tv_sec = milliseconds.value_or(0) / 1000, .tv_nsec = milliseconds.value_or(0) % 1000 * 1'000'000L};
+    const timespec time{.tv_sec = milliseconds.value_or(0) / 1000,
+                        .tv_nsec = milliseconds.value_or(0) % 1000 * 1'000'000L};
     syscall(SYS_futex, &value_, FUTEX_WAIT, seen, milliseconds ? &time : nullptr, nullptr, 0);
   }
   sleepers_.store(0);
@@ -75,11 +76,13 @@ bool Spin::until(const SharedCount& count, std::uint32_t wanted) {
 
 PluginMemory::PluginMemory() {
   void* memory = mmap(nullptr, mapped, PROT_NONE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (memory == MAP_FAILED || mprotect(static_cast<std::byte*>(memory) + guard, mapped - 2 * guard, PROT_READ | PROT_WRITE) != 0) {
+  if (memory == MAP_FAILED ||
+      mprotect(static_cast<std::byte*>(memory) + guard, mapped - 2 * guard, PROT_READ | PROT_WRITE) != 0) {
     const std::string reason = std::strerror(errno);
     if (memory != MAP_FAILED) munmap(memory, mapped);
-    throw InputError(fmt::format("the system refuses {} MB of address space for the plugin: {}; raise `ulimit -v`",
-                                 mapped / 1'000'000, reason));
+    throw InputError(
+        fmt::format("the system refuses {} MB of address space for the plugin: {}; raise `ulimit -v`",
+                    mapped / 1'000'000, reason));
   }
   page_ = new (static_cast<std::byte*>(memory) + guard) PluginPage;
 }

@@ -1,4 +1,5 @@
-/// The memory that hmax and the child process with the plugin both see: a request, then its reply in its place.
+/// The memory that hmax and the child process with the plugin both see: a request, then its reply in its
+/// place.
 #pragma once
 
 #include <array>
@@ -17,7 +18,8 @@ class alignas(64) SharedCount {
   [[nodiscard]] std::uint32_t load() const { return value_.load(std::memory_order_acquire); }
   /// Wakes the process that sleeps here.
   void store(std::uint32_t value);
-  /// Sleeps until the number changes, a signal comes or the time is over [ms]; not at all when it is `wanted`.
+  /// Sleeps until the number changes, a signal comes or the time is over [ms]; not at all when it is
+  /// `wanted`.
   void sleep_unless(std::uint32_t wanted, std::optional<int> milliseconds);
 
  private:
@@ -25,8 +27,8 @@ class alignas(64) SharedCount {
   static_assert(decltype(value_)::is_always_lock_free && sizeof value_ == 4);
 };
 
-/// Waiting without sleep, about as long as falling asleep and waking takes. Where this is in vain, as with slow plugins or
-/// busy cores, it is left out the next 1, 2, 4 .. 1024 times.
+/// Waiting without sleep, about as long as falling asleep and waking takes. Where this is in vain, as with
+/// slow plugins or busy cores, it is left out the next 1, 2, 4 .. 1024 times.
 class Spin {
  public:
   /// @returns whether the number is `wanted`
@@ -46,18 +48,19 @@ struct alignas(64) PluginStage {
 /// Numbers of the largest message, and characters of the longest text behind them.
 inline constexpr std::size_t most_plugin_numbers = 8 * most_plugin_states, most_plugin_characters = 1'000'000;
 
-/// The child has answered as often as it was asked, or once less; it begins with an answer. Of what it writes hmax takes
-/// nothing for granted: a plugin may write anywhere.
+/// The child has answered as often as it was asked, or once less; it begins with an answer. Of what it writes
+/// hmax takes nothing for granted: a plugin may write anywhere.
 struct PluginPage {
   SharedCount asked, answered;
   PluginStage stage;
   alignas(64) PluginRequest request;
   alignas(64) PluginReply reply;
-  alignas(64) std::array<double, most_plugin_numbers> numbers;  ///< of the request, or of the reply with its text behind
+  alignas(64) std::array<double, most_plugin_numbers> numbers;  ///< of the request, or of the reply with its
+                                                                ///< text behind
 };
 
-/// The page stands between two that nobody may touch, so that writing beyond the end of other arrays ends in a crash before
-/// it comes here. Memory is taken where it is first written to.
+/// The page stands between two that nobody may touch, so that writing beyond the end of other arrays ends in
+/// a crash before it comes here. Memory is taken where it is first written to.
 /// @throws InputError  where the system has none
 class PluginMemory {
  public:

@@ -10,14 +10,33 @@ namespace hmax {
 
 /// Functions of the plugin, and where the child is before and after them.
 enum class PluginCall : std::uint32_t {
-  none, load, create, dimension, get_state, set_state, step, saved_size, save, restore, quaternions, scales,
-  start, rhs, jacobian, mass, force, stiffness, damping, destroy, couplings
+  none,
+  load,
+  create,
+  dimension,
+  get_state,
+  set_state,
+  step,
+  saved_size,
+  save,
+  restore,
+  quaternions,
+  scales,
+  start,
+  rhs,
+  jacobian,
+  mass,
+  force,
+  stiffness,
+  damping,
+  destroy,
+  couplings
 };
 
 inline constexpr std::array<std::string_view, 21> plugin_call_names{
-    "between calls", "loading", "create", "dimension", "get_state", "set_state", "step", "saved_size", "save", "restore",
-    "quaternions",   "scales",  "start",  "rhs",       "jacobian",  "mass",      "force", "stiffness", "damping", "destroy",
-    "couplings"};
+    "between calls", "loading", "create",  "dimension",   "get_state", "set_state", "step",
+    "saved_size",    "save",    "restore", "quaternions", "scales",    "start",     "rhs",
+    "jacobian",      "mass",    "force",   "stiffness",   "damping",   "destroy",   "couplings"};
 
 enum class PluginAsk : std::uint32_t {
   state,      ///< -> y
@@ -50,13 +69,14 @@ struct PluginReply {
   std::uint64_t digest = 0;                   ///< of the text, by std::hash
 };
 
-/// The first reply begins with these numbers; the quaternions, and where they are there the scales, the groups and pairs of
-/// couplings, or y0 and the mass of a model, follow.
+/// The first reply begins with these numbers; the quaternions, and where they are there the scales, the
+/// groups and pairs of couplings, or y0 and the mass of a model, follow.
 struct PluginGreeting {
   double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
   double has_rhs = 0, has_force = 0, t_end = 0;
   double has_couplings = 0, pairs = 0, reach = 1;
-  double has_jacobian = 0, has_stiffness = 0, has_damping = 0;  ///< which the plugin gives; others are differences
+  double has_jacobian = 0, has_stiffness = 0,
+         has_damping = 0;  ///< which the plugin gives; others are differences
 };
 inline constexpr std::size_t greeting_size = sizeof(PluginGreeting) / sizeof(double);
 

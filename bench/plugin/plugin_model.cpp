@@ -55,7 +55,9 @@ class FirstOrder {
   explicit FirstOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
 
   [[nodiscard]] Index dim() const { return link_->facts().dim; }
-  void rhs(double t, const State& y, State& dydt) const { link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt)); }
+  void rhs(double t, const State& y, State& dydt) const {
+    link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
+  }
   void jacobian(double t, const State& y, Jacobian& J) const {
     J.resize(dim(), dim());
     link_->ask(PluginAsk::jacobian, t, span_of(y), span_of(J));
@@ -82,8 +84,12 @@ class SecondOrder {
     f.resize(dofs());
     link_->ask(PluginAsk::force, t, span_of(y), span_of(f));
   }
-  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const { matrix(PluginAsk::stiffness, t, q, v, K); }
-  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { matrix(PluginAsk::damping, t, q, v, C); }
+  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+    matrix(PluginAsk::stiffness, t, q, v, K);
+  }
+  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+    matrix(PluginAsk::damping, t, q, v, C);
+  }
   void rhs(double t, const State& y, State& dydt) const {
     if (link_->facts().greeting.has_rhs != 0) return link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
     VectorXd f(dofs());
@@ -122,8 +128,8 @@ constexpr Index most_compared = 2000;
 /// @param f   of x, shape (n)
 /// @throws InputError  where they are apart by more than a percent
 template <class Function>
-void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, const Function& f, const VectorXd& x,
-             double scale) {
+void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, const Function& f,
+             const VectorXd& x, double scale) {
   VectorXd direction(x.size());
   for (Index i = 0; i < x.size(); ++i) direction[i] = std::cos(static_cast<double>(i * i + i));
   const double step = 1e-4 * scale;
@@ -152,11 +158,13 @@ void check_matrices(const SecondOrder& model, const PluginFacts& facts) {
   };
   if (facts.greeting.has_stiffness != 0) {
     model.stiffness(0, q, v, A);
-    compare("stiffness", "force", -A, [&](const VectorXd& x) { return force(x, v); }, q, scale);
+    compare(
+        "stiffness", "force", -A, [&](const VectorXd& x) { return force(x, v); }, q, scale);
   }
   if (facts.greeting.has_damping != 0) {
     model.damping(0, q, v, A);
-    compare("damping", "force", -A, [&](const VectorXd& x) { return force(q, x); }, v, scale);
+    compare(
+        "damping", "force", -A, [&](const VectorXd& x) { return force(q, x); }, v, scale);
   }
 }
 void check_matrices(const FirstOrder& model, const PluginFacts& facts) {
@@ -180,16 +188,18 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   const auto link = std::make_shared<const Link>(std::move(plugin), std::move(settings));
   const PluginFacts& facts = link->facts();
   if (facts.greeting.is_stepper != 0)
-    throw InputError(fmt::format("'{}' of the plugin is a stepper and no model; use `hmax probe` for it", facts.name));
+    throw InputError(
+        fmt::format("'{}' of the plugin is a stepper and no model; use `hmax probe` for it", facts.name));
   if (!facts.y0.allFinite()) throw InputError("the initial state of the plugin is not finite");
   if (!(facts.greeting.t_end > 0 && std::isfinite(facts.greeting.t_end)))
     throw InputError("the end time that start() of the plugin gives is not positive");
   const bool mechanical = facts.greeting.has_force != 0;
   // Its matrices are dense: half a gigabyte each.
   if (constexpr Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
-    throw InputError(fmt::format("the model of the plugin has {} unknowns, but its matrices are dense, which serves up to {}; "
-                                 "write its matrices to files and use --matrices",
-                                 mechanical ? facts.dim / 2 : facts.dim, most));
+    throw InputError(fmt::format(
+        "the model of the plugin has {} unknowns, but its matrices are dense, which serves up to {}; "
+        "write its matrices to files and use --matrices",
+        mechanical ? facts.dim / 2 : facts.dim, most));
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
     throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
   if (facts.dim <= most_compared)
@@ -216,15 +226,15 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
   PluginSettings process;
   for (const auto& [name, value] : settings.parameters) {
     if (name != patience_parameter)
-      throw InputError(
-          fmt::format("a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT", name));
+      throw InputError(fmt::format(
+          "a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT", name));
     process.patience = value;
   }
   Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
   if (settings.y0.empty()) return problem;
   if (static_cast<Index>(settings.y0.size()) != problem.y0.size())
-    throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}", settings.y0.size(),
-                                 problem.y0.size()));
+    throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
+                                 settings.y0.size(), problem.y0.size()));
   problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
   return problem;
 }

@@ -18,8 +18,8 @@ struct PluginName {
 /// @throws InputError  where there is no such file
 PluginName parse_plugin(std::string_view text);
 
-/// 8 hexadecimal digits of what is in the file, and of the argument: libraries that were built anew are told apart. Libraries
-/// that this one loads are not looked at.
+/// 8 hexadecimal digits of what is in the file, and of the argument: libraries that were built anew are told
+/// apart. Libraries that this one loads are not looked at.
 std::string plugin_digest(const PluginName& plugin);
 
 }  // namespace hmax

@@ -32,11 +32,12 @@ struct PluginFacts {
   Eigen::Index dim = 0;
   std::vector<Eigen::Index> quaternions;  ///< first index of each
   Eigen::VectorXd scales;                 ///< shape (dim), or empty
-  /// Of its couplings: the group of each number, shape (dim) or empty, pairs of groups, and how many in a row a step crosses.
+  /// Of its couplings: the group of each number, shape (dim) or empty, pairs of groups, and how many in a row
+  /// a step crosses.
   std::vector<Eigen::Index> groups;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> couplings;
   double reach = 1;
-  Eigen::VectorXd y0, mass;               ///< of a model; mass of shape (dim / 2), or empty
+  Eigen::VectorXd y0, mass;  ///< of a model; mass of shape (dim / 2), or empty
 };
 
 /// Fork and shared memory. One thread at a time. A call of a plugin takes about 0.3 us beside its own time

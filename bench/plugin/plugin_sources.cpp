@@ -21,7 +21,8 @@ std::vector<std::filesystem::path> write_plugin_examples(const std::filesystem::
   for (const auto& [file, text] : files) {
     if (std::ifstream before(file); before) {
       const std::string there{std::istreambuf_iterator<char>(before), {}};
-      if (there != text) throw InputError(fmt::format("{} is there already and differs; name another folder", file.string()));
+      if (there != text)
+        throw InputError(fmt::format("{} is there already and differs; name another folder", file.string()));
     }
     std::ofstream out(file, std::ios::binary);
     out << text;

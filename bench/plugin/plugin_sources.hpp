@@ -14,9 +14,9 @@ struct PluginText {
   std::string_view text;
 };
 
-std::span<const PluginText> plugin_headers();        ///< plugin.h
-std::span<const PluginText> plugin_step_examples();  ///< plugin_stepper.cpp
-std::span<const PluginText> plugin_model_examples(); ///< plugin_model.c
+std::span<const PluginText> plugin_headers();         ///< plugin.h
+std::span<const PluginText> plugin_step_examples();   ///< plugin_stepper.cpp
+std::span<const PluginText> plugin_model_examples();  ///< plugin_model.c
 
 /// Writes hmax/plugin.h, plugin_stepper.cpp and plugin_model.c into a folder.
 /// @return  the files

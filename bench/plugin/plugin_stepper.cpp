@@ -9,12 +9,15 @@
 namespace hmax {
 namespace {
 
-std::span<const double> numbers_of(const Eigen::VectorXd& y) { return {y.data(), static_cast<std::size_t>(y.size())}; }
+std::span<const double> numbers_of(const Eigen::VectorXd& y) {
+  return {y.data(), static_cast<std::size_t>(y.size())};
+}
 std::span<double> numbers_of(Eigen::VectorXd& y) { return {y.data(), static_cast<std::size_t>(y.size())}; }
 
 }  // namespace
 
-PluginStepper::PluginStepper(PluginName plugin, PluginSettings settings) : process_(std::move(plugin), std::move(settings)) {
+PluginStepper::PluginStepper(PluginName plugin, PluginSettings settings)
+    : process_(std::move(plugin), std::move(settings)) {
   if (process_.facts().greeting.is_stepper == 0)
     throw InputError(fmt::format("'{}' of the plugin is a model and has no step of its own; name a stepper",
                                  process_.facts().name));
@@ -28,7 +31,8 @@ PluginStepper::PluginStepper(PluginName plugin, PluginSettings settings) : proce
 
 std::string PluginStepper::name() const {
   const PluginName& plugin = process_.plugin();
-  return plugin.argument.empty() ? process_.facts().name : fmt::format("{}:{}", process_.facts().name, plugin.argument);
+  return plugin.argument.empty() ? process_.facts().name
+                                 : fmt::format("{}:{}", process_.facts().name, plugin.argument);
 }
 
 Eigen::SparseMatrix<double> PluginStepper::pattern() const {
@@ -44,7 +48,8 @@ Eigen::SparseMatrix<double> PluginStepper::pattern() const {
   Sparse neighbours(dim(), dim()), members(dim(), dim());
   neighbours.setFromTriplets(entries.begin(), entries.end(), [](double, double) { return 1.0; });
   entries.clear();
-  for (Eigen::Index i = 0; i < dim(); ++i) entries.emplace_back(i, facts.groups[static_cast<std::size_t>(i)], 1);
+  for (Eigen::Index i = 0; i < dim(); ++i)
+    entries.emplace_back(i, facts.groups[static_cast<std::size_t>(i)], 1);
   members.setFromTriplets(entries.begin(), entries.end());
   // What a step reaches of a group; half of all saves nothing any more.
   const double n = static_cast<double>(dim());
@@ -64,7 +69,9 @@ Eigen::VectorXd PluginStepper::state() {
   return y;
 }
 
-void PluginStepper::set_state(const Eigen::VectorXd& y) { process_.ask({.ask = PluginAsk::set_state}, numbers_of(y), {}); }
+void PluginStepper::set_state(const Eigen::VectorXd& y) {
+  process_.ask({.ask = PluginAsk::set_state}, numbers_of(y), {});
+}
 
 bool PluginStepper::step(double h, std::int64_t count) {
   return process_.ask({.ask = PluginAsk::steps, .count = static_cast<std::uint64_t>(count), .h = h}, {}, {});
@@ -91,8 +98,10 @@ Eigen::VectorXd PluginStepper::after(int slot, const Eigen::VectorXd& y, double 
 
 Eigen::VectorXd PluginStepper::advance(int slot, double h) {
   Eigen::VectorXd next(dim());
-  const PluginRequest request{.ask = PluginAsk::advance, .slot = static_cast<std::uint32_t>(slot), .count = 1, .h = h};
-  if (!process_.ask(request, {}, numbers_of(next))) next.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const PluginRequest request{
+      .ask = PluginAsk::advance, .slot = static_cast<std::uint32_t>(slot), .count = 1, .h = h};
+  if (!process_.ask(request, {}, numbers_of(next)))
+    next.setConstant(std::numeric_limits<double>::quiet_NaN());
   return next;
 }
 

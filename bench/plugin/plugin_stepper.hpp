@@ -14,9 +14,13 @@ class PluginStepper final : public ForeignStepper {
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] const std::string& note() const { return process_.facts().note; }
   [[nodiscard]] Eigen::Index dim() const override { return process_.facts().dim; }
-  [[nodiscard]] bool is_single_precision() const override { return process_.facts().greeting.single_precision != 0; }
+  [[nodiscard]] bool is_single_precision() const override {
+    return process_.facts().greeting.single_precision != 0;
+  }
   [[nodiscard]] bool has_hidden_state() const override { return process_.facts().greeting.has_save != 0; }
-  [[nodiscard]] std::vector<Eigen::Index> quaternions() const override { return process_.facts().quaternions; }
+  [[nodiscard]] std::vector<Eigen::Index> quaternions() const override {
+    return process_.facts().quaternions;
+  }
   [[nodiscard]] Eigen::VectorXd scales() const override { return process_.facts().scales; }
   [[nodiscard]] Eigen::SparseMatrix<double> pattern() const override;
 

@@ -1,7 +1,6 @@
 #include "bench/ranks/module.hpp"
 
 #include <dlfcn.h>
-
 #include <string>
 
 #include <fmt/format.h>
@@ -21,9 +20,12 @@ void* symbol_of_module(const char* file, const char* symbol) {
   const std::string path = module_file(file).string();
   // Global, because the parts that OpenMPI loads look for its symbols there. It stays open: MPI ends once.
   void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
-  if (!module) throw InputError(fmt::format("the module {} cannot be opened: {}; build or install hmax again", file, dlerror()));
+  if (!module)
+    throw InputError(
+        fmt::format("the module {} cannot be opened: {}; build or install hmax again", file, dlerror()));
   void* const found = dlsym(module, symbol);
-  if (!found) throw InputError(fmt::format("{} is no module of this hmax; build or install hmax again", path));
+  if (!found)
+    throw InputError(fmt::format("{} is no module of this hmax; build or install hmax again", path));
   return found;
 }
 

@@ -26,15 +26,15 @@ class Ranks {
   [[nodiscard]] virtual int size() const = 0;
   /// The most ranks that share a node.
   [[nodiscard]] virtual int most_on_a_node() const = 0;
-  /// Messages from one rank to another arrive in the order in which they were sent. May wait until the other one
-  /// receives.
+  /// Messages from one rank to another arrive in the order in which they were sent. May wait until the other
+  /// one receives.
   virtual void send(int to, std::string_view bytes) = 0;
   /// A message that has arrived; does not wait.
   virtual std::optional<Message> receive() = 0;
 };
 
-/// Sleeps between looks for something that other ranks do: 20 us, and twice as long each time up to 1 ms, so that who
-/// waits leaves the processor to who works.
+/// Sleeps between looks for something that other ranks do: 20 us, and twice as long each time up to 1 ms, so
+/// that who waits leaves the processor to who works.
 class Pause {
  public:
   void sleep();
@@ -49,11 +49,12 @@ class Pause {
 /// Whether this build has MPI.
 bool has_mpi();
 
-/// Opens the module with MPI; nothing of it is loaded before. Once for each process, by all that mpirun has started; from
-/// then on only rank 0 prints, and the standard streams of all others go to the null device. The destructor waits for all
-/// ranks.
+/// Opens the module with MPI; nothing of it is loaded before. Once for each process, by all that mpirun has
+/// started; from then on only rank 0 prints, and the standard streams of all others go to the null device.
+/// The destructor waits for all ranks.
 /// @param started  processes that mpirun says it has started
-/// @throws InputError  where this build has no MPI, the module cannot be opened, or another MPI's mpirun was used
+/// @throws InputError  where this build has no MPI, the module cannot be opened, or another MPI's mpirun was
+/// used
 std::unique_ptr<Ranks> open_ranks(int started);
 
 /// What the module offers: makes the ranks, null where the ranks of MPI are not `started`.

@@ -7,7 +7,8 @@ namespace hmax {
 
 class ThreadRanks::One final : public Ranks {
  public:
-  One(ThreadRanks& all, int rank, int most_on_a_node) : all_(all), rank_(rank), most_on_a_node_(most_on_a_node) {}
+  One(ThreadRanks& all, int rank, int most_on_a_node)
+      : all_(all), rank_(rank), most_on_a_node_(most_on_a_node) {}
 
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int size() const override { return static_cast<int>(all_.boxes_.size()); }
@@ -33,7 +34,8 @@ class ThreadRanks::One final : public Ranks {
 };
 
 ThreadRanks::ThreadRanks(int size, int most_on_a_node) : boxes_(static_cast<std::size_t>(size)) {
-  for (int rank = 0; rank < size; ++rank) ranks_.push_back(std::make_unique<One>(*this, rank, most_on_a_node));
+  for (int rank = 0; rank < size; ++rank)
+    ranks_.push_back(std::make_unique<One>(*this, rank, most_on_a_node));
 }
 ThreadRanks::~ThreadRanks() = default;
 

@@ -34,8 +34,9 @@ struct WantedLimit {
   bool details = false;     ///< the margins of the modes
 };
 
-/// The limits near this state that the store has from this very program and that answer the question; others are to
-/// be computed again.
-std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key, const WantedLimit& wanted);
+/// The limits near this state that the store has from this very program and that answer the question; others
+/// are to be computed again.
+std::vector<LimitRow> stored_limits(const Store& store, const OperatingPointKey& key,
+                                    const WantedLimit& wanted);
 
 }  // namespace hmax

@@ -22,7 +22,8 @@ void add(Digest& digest, const Eigen::VectorXd& numbers) {
   }
 }
 
-/// A state up to `size` away, in another direction for each component, so that no part of a body moves rigidly.
+/// A state up to `size` away, in another direction for each component, so that no part of a body moves
+/// rigidly.
 Eigen::VectorXd moved(const Eigen::VectorXd& y, double size) {
   Eigen::VectorXd state = y;
   for (Eigen::Index i = 0; i < y.size(); ++i)

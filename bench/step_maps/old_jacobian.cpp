@@ -90,8 +90,9 @@ MatrixT as(const AnyMatrix& matrix) {
 }
 
 template <class MatrixT>
-std::shared_ptr<const typename FirstOrder<MatrixT>::Parts> parts_of(const LinearModel& model, RightHandSide rhs,
-                                                                    bool autonomous, RightHandSide stiff) {
+std::shared_ptr<const typename FirstOrder<MatrixT>::Parts> parts_of(const LinearModel& model,
+                                                                    RightHandSide rhs, bool autonomous,
+                                                                    RightHandSide stiff) {
   typename FirstOrder<MatrixT>::Parts parts;
   parts.n = model.y.size();
   parts.J = as<MatrixT>(model.J());
@@ -108,14 +109,15 @@ bool is_sparse_structure(const LinearModel& model) {
 
 RightHandSide product_with(AnyMatrix matrix) {
   return [matrix = std::make_shared<const AnyMatrix>(std::move(matrix))](double, const VectorXd& y,
-                                                                        VectorXd& dydt) {
+                                                                         VectorXd& dydt) {
     std::visit([&](const auto& held) { dydt.noalias() = held * y; }, *matrix);
   };
 }
 
 }  // namespace
 
-AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous, RightHandSide stiff) {
+AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous,
+                           RightHandSide stiff) {
   if (!is_sparse_structure(model)) {
     const bool sparse = is_sparse(model.J());
     if (sparse)

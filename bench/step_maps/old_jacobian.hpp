@@ -13,8 +13,8 @@ namespace hmax {
 /// f(t, y), written into dydt of shape (n).
 using RightHandSide = std::function<void(double t, const Eigen::VectorXd& y, Eigen::VectorXd& dydt)>;
 
-/// y' = f(t, y) with the constant Jacobian of a linear model: with its sparse mass, stiffness and damping where it
-/// has these, so that equations are solved as those of bodies, else with its whole Jacobian.
+/// y' = f(t, y) with the constant Jacobian of a linear model: with its sparse mass, stiffness and damping
+/// where it has these, so that equations are solved as those of bodies, else with its whole Jacobian.
 /// @param stiff  the stiff part, whose Jacobian is J_stiff of the model; empty where there is none
 AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous,
                            RightHandSide stiff = {});

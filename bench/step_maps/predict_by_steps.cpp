@@ -25,11 +25,11 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Up to which an observed limit is the predicted one, relative: of linear maps, and of truncated iterations, whose
-/// orbits fluctuate.
+/// Up to which an observed limit is the predicted one, relative: of linear maps, and of truncated iterations,
+/// whose orbits fluctuate.
 constexpr double tolerance_linear = 0.01, tolerance_truncated = 0.05;
-/// ln of the factor of a step up to which growth is not counted: undamped motions that old Jacobians or explicit
-/// parts let grow more slowly are as good as stable in runs of a thousand steps.
+/// ln of the factor of a step up to which growth is not counted: undamped motions that old Jacobians or
+/// explicit parts let grow more slowly are as good as stable in runs of a thousand steps.
 constexpr double weak_growth = 5e-4;
 constexpr std::int64_t watched_steps = 1024;
 
@@ -39,7 +39,8 @@ struct RateRange {
 };
 RateRange rates_of(const ModeSet& modes) {
   RateRange rates;
-  for (const Complex lambda : modes.spectrum.lambda) rates.fastest = std::max(rates.fastest, std::abs(lambda));
+  for (const Complex lambda : modes.spectrum.lambda)
+    rates.fastest = std::max(rates.fastest, std::abs(lambda));
   for (const Complex lambda : modes.spectrum.lambda)
     if (std::abs(lambda) > 1e-7 * rates.fastest) rates.slowest = std::min(rates.slowest, std::abs(lambda));
   return rates;
@@ -52,7 +53,8 @@ StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuest
   settings.least = 0.5 / rates.fastest;
   settings.most = std::clamp(100 / rates.slowest, 1e4 / rates.fastest, 1e7 / rates.fastest);
   settings.weak_growth = weak_growth;
-  // Thousands of steps resolve that beside undamped motions. Implicit-explicit steps take too long for as many.
+  // Thousands of steps resolve that beside undamped motions. Implicit-explicit steps take too long for as
+  // many.
   settings.long_power = question.options ? 128 : settings.power;
   settings.inner = energy_product(near.point.model);
   settings.watch = question.watch;
@@ -69,10 +71,9 @@ struct Found {
 /// Whose Jacobian a run has.
 std::string words_of_jacobian(const StepChoices& options, bool same_state) {
   if (options.is_frozen())
-    return same_state
-               ? "the frozen Jacobian is that of the initial state, which is this state"
-               : "the frozen Jacobian is that of the initial state, not of this state; "
-                 "`advise` freezes that of the start of its motion";
+    return same_state ? "the frozen Jacobian is that of the initial state, which is this state"
+                      : "the frozen Jacobian is that of the initial state, not of this state; "
+                        "`advise` freezes that of the start of its motion";
   if (options.jacobian.every > 1)
     return "near this state a Jacobian of the last steps is the exact one but for terms of second order";
   return "the Jacobian is that of this state";
@@ -86,22 +87,26 @@ void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings
   row.modes.clear();
   row.limiting.reset();
   row.h_max = limit.h_max;
-  row.bound = std::isinf(limit.h_max) ? Bound::accuracy : limit.h_max > 0 ? Bound::stability : Bound::every_step;
-  const std::string sought =
-      std::isinf(limit.h_max) ? fmt::format("no step up to {:.3g} s", settings.most)
-      : limit.h_max > 0       ? std::string("from h_max on a step")
-                              : fmt::format("already a step of {:.3g} s", 1e-3 * settings.least);
-  const std::string strides =
-      fmt::format(", sought in strides of {:.0f} %", 100 * (settings.stride - 1));
+  row.bound = std::isinf(limit.h_max) ? Bound::accuracy
+              : limit.h_max > 0       ? Bound::stability
+                                      : Bound::every_step;
+  const std::string sought = std::isinf(limit.h_max) ? fmt::format("no step up to {:.3g} s", settings.most)
+                             : limit.h_max > 0
+                                 ? std::string("from h_max on a step")
+                                 : fmt::format("already a step of {:.3g} s", 1e-3 * settings.least);
+  const std::string strides = fmt::format(", sought in strides of {:.0f} %", 100 * (settings.stride - 1));
   if (settings.linear)
     say(row, fmt::format("{} has a spectral radius above {:.5g}{}", sought, std::exp(weak_growth), strides));
   else
-    say(row, fmt::format("{} lets a motion grow: a truncated iteration is homogeneous and not linear in the state, so "
-                         "that the limit is that of the mean growth over orbits of {} steps from seeded starts, not "
-                         "of every start{}",
-                         sought, settings.power * settings.blocks / 2, strides));
+    say(row,
+        fmt::format(
+            "{} lets a motion grow: a truncated iteration is homogeneous and not linear in the state, so "
+            "that the limit is that of the mean growth over orbits of {} steps from seeded starts, not "
+            "of every start{}",
+            sought, settings.power * settings.blocks / 2, strides));
   if (!limit.resolved)
-    say(row, "the iteration did not resolve slow growth at every step size, so that the limit may be smaller");
+    say(row,
+        "the iteration did not resolve slow growth at every step size, so that the limit may be smaller");
 }
 
 /// The model, the state whose Jacobian is taken, and the limit.
@@ -183,8 +188,8 @@ Observation watched_without_limit(const Problem& problem, const ShowSteps& run, 
   return seen;
 }
 
-/// The step at which runs begin to grow by more than weak_growth a step: from 2 % on both sides of the prediction
-/// outwards, then by halves.
+/// The step at which runs begin to grow by more than weak_growth a step: from 2 % on both sides of the
+/// prediction outwards, then by halves.
 double onset_of_growth(const ShowSteps& run, const Distance& distance, double predicted) {
   // Half of the run lies between the quarters that are compared.
   const double least = weak_growth * static_cast<double>(watched_steps) / 2;
@@ -207,11 +212,13 @@ Observation watched_limit(const Found& found, const ShowSteps& run, const Distan
   seen.agrees = std::abs(seen.gap) <= tolerance;
   // Where growth sets in gradually its onset says little.
   const double slow = 1.5 * weak_growth * static_cast<double>(watched_steps);
-  seen.excused = !seen.agrees && observed_growth(run, distance, 1.02 * *found.row.h_max, watched_steps) < slow;
+  seen.excused =
+      !seen.agrees && observed_growth(run, distance, 1.02 * *found.row.h_max, watched_steps) < slow;
   if (seen.excused)
     contradiction = "growth beyond this limit is too slow for the runs to show where it begins";
   else if (!seen.agrees)
-    contradiction = fmt::format("integration shows another limit, beyond the tolerance of {} %", 100 * tolerance);
+    contradiction =
+        fmt::format("integration shows another limit, beyond the tolerance of {} %", 100 * tolerance);
   return seen;
 }
 
@@ -233,12 +240,13 @@ void verify_steps(Found& found, const Method& method, const Problem& problem, co
   motion /= motion.cwiseAbs().maxCoeff();
   const double size = small_displacement(problem, near, motion, 1e-7);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
-  const ShowSteps run = steps_of(method, as_run(free, question, jacobian), rest, size * motion, outcome, spec);
+  const ShowSteps run =
+      steps_of(method, as_run(free, question, jacobian), rest, size * motion, outcome, spec);
   std::string contradiction;
-  Observation seen =
-      std::isinf(*found.row.h_max)
-          ? watched_without_limit(problem, run, distance_from(rest, inner), found.settings.most, contradiction)
-          : watched_limit(found, run, distance_from(rest, inner), contradiction);
+  Observation seen = std::isinf(*found.row.h_max)
+                         ? watched_without_limit(problem, run, distance_from(rest, inner),
+                                                 found.settings.most, contradiction)
+                         : watched_limit(found, run, distance_from(rest, inner), contradiction);
   seen.step_defect = step_defect(method);
   if (!contradiction.empty()) say(found.row, contradiction);
   found.row.observed = seen;
@@ -268,8 +276,8 @@ Prediction predict_by_steps(const Method& method, const Problem& problem, const 
   const bool frozen = question.options && question.options->is_frozen();
   const LinearModel jacobian = frozen ? linear_model(problem, 0, problem.y0) : near.point.model;
   Found found = found_limit(method, problem, near, question, jacobian);
-  const bool has_claim = !found.row.growing &&
-                         (found.row.bound == Bound::stability || found.row.bound == Bound::accuracy);
+  const bool has_claim =
+      !found.row.growing && (found.row.bound == Bound::stability || found.row.bound == Bound::accuracy);
   if (question.verified && has_claim) verify_steps(found, method, problem, near, question, jacobian);
   return found.row;
 }
@@ -279,12 +287,15 @@ double tolerated_stiffening(const Method& method, const Problem& problem, const 
   constexpr double most = 64, stride = 1.25, resolution = 1.02;
   const LinearModel& model = near.point.model;
   if (!model.mechanical) return std::numeric_limits<double>::quiet_NaN();
-  const StepMapSettings settings = settings_of(near, !options.is_truncated(), {.options = options, .watch = watch});
+  const StepMapSettings settings =
+      settings_of(near, !options.is_truncated(), {.options = options, .watch = watch});
   const LinearModel jacobian = linear_model(problem, 0, problem.y0);
   const VectorXd start = start_vector(model.y.size());
   const auto grows = [&](double factor) {
     if (watch) watch();
-    return growth_of_steps(step_maps(method, stiffer(model, factor), jacobian, options.linear)(h), start, settings).grows;
+    return growth_of_steps(step_maps(method, stiffer(model, factor), jacobian, options.linear)(h), start,
+                           settings)
+        .grows;
   };
   if (grows(1)) return 0;
   double low = 1, high = stride;

@@ -26,7 +26,8 @@ bool is_positive_definite(const Eigen::MatrixXd& K) { return K.llt().info() == E
 }  // namespace
 
 std::string name_with(const Method& method, const StepChoices& options) {
-  return fmt::format("{}, Jacobian {}, {}", method.id, to_string(options.jacobian), to_string(options.linear));
+  return fmt::format("{}, Jacobian {}, {}", method.id, to_string(options.jacobian),
+                     to_string(options.linear));
 }
 
 std::string id_in(const std::string& name) { return name.substr(0, name.find(", ")); }
@@ -40,8 +41,8 @@ StepMapAt step_maps(const Method& method, const LinearModel& model, const Linear
   const auto problem = std::make_shared<Problem>();
   problem->id = "linear model";
   problem->t_end = 1;
-  problem->system =
-      with_jacobian_of(jacobian, linear_part(model), true, method.needs_split ? linear_stiff_part(model) : nullptr);
+  problem->system = with_jacobian_of(jacobian, linear_part(model), true,
+                                     method.needs_split ? linear_stiff_part(model) : nullptr);
   return [method, problem, linear](double h) -> StepMap {
     return [=](const VectorXd& y, int steps) -> VectorXd {
       const VectorXd lost = VectorXd::Constant(y.size(), std::numeric_limits<double>::quiet_NaN());

@@ -11,19 +11,21 @@ namespace hmax {
 
 /// How a simulator runs a method that solves one linear system a step.
 struct StepChoices {
-  JacobianUpdate jacobian{1};                          ///< exact
+  JacobianUpdate jacobian{1};  ///< exact
   LinearSolve linear{.by = LinearSolve::By::direct};
 
   [[nodiscard]] bool is_truncated() const { return linear.by == LinearSolve::By::conjugate_gradients; }
   [[nodiscard]] bool is_frozen() const { return jacobian.every == JacobianUpdate::frozen; }
 };
 
-/// "linearly_implicit_euler, Jacobian frozen, direct": a method with its options, as stores and tables name it.
+/// "linearly_implicit_euler, Jacobian frozen, direct": a method with its options, as stores and tables name
+/// it.
 std::string name_with(const Method& method, const StepChoices& options);
 /// The id in such a name.
 std::string id_in(const std::string& name);
 
-/// Whether the options change what a step of the method makes: methods of hmax that solve linear equations alone.
+/// Whether the options change what a step of the method makes: methods of hmax that solve linear equations
+/// alone.
 bool takes_step_options(const Method& method);
 
 /// The steps of `method` on y' = J y, J of `model`.

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "bench/catalogue/catalogue.hpp"
-#include "bench/rows/limit_rows.hpp"
 #include "bench/limits/linearised_problem.hpp"
 #include "bench/limits/predict.hpp"
 #include "bench/limits/trajectory_limit.hpp"
 #include "bench/limits/verification.hpp"
+#include "bench/rows/limit_rows.hpp"
 #include "core/parallel_for.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/oscillator/liver_problems.hpp"
@@ -32,7 +32,8 @@ Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, dou
 
 /// The limit of a small motion about the equilibrium, verified; of a nonlinear case also the least along the
 /// motion from the published start, and the one that runs from there show.
-LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSize& size, const Method& method) {
+LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSize& size,
+                  const Method& method) {
   const Problem& problem = each.problem;
   Prediction prediction = predict(method, near);
   verify(prediction, method, problem, near);

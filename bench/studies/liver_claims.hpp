@@ -22,12 +22,13 @@ struct Claim {
   Judgement judgement = Judgement::holds;
 };
 
-/// What it says of the motion, sections 3.3 A to D: damping, stiffness, mass, force. Runs of dop_853, the same on
-/// every machine but for rounding.
+/// What it says of the motion, sections 3.3 A to D: damping, stiffness, mass, force. Runs of dop_853, the
+/// same on every machine but for rounding.
 std::vector<Claim> claims_on_motion();
 
 /// What it says of the five solvers, sections 2.2 and 3.1.
-/// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least. Times are
+/// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least.
+/// Times are
 ///              those of the machine that measured them
 std::vector<Claim> claims_on_solvers(const std::vector<Row>& rows);
 
@@ -39,8 +40,8 @@ struct SolverWork {
   double error;  ///< largest |x| or |v| off the motion at any step [m], [m/s]
 };
 
-/// The solvers of the study that choose their steps, with MATLAB's defaults (rtol 1e-3, atol 1e-6, its step size
-/// control) and with rtol = atol = 1e-6 and the control of hmax.
+/// The solvers of the study that choose their steps, with MATLAB's defaults (rtol 1e-3, atol 1e-6, its step
+/// size control) and with rtol = atol = 1e-6 and the control of hmax.
 std::vector<SolverWork> work_at_defaults();
 
 }  // namespace hmax

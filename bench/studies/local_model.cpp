@@ -131,7 +131,8 @@ double HapticContact::position(double t) const {
 std::vector<HapticForce> haptic_forces(const Thigh& thigh, const HapticContact& contact) {
   if (contact.point < 0 || contact.point >= thigh.points())
     throw std::invalid_argument("the probe touches a point that the thigh does not have");
-  const auto exact = tissue(thigh, contact, "dop_853", {.adaptive = true, .rtol = 1e-9, .atol = 1e-12, .every = tick}),
+  const auto exact = tissue(thigh, contact, "dop_853",
+                            {.adaptive = true, .rtol = 1e-9, .atol = 1e-12, .every = tick}),
              fast = tissue(thigh, contact, "linearly_implicit_euler", {.h = tick}),
              slow = tissue(thigh, contact, "linearly_implicit_euler", {.h = frame});
   std::vector<HapticForce> all{

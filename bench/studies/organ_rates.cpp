@@ -25,7 +25,8 @@ Problem pressed(std::string_view model, std::string_view mesh, std::string_view 
 
 }  // namespace
 
-std::vector<ConstantJacobian> constant_jacobians(const std::vector<std::string>& meshes, std::string_view material) {
+std::vector<ConstantJacobian> constant_jacobians(const std::vector<std::string>& meshes,
+                                                 std::string_view material) {
   std::vector<ConstantJacobian> all;
   for (const std::string& mesh : meshes)
     for (const std::string_view model : {"mass_spring", "fem_green"}) {
@@ -37,8 +38,9 @@ std::vector<ConstantJacobian> constant_jacobians(const std::vector<std::string>&
       const MotionRun run = run_motion(candidate, motion, reference, frame, 1, {.frames = 300});
       const FrameTimes times = frame_times(run.frames_s);
       const TetMesh& tetrahedra = motion.problem.body->mesh();
-      all.push_back({mesh, std::string(model), static_cast<long>(tetrahedra.tetrahedron_count()), static_cast<long>(edges_of(tetrahedra).cols()),
-                     run.reached_end(), run.error, times.p50, times.p99});
+      all.push_back({mesh, std::string(model), static_cast<long>(tetrahedra.tetrahedron_count()),
+                     static_cast<long>(edges_of(tetrahedra).cols()), run.reached_end(), run.error, times.p50,
+                     times.p99});
     }
   return all;
 }

@@ -23,8 +23,8 @@ namespace hmax {
 
 namespace {
 
-constexpr std::array<std::string_view, 5> models{"fem_cauchy", "fem_green", "fem_corotational", "fem_neo_hookean",
-                                                 "mass_spring"};
+constexpr std::array<std::string_view, 5> models{"fem_cauchy", "fem_green", "fem_corotational",
+                                                 "fem_neo_hookean", "mass_spring"};
 constexpr double young = 5500;  // [Pa]
 
 double volume_of(const TetMesh& mesh, const Eigen::Matrix3Xd& points, double* spread = nullptr) {
@@ -56,7 +56,8 @@ Eigen::VectorXd turned(const TissueBody& body, double angle) {
 
 Problem body_of(std::string_view model, std::string_view mesh, const char* load, Parameters parameters) {
   parameters.emplace_back("E", young);
-  return make_problem(tissue_id(model, mesh, load), {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(tissue_id(model, mesh, load),
+                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
 }
 
 PressedVolume measured(const Problem& problem, const Eigen::VectorXd& q) {
@@ -64,7 +65,8 @@ PressedVolume measured(const Problem& problem, const Eigen::VectorXd& q) {
   PressedVolume result;
   const Eigen::Matrix3Xd points = body.positions(equilibrium_time(body), q);
   result.displacement = largest_displacement(q);
-  result.lost = 1 - volume_of(body.mesh(), points, &result.spread) / volume_of(body.mesh(), body.mesh().points);
+  result.lost =
+      1 - volume_of(body.mesh(), points, &result.spread) / volume_of(body.mesh(), body.mesh().points);
   return result;
 }
 
@@ -152,10 +154,10 @@ LinearSolutions linear_solutions(const StaticModel& model) {
     };
   };
   const std::vector<std::function<void(std::int64_t)>> tasks{
-      repeated([&] { inverse = Eigen::MatrixXd(K).llt().solve(Eigen::MatrixXd::Identity(model.dofs, model.dofs)); }),
-      repeated([&] { solver.factor(K); }),
-      repeated([&] { u.noalias() = inverse * f; }),
       repeated([&] {
+        inverse = Eigen::MatrixXd(K).llt().solve(Eigen::MatrixXd::Identity(model.dofs, model.dofs));
+      }),
+      repeated([&] { solver.factor(K); }), repeated([&] { u.noalias() = inverse * f; }), repeated([&] {
         u = f;
         solver.solve(u);
       })};
@@ -181,7 +183,8 @@ std::vector<FrameBudget> frame_budgets(const StaticModel& model, int frames) {
       seconds.push_back(frame.seconds);
       budget.error = std::max(budget.error, frame.error);
     }
-    if (run.size() < static_cast<std::size_t>(frames)) budget.error = std::numeric_limits<double>::quiet_NaN();
+    if (run.size() < static_cast<std::size_t>(frames))
+      budget.error = std::numeric_limits<double>::quiet_NaN();
     std::ranges::sort(seconds);
     budget.seconds = seconds.empty() ? 0 : seconds[seconds.size() / 2];
   }

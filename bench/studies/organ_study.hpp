@@ -34,11 +34,11 @@ std::vector<PressedVolume> pressed_volumes(std::string_view mesh, double displac
 /// Newton's method, modified or not, whose linear systems are solved by SOR to a tolerance.
 struct InnerTolerance {
   StaticMethod method;
-  double tolerance = 0;        ///< of the linear systems, relative to their right-hand side
+  double tolerance = 0;  ///< of the linear systems, relative to their right-hand side
   bool converged = false;
-  int iterations = 0;          ///< linear systems
-  std::int64_t sweeps = 0;     ///< of SOR in all
-  double seconds = 0;          ///< CPU time
+  int iterations = 0;       ///< linear systems
+  std::int64_t sweeps = 0;  ///< of SOR in all
+  double seconds = 0;       ///< CPU time
 };
 /// @param model       in equilibrium to 1e-9 of its load
 /// @param relaxation  of SOR
@@ -53,11 +53,12 @@ struct LinearSolutions {
 };
 LinearSolutions linear_solutions(const StaticModel& model);
 
-/// A load that is brought on within a second of `frames` frames, each of which has a number of iterations of Newton's
-/// method.
+/// A load that is brought on within a second of `frames` frames, each of which has a number of iterations of
+/// Newton's method.
 struct FrameBudget {
   int iterations = 0;
-  double error = 0;    ///< the largest |q - q*| / |q*| of all frames against their equilibria [1]; NaN where it diverged
+  double error =
+      0;  ///< the largest |q - q*| / |q*| of all frames against their equilibria [1]; NaN where it diverged
   double seconds = 0;  ///< median CPU time of a frame
 };
 /// One, two and four iterations, linear systems solved directly.

@@ -29,7 +29,9 @@ namespace hmax {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 /// A digest of what a plan measures, in its order.
 std::string digest_of(const SweepPlan& plan) {
@@ -75,7 +77,8 @@ class Helper {
       RankRows rows;
       for (const Hand::Task& task : hand.tasks) {
         const auto started = Clock::now();
-        for (Row& row : meter.measured({&plan.blocks.at(task.block), task.methods})) rows.rows.push_back(std::move(row));
+        for (Row& row : meter.measured({&plan.blocks.at(task.block), task.methods}))
+          rows.rows.push_back(std::move(row));
         rows.seconds.push_back(seconds_since(started));
       }
       send(rows);
@@ -131,14 +134,19 @@ class OwnHelper {
   std::jthread thread_;
 };
 
-/// The side of rank 0 that deals. Workers count from 0: the own thread, which may be missing, then the other ranks.
+/// The side of rank 0 that deals. Workers count from 0: the own thread, which may be missing, then the other
+/// ranks.
 class Dealing {
  public:
   Dealing(Ranks& ranks, Sweeper& sweeper, const std::vector<SweepTask>& tasks)
-      : ranks_(ranks), sweeper_(sweeper), plan_(sweeper.plan()), measures_(are_times_rough(plan_, ranks) || ranks.size() == 1),
+      : ranks_(ranks),
+        sweeper_(sweeper),
+        plan_(sweeper.plan()),
+        measures_(are_times_rough(plan_, ranks) || ranks.size() == 1),
         deck_(plan_, plan_.spec.explore ? single_rows(plan_, tasks) : tasks,
               static_cast<std::size_t>(ranks.size() - (measures_ ? 0 : 1))),
-        workers_(static_cast<std::size_t>(ranks.size())), cost_(deck_.cost()) {
+        workers_(static_cast<std::size_t>(ranks.size())),
+        cost_(deck_.cost()) {
     for (const SweepTask& task : tasks) rows_ += task.methods.size();
     sweeper_.summary().ranks = ranks.size();
   }
@@ -200,9 +208,11 @@ class Dealing {
   /// @throws InputError  where a rank would measure something else
   void welcome(std::size_t worker, const RankReady& ready) {
     if (ready.machine.program != here_.program)
-      throw InputError(fmt::format("rank {} runs another build of hmax; start the same program on all nodes", worker));
+      throw InputError(
+          fmt::format("rank {} runs another build of hmax; start the same program on all nodes", worker));
     if (ready.sweep != digest_)
-      throw InputError(fmt::format("rank {} has another sweep; give all ranks the same options and files", worker));
+      throw InputError(
+          fmt::format("rank {} has another sweep; give all ranks the same options and files", worker));
     workers_[worker].session = session_of(ready.machine, worker);
   }
 
@@ -212,7 +222,8 @@ class Dealing {
     const auto [known, is_new] = sessions_.try_emplace(fmt::format("{}", fmt::join(changes, "; ")), 0);
     if (is_new) {
       known->second = sweeper_.store().begin_session(machine);
-      sweeper_.warn(fmt::format("rank {} measured on another machine than rank 0 ({})", worker, known->first));
+      sweeper_.warn(
+          fmt::format("rank {} measured on another machine than rank 0 ({})", worker, known->first));
     }
     return known->second;
   }
@@ -238,9 +249,12 @@ class Dealing {
       const double cost = expected_cost(plan_, *hand[i].block, hand[i].methods);
       dealt_cost_ -= cost;
       const Problem& problem = plan_.problems[hand[i].block->problem];
-      summary.tasks.push_back({.rank = rank, .problem = problem.id + (problem.material.empty() ? "" : ":" + problem.material),
-                               .rows = static_cast<std::int64_t>(hand[i].methods.size()), .expected_seconds = cost,
-                               .seconds = seconds.at(i)});
+      summary.tasks.push_back(
+          {.rank = rank,
+           .problem = problem.id + (problem.material.empty() ? "" : ":" + problem.material),
+           .rows = static_cast<std::int64_t>(hand[i].methods.size()),
+           .expected_seconds = cost,
+           .seconds = seconds.at(i)});
     }
     sweeper_.tell(1 - (deck_.cost() + dealt_cost_) / cost_,
                   fmt::format("{} ranks, {}", ranks_.size(), in_words(plan_, *hand.front().block)));
@@ -265,15 +279,17 @@ class Dealing {
   Fingerprint here_ = fingerprint();
   std::string digest_ = digest_of(plan_);
   Deck deck_;
-  std::vector<Worker> workers_;                  ///< by rank; 0 is the own thread
+  std::vector<Worker> workers_;                   ///< by rank; 0 is the own thread
   std::map<std::string, std::int64_t> sessions_;  ///< of other machines, by what differs
-  std::size_t rows_ = 0;                         ///< not kept yet
-  double cost_ = 0, dealt_cost_ = 0;             ///< expected, of all and of what is dealt
+  std::size_t rows_ = 0;                          ///< not kept yet
+  double cost_ = 0, dealt_cost_ = 0;              ///< expected, of all and of what is dealt
 };
 
 }  // namespace
 
-bool are_times_rough(const SweepPlan& plan, const Ranks& ranks) { return plan.spec.explore || ranks.most_on_a_node() > 1; }
+bool are_times_rough(const SweepPlan& plan, const Ranks& ranks) {
+  return plan.spec.explore || ranks.most_on_a_node() > 1;
+}
 
 SweepDealer::~SweepDealer() {
   for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, to_bytes(Hand{}));
@@ -299,7 +315,8 @@ SweepSummary SweepDealer::run(const SweepPlan& plan, Store& store,
   });
 }
 
-void help_sweep(Ranks& ranks, const std::function<SweepPlan()>& plan, const std::function<bool()>& interrupted) {
+void help_sweep(Ranks& ranks, const std::function<SweepPlan()>& plan,
+                const std::function<bool()>& interrupted) {
   Helper(ranks, interrupted).help(plan);
 }
 

@@ -20,14 +20,15 @@ struct SweepTask {
 /// "liver_forced, fixed, h = 0.01"
 std::string in_words(const SweepPlan& plan, const SweepBlock& block);
 
-/// Each row by itself, those of one problem from the longest to the shortest, so that all who share them end together.
+/// Each row by itself, those of one problem from the longest to the shortest, so that all who share them end
+/// together.
 std::vector<SweepTask> single_rows(const SweepPlan& plan, const std::vector<SweepTask>& tasks);
 
 /// Thrown where a sweep is asked to end.
 struct SweepEnded {};
 
-/// Measures tasks of a plan; knows the reference of the problem at hand. For one thread, which no other one shares the
-/// problems with.
+/// Measures tasks of a plan; knows the reference of the problem at hand. For one thread, which no other one
+/// shares the problems with.
 class RowMeter {
  public:
   /// @param share  of the task at hand that is done

@@ -1,11 +1,10 @@
-#include "bench/timing/sweep.hpp"
-
 #include <algorithm>
 #include <memory>
 #include <mutex>
 #include <utility>
 
 #include "bench/timing/row_meter.hpp"
+#include "bench/timing/sweep.hpp"
 #include "bench/timing/sweeper.hpp"
 #include "core/parallel_for.hpp"
 
@@ -45,7 +44,8 @@ void explore(Sweeper& sweeper, const std::vector<SweepTask>& tasks) {
   std::vector<SweepPlan> plans;
   while (plans.size() < std::min(jobs(), rows.size())) plans.push_back(with_own_problems(sweeper.plan()));
   std::vector<std::unique_ptr<RowMeter>> threads;
-  for (const SweepPlan& plan : plans) threads.push_back(std::make_unique<RowMeter>(plan, nullptr, sweeper.interrupted()));
+  for (const SweepPlan& plan : plans)
+    threads.push_back(std::make_unique<RowMeter>(plan, nullptr, sweeper.interrupted()));
   std::mutex storing;
   std::size_t stored = 0;
   parallel_for(
@@ -56,7 +56,9 @@ void explore(Sweeper& sweeper, const std::vector<SweepTask>& tasks) {
         sweeper.keep(done);
         ++stored;
       },
-      [&](std::size_t done) { sweeper.tell(static_cast<double>(done) / static_cast<double>(rows.size()), "exploring"); },
+      [&](std::size_t done) {
+        sweeper.tell(static_cast<double>(done) / static_cast<double>(rows.size()), "exploring");
+      },
       [&] { return sweeper.interrupted() && sweeper.interrupted()(); });
   if (stored < rows.size()) throw SweepEnded{};
 }
@@ -67,7 +69,8 @@ SweepSummary run_sweep(const SweepPlan& plan, Store& store,
                        const std::function<void(const SweepProgress&)>& progress,
                        const std::function<bool()>& interrupted) {
   Sweeper sweeper(plan, store, progress, interrupted, plan.spec.explore);
-  return sweeper.run([&](const std::vector<SweepTask>& tasks) { (plan.spec.explore ? explore : measure)(sweeper, tasks); });
+  return sweeper.run(
+      [&](const std::vector<SweepTask>& tasks) { (plan.spec.explore ? explore : measure)(sweeper, tasks); });
 }
 
 }  // namespace hmax

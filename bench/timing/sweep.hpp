@@ -46,10 +46,11 @@ struct SweepSpec {
   Controllers control = Controllers::deadband;
   std::optional<double> t_end;  ///< [s]; absent: each problem's own
   int repeats = 9;              ///< timed repetitions, at least 9, of an exploring sweep at least 1
-  /// On all cores, many rows at once: see Row::explored. Otherwise one thread, kept on its core, measures all.
+  /// On all cores, many rows at once: see Row::explored. Otherwise one thread, kept on its core, measures
+  /// all.
   bool explore = false;
-  /// Whether runs are timed by themselves. One repetition of an exploring sweep is the counted run: its time is rough
-  /// in any case.
+  /// Whether runs are timed by themselves. One repetition of an exploring sweep is the counted run: its time
+  /// is rough in any case.
   [[nodiscard]] bool repeats_runs() const { return !explore || repeats > 1; }
   std::int64_t max_steps = 1'000'000'000;
   /// A sample is made of as many runs as take this long [s].
@@ -81,9 +82,9 @@ struct SweepPlan {
   [[nodiscard]] std::int64_t rows() const;
 };
 
-/// Expected CPU time of some methods of a block [s], good enough to divide a sweep and to tell how long it still
-/// takes: 15 ns for a stage or a point of output of two numbers, and at least a sample each, or some milliseconds where rows
-/// are not timed by themselves.
+/// Expected CPU time of some methods of a block [s], good enough to divide a sweep and to tell how long it
+/// still takes: 15 ns for a stage or a point of output of two numbers, and at least a sample each, or some
+/// milliseconds where rows are not timed by themselves.
 double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::vector<std::size_t>& methods);
 
 /// One of `count` parts of a sweep, for programs that run beside each other.
@@ -92,9 +93,10 @@ struct Shard {
   int count = 1;
 };
 
-/// The blocks of one shard: a stretch of the plan of about one part in `count` of the expected cost, so that a shard needs
-/// the references of few problems. Every block is in one shard; where blocks are few some shards are empty. `canonical`
-/// stays that of the whole sweep: stores of shards can be merged and resumed as one.
+/// The blocks of one shard: a stretch of the plan of about one part in `count` of the expected cost, so that
+/// a shard needs the references of few problems. Every block is in one shard; where blocks are few some
+/// shards are empty. `canonical` stays that of the whole sweep: stores of shards can be merged and resumed as
+/// one.
 /// @throws InputError  unless 1 <= index <= count
 SweepPlan shard_of(SweepPlan plan, Shard shard);
 
@@ -153,13 +155,13 @@ struct SweepSummary {
 
 /// Measures what is missing in `store`. Block by block: each method runs once with its evaluations counted,
 /// its errors measured and subnormal numbers noticed; then all are timed in turn; then the rows are committed
-/// together. An exploring sweep does the same with each row by itself, those of one problem from long to short, and with one
-/// repetition takes the time of the counted run.
-/// The end state of the timed runs must agree with the counted run bit for bit (std::logic_error otherwise),
-/// so no time is stored without its error.
+/// together. An exploring sweep does the same with each row by itself, those of one problem from long to
+/// short, and with one repetition takes the time of the counted run. The end state of the timed runs must
+/// agree with the counted run bit for bit (std::logic_error otherwise), so no time is stored without its
+/// error.
 /// @param progress     called often, also inside of a block; may be empty
-/// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty. An exploring sweep asks
-/// in all threads at once.
+/// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty. An exploring
+/// sweep asks in all threads at once.
 SweepSummary run_sweep(const SweepPlan& plan, Store& store,
                        const std::function<void(const SweepProgress&)>& progress = {},
                        const std::function<bool()>& interrupted = {});

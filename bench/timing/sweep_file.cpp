@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "bench/input/suggest.hpp"
-#include "bench/models/mesh_choice.hpp"
 #include "bench/models/matrix_problem.hpp"
+#include "bench/models/mesh_choice.hpp"
 #include "bench/models/tissue_problem.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "results/errors.hpp"

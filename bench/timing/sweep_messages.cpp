@@ -60,11 +60,14 @@ struct ToJson {
     for (const Row& row : rows.rows) list.push_back(to_json(row));
     return {{"rows", std::move(list)}, {"seconds", rows.seconds}};
   }
-  Json operator()(const RankFailed& failed) const { return {{"failed", failed.what}, {"is_input", failed.is_input}}; }
+  Json operator()(const RankFailed& failed) const {
+    return {{"failed", failed.what}, {"is_input", failed.is_input}};
+  }
   Json operator()(const RankInterrupted&) const { return {{"interrupted", true}}; }
   Json operator()(const Hand& hand) const {
     Json list = Json::array();
-    for (const Hand::Task& task : hand.tasks) list.push_back({{"block", task.block}, {"methods", task.methods}});
+    for (const Hand::Task& task : hand.tasks)
+      list.push_back({{"block", task.block}, {"methods", task.methods}});
     return {{"hand", std::move(list)}};
   }
   Json operator()(const RankEnded&) const { return {{"ended", true}}; }
@@ -81,19 +84,22 @@ std::string to_bytes(const SweepMessage& message) {
 SweepMessage sweep_message(std::string_view bytes) {
   const Json json = Json::from_cbor(bytes);
   if (json.contains("ready"))
-    return RankReady{json.at("ready").get<std::string>(), fingerprint_from_json(json.at("machine").get<std::string>())};
+    return RankReady{json.at("ready").get<std::string>(),
+                     fingerprint_from_json(json.at("machine").get<std::string>())};
   if (json.contains("rows")) {
     RankRows rows;
     for (const Json& row : json.at("rows")) rows.rows.push_back(row_from(row));
     json.at("seconds").get_to(rows.seconds);
     return rows;
   }
-  if (json.contains("failed")) return RankFailed{json.at("failed").get<std::string>(), json.at("is_input").get<bool>()};
+  if (json.contains("failed"))
+    return RankFailed{json.at("failed").get<std::string>(), json.at("is_input").get<bool>()};
   if (json.contains("interrupted")) return RankInterrupted{};
   if (json.contains("hand")) {
     Hand hand;
     for (const Json& task : json.at("hand"))
-      hand.tasks.push_back({task.at("block").get<std::size_t>(), task.at("methods").get<std::vector<std::size_t>>()});
+      hand.tasks.push_back(
+          {task.at("block").get<std::size_t>(), task.at("methods").get<std::vector<std::size_t>>()});
     return hand;
   }
   if (json.contains("ended")) return RankEnded{};

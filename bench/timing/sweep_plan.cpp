@@ -248,7 +248,8 @@ std::int64_t SweepPlan::rows() const {
   return rows;
 }
 
-double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::vector<std::size_t>& methods) {
+double expected_cost(const SweepPlan& plan, const SweepBlock& block,
+                     const std::vector<std::size_t>& methods) {
   // Of two numbers, a stage or a point; sparse models grow with their numbers.
   const double each = 15e-9 * std::max(1.0, static_cast<double>(plan.problems[block.problem].y0.size()) / 2);
   double total = 0;
@@ -256,18 +257,20 @@ double expected_cost(const SweepPlan& plan, const SweepBlock& block, const std::
     double run = 0;
     if (block.mode == "fixed") run = block.run.t_end / block.run.h * plan.methods[m].stages * each;
     if (block.mode == "sampled") run = block.run.t_end / block.run.every * each;
-    // Short runs with all that is around them, and runs whose evaluations nobody knows before, as they were measured.
+    // Short runs with all that is around them, and runs whose evaluations nobody knows before, as they were
+    // measured.
     const bool is_known = block.mode == "fixed" && plan.methods[m].stages > 0;
     const double counted = std::max(run, is_known ? 1e-3 : 5e-3);
-    total += plan.spec.repeats_runs() ? std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2) : counted;
+    total +=
+        plan.spec.repeats_runs() ? std::max(run, plan.spec.min_sample_s) * (plan.spec.repeats + 2) : counted;
   }
   return total;
 }
 
 SweepPlan shard_of(SweepPlan plan, Shard shard) {
   if (shard.index < 1 || shard.index > shard.count)
-    throw InputError(fmt::format("shard {} of {} does not exist; shards count from 1 to {}", shard.index, shard.count,
-                                 std::max(1, shard.count)));
+    throw InputError(fmt::format("shard {} of {} does not exist; shards count from 1 to {}", shard.index,
+                                 shard.count, std::max(1, shard.count)));
   double total = 0, before = 0;
   for (const SweepBlock& block : plan.blocks) total += expected_cost(plan, block, block.methods);
   std::vector<SweepBlock> own;
@@ -275,7 +278,8 @@ SweepPlan shard_of(SweepPlan plan, Shard shard) {
     const double cost = expected_cost(plan, block, block.methods);
     // The shard in whose stretch of the cost the middle of the block lies.
     const double middle = (before + cost / 2) / total;
-    if (std::min(shard.count, 1 + static_cast<int>(middle * shard.count)) == shard.index) own.push_back(block);
+    if (std::min(shard.count, 1 + static_cast<int>(middle * shard.count)) == shard.index)
+      own.push_back(block);
     before += cost;
   }
   plan.blocks = std::move(own);

@@ -28,7 +28,10 @@ void Sweeper::keep(std::span<const Row> rows) {
 
 void Sweeper::tell(double fraction, const std::string& what) const {
   if (progress_)
-    progress_({.rows_done = summary_.skipped + summary_.measured, .rows = plan_.rows(), .fraction = fraction, .what = what});
+    progress_({.rows_done = summary_.skipped + summary_.measured,
+               .rows = plan_.rows(),
+               .fraction = fraction,
+               .what = what});
 }
 
 void Sweeper::begin_session() {
@@ -38,13 +41,15 @@ void Sweeper::begin_session() {
         fmt::format("the store '{}' is published and takes no rows of a debug build; build with `cmake "
                     "--preset release`, or give another --out",
                     store_.file().string()));
-  if (here.debug_build) warn("this is a debug build; its times are marked and say nothing about a release build");
+  if (here.debug_build)
+    warn("this is a debug build; its times are marked and say nothing about a release build");
   if (const std::vector<Session> sessions = store_.sessions(); !sessions.empty())
     if (const auto changes = differences(sessions.back().fingerprint, here); !changes.empty())
       warn(fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
   if (plan_.spec.explore)
-    warn("explored on all cores: the CPU times are rough, and no figure or comparison takes them; a sweep without "
-         "--explore measures them");
+    warn(
+        "explored on all cores: the CPU times are rough, and no figure or comparison takes them; a sweep without "
+        "--explore measures them");
   session_ = store_.begin_session(here);
 }
 

@@ -11,8 +11,8 @@ namespace hmax {
 /// CPU time that the calling thread has used so far [s]. One reading costs about 200 ns: time batches.
 double thread_cpu_seconds();
 
-/// The clock of what the calling thread does next: thread_cpu_seconds(), or where it may use others the CPU time of all
-/// threads of the process [s]. Both readings of a difference are of one clock.
+/// The clock of what the calling thread does next: thread_cpu_seconds(), or where it may use others the CPU
+/// time of all threads of the process [s]. Both readings of a difference are of one clock.
 using CpuClock = double (*)();
 CpuClock cpu_clock();
 

@@ -12,7 +12,8 @@ namespace hmax {
 
 /// Writes the page.
 /// @param rows   of the answer, best first
-/// @param scene  the body as scene_text() writes it; empty: the problem is none, or it is too large for a page
+/// @param scene  the body as scene_text() writes it; empty: the problem is none, or it is too large for a
+/// page
 /// @throws InputError  when the page cannot be written
 void write_advice_page(const std::filesystem::path& file, const AdviceText& text, const AdviceKey& question,
                        const std::vector<AdviceRecord>& rows, const std::string& scene);

@@ -49,7 +49,8 @@ std::optional<SceneMode> slowest_mode(const Problem& problem, const Linearised& 
   const auto& part = near.point.model.mechanical;
   if (!part || !part->symmetric || problem.body->dofs() > most_cheaply_factored) return std::nullopt;
   const ExtremeStiffnesses slowest = smallest_stiffnesses(*part, 1);
-  if (!slowest.converged || slowest.kappa.empty() || !(hertz(slowest.kappa.front()) >= 1e-3)) return std::nullopt;
+  if (!slowest.converged || slowest.kappa.empty() || !(hertz(slowest.kappa.front()) >= 1e-3))
+    return std::nullopt;
   return SceneMode{.words = "slowest mode at the start of the motion",
                    .frequency = hertz(slowest.kappa.front()),
                    .shape = on_all_points(*problem.body, slowest.shapes.col(0))};

@@ -9,8 +9,8 @@
 
 namespace hmax {
 
-/// "507 points, 1953 tetrahedra, ...; E 5500 Pa, ...", two lines without the last break; of matrices one line;
-/// empty of all others.
+/// "507 points, 1953 tetrahedra, ...; E 5500 Pa, ...", two lines without the last break; of matrices one
+/// line; empty of all others.
 std::string body_in_words(const Problem& problem);
 
 /// The same for programs: `{E, nu, rho, regions, mass, size, points, held, gravity, unusual}`; null of what
@@ -21,8 +21,8 @@ nlohmann::ordered_json body_json(const BodySummary& body);
 /// What is known of matrices, for programs: `{files, unknowns, rows, mass_sum, ..}`; null of what is none.
 nlohmann::ordered_json matrices_json(const Problem& problem);
 
-/// Says on standard error which values are unusual for tissue, as slips in units make them, and what stands out in
-/// matrices.
+/// Says on standard error which values are unusual for tissue, as slips in units make them, and what stands
+/// out in matrices.
 void remark_unusual(Console& console, const Problem& problem);
 
 }  // namespace hmax

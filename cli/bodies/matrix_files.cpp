@@ -29,7 +29,8 @@ struct Written {
 };
 
 Sparse sparse(const AnyMatrix& matrix) {
-  return is_sparse(matrix) ? std::get<Sparse>(matrix) : Sparse(std::get<Eigen::MatrixXd>(matrix).sparseView());
+  return is_sparse(matrix) ? std::get<Sparse>(matrix)
+                           : Sparse(std::get<Eigen::MatrixXd>(matrix).sparseView());
 }
 
 std::vector<Written> matrices_of(const LinearModel& model) {
@@ -57,7 +58,8 @@ std::string names_of_unknowns(const TissueBody& body) {
   std::string names = fmt::format("# direction 3 of point 12 is 12.3, {}\n", own_mark);
   const MeshOrigin* const origin = body.origin().get();
   for (const TetMesh::Index point : body.free_points()) {
-    const auto place = static_cast<std::size_t>(origin ? origin->points[static_cast<std::size_t>(point)] : point);
+    const auto place =
+        static_cast<std::size_t>(origin ? origin->points[static_cast<std::size_t>(point)] : point);
     const bool numbered = origin && place < origin->file.point_numbers.size();
     const auto number = numbered ? origin->file.point_numbers[place] : static_cast<std::int64_t>(place) + 1;
     for (int direction = 1; direction <= 3; ++direction) names += fmt::format("{}.{}\n", number, direction);
@@ -67,7 +69,8 @@ std::string names_of_unknowns(const TissueBody& body) {
 
 }  // namespace
 
-void write_matrices(const Problem& problem, const OperatingPoint& point, const std::string& folder, Console& console) {
+void write_matrices(const Problem& problem, const OperatingPoint& point, const std::string& folder,
+                    Console& console) {
   std::vector<Written> files = matrices_of(point.model);
   write(folder, point.problem, files);
   if (problem.body)

@@ -218,10 +218,8 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
            "FOLDER");
   add_unit(convert_command, *options);
   add_flag(convert_command, "--fix", options->fix, "Reorient inverted tetrahedra");
-  add_text(
-      convert_command, "--merge", options->merge,
-      "Merge points within this share of the shortest edge, or off; 0 by default",
-           "TOL");
+  add_text(convert_command, "--merge", options->merge,
+           "Merge points within this share of the shortest edge, or off; 0 by default", "TOL");
   add_flag(convert_command, "--renumber", options->renumber,
            "Renumber points and tetrahedra, so that neighbours have similar numbers");
   add_text(convert_command, "--model", options->model,

@@ -323,8 +323,8 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .energy = 0,
                       .tool = {}};
   answer.outcome = outcome_of(problem, answer.solution);
-  answer.status = scale == 1 ? status_without_equilibrium(problem, answer.solution)
-                             : status_of(problem, answer.solution);
+  answer.status =
+      scale == 1 ? status_without_equilibrium(problem, answer.solution) : status_of(problem, answer.solution);
   answer.least_volume = problem.body->least_volume(t, answer.solution.q).first;
   answer.energy = model.energy(answer.solution.q);
   answer.tool = tool_report(problem, t, answer.solution.q);
@@ -382,7 +382,9 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
 std::string words_of(const StaticAnswer& answer, const Console& console) {
   constexpr std::size_t all = 40, ends = 10;  // of a long history the first and the last rows are shown
   const std::vector<StaticIterate>& history = answer.solution.history;
-  const std::string time = answer.threads ? fmt::format("elapsed ({} thread{})", *answer.threads, *answer.threads == 1 ? "" : "s") : "time";
+  const std::string time =
+      answer.threads ? fmt::format("elapsed ({} thread{})", *answer.threads, *answer.threads == 1 ? "" : "s")
+                     : "time";
   TextTable table({"iteration", "load step", "residual", time, "inner iterations"});
   for (std::size_t i = 0; i < history.size(); ++i) {
     const StaticIterate& row = history[i];

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
-#include "bench/step_maps/one_step_map.hpp"
 #include "bench/models/planar.hpp"
+#include "bench/step_maps/one_step_map.hpp"
 #include "cli/phase/phase.hpp"
 #include "plots/dynamics.hpp"
 #include "results/errors.hpp"
@@ -33,8 +33,7 @@ struct MapView {
 };
 
 MapView map_of(const PhaseView& view, const PhaseOptions& options) {
-  if (!options.h)
-    throw InputError("no step size is given; add --h in seconds");
+  if (!options.h) throw InputError("no step size is given; add --h in seconds");
   const Method method = options.method.make();
   MapView seen{.method = method.id,
                .h = *options.h,

@@ -13,7 +13,8 @@ namespace hmax {
 /// @param rows  as claims_on_solvers()
 ReportSection claims_section(const std::vector<Row>& rows);
 
-/// The solvers of the study at MATLAB's default tolerances and step control, beside those of the other sections.
+/// The solvers of the study at MATLAB's default tolerances and step control, beside those of the other
+/// sections.
 ReportSection defaults_section();
 
 }  // namespace hmax

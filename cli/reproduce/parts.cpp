@@ -27,17 +27,19 @@ double seconds_since(std::chrono::steady_clock::time_point started) {
 }
 
 /// Writes the page of all rows. @returns a link to it, as Markdown
-std::string link_to_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores, Console& console) {
+std::string link_to_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores,
+                         Console& console) {
   const RowsPage page = write_rows_page(folder, stores);
   if (page.left_out > 0)
-    console.remark(fmt::format("{} rows are left out of {}, since it would be larger than 5 MB; the stores have every row",
-                               page.left_out, page.file.string()));
+    console.remark(fmt::format(
+        "{} rows are left out of {}, since it would be larger than 5 MB; the stores have every row",
+        page.left_out, page.file.string()));
   return page.link;
 }
 
 /// What a shard has stored in a folder.
-ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vector<const char*>& stores, std::size_t rows,
-                            std::chrono::steady_clock::time_point started) {
+ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vector<const char*>& stores,
+                            std::size_t rows, std::chrono::steady_clock::time_point started) {
   std::vector<std::string> files;
   for (const char* store : stores) files.push_back((folder / store).string());
   const double seconds = seconds_since(started);
@@ -181,7 +183,8 @@ nlohmann::ordered_json to_json(const TissueStudy& study) {
 
 }  // namespace
 
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console, std::optional<Shard> shard) {
+ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console,
+                                std::optional<Shard> shard) {
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
@@ -192,7 +195,8 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const auto study = [&](const char* task, CaseKind kind, const std::vector<Method>& chosen) {
     Progress progress(console, task);
     return limit_study(
-        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop, shard.value_or(Shard{}));
+        cases, kind, chosen, &store, [&](double share) { progress.update(share); }, stop,
+        shard.value_or(Shard{}));
   };
   const std::vector<StudyRow> rows = study("predicting and verifying", CaseKind::linear, methods());
   std::vector<Method> chosen;
@@ -200,9 +204,8 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
   if (interrupted) throw Interrupted::with_store((folder / limit_store).string());
   if (shard) return stored_shard(folder, {limit_store}, rows.size() + nonlinear.size(), started);
-  const std::filesystem::path report =
-      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder,
-                          link_to_rows(folder, {limit_store}, console));
+  const std::filesystem::path report = reproduce_stability(
+      cases, rows, nonlinear, summary(fingerprint()), folder, link_to_rows(folder, {limit_store}, console));
   const LimitSummary found = summary_of(cases, rows);
   const double seconds = seconds_since(started);
   return {.report = report,
@@ -217,13 +220,14 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
                        {"worst_gap", found.worst_gap},
                        {"worst", found.worst},
                        {"seconds", seconds}},
-          .words = fmt::format("{} pairs of method and model; {} limits within {:.4f} % of what integration shows, {} "
-                               "without limit, {} disagree.",
-                               found.rows, found.with_number, 100 * found.worst_gap, found.unbounded,
-                               found.disagreeing)};
+          .words = fmt::format(
+              "{} pairs of method and model; {} limits within {:.4f} % of what integration shows, {} "
+              "without limit, {} disagree.",
+              found.rows, found.with_number, 100 * found.worst_gap, found.unbounded, found.disagreeing)};
 }
 
-ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options, Console& console) {
+ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
+                                     Console& console) {
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
@@ -241,11 +245,12 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
           .seconds = seconds_since(started),
           .failed = study.unsolved > 0,
           .document = to_json(study),
-          .words = fmt::format("Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
-                               "the same load the liver moves by {:.3g} mm with springs and {:.3g} mm with finite "
-                               "elements.",
-                               study.force_ratio, study.step_ratio, 1000 * study.deflection_springs,
-                               1000 * study.deflection_elements)};
+          .words = fmt::format(
+              "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
+              "the same load the liver moves by {:.3g} mm with springs and {:.3g} mm with finite "
+              "elements.",
+              study.force_ratio, study.step_ratio, 1000 * study.deflection_springs,
+              1000 * study.deflection_elements)};
 }
 
 ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,

@@ -15,10 +15,10 @@ namespace hmax {
 
 /// What came of one of them.
 struct ReproducedPart {
-  std::filesystem::path report = {};  ///< its page, index.html; empty where only a shard is stored
-  std::int64_t rows = 0;            ///< of numbers that it rests on
-  double seconds = 0;               ///< wall time of this call [s]
-  bool failed = false;              ///< prediction and runs disagree, or something was not solved
+  std::filesystem::path report = {};     ///< its page, index.html; empty where only a shard is stored
+  std::int64_t rows = 0;                 ///< of numbers that it rests on
+  double seconds = 0;                    ///< wall time of this call [s]
+  bool failed = false;                   ///< prediction and runs disagree, or something was not solved
   nlohmann::ordered_json document = {};  ///< for machines
   std::string words = {};                ///< the same for people
 };
@@ -28,11 +28,14 @@ struct ReproducedPart {
 ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
                                          std::optional<Shard> shard = {});
 
-/// The step limits of every method on every model of that study; those that the store of the folder holds are looked up.
+/// The step limits of every method on every model of that study; those that the store of the folder holds are
+/// looked up.
 /// @param shard  only these rows are computed, and no page is written
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console, std::optional<Shard> shard = {});
+ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console,
+                                std::optional<Shard> shard = {});
 
 /// Springs and finite elements of the thesis.
-ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options, Console& console);
+ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
+                                     Console& console);
 
 }  // namespace hmax

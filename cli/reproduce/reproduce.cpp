@@ -62,7 +62,8 @@ const std::vector<Part>& parts() {
 std::vector<Part> chosen_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (std::ranges::find(parts(), name, &Part::name) == parts().end())
-      throw InputError(fmt::format("there is no part '{}'; take some of oscillators, stability, tissue", name));
+      throw InputError(
+          fmt::format("there is no part '{}'; take some of oscillators, stability, tissue", name));
   std::vector<Part> chosen;
   for (const Part& part : parts())
     if (names.empty() || std::ranges::find(names, part.name) != names.end()) chosen.push_back(part);
@@ -132,8 +133,8 @@ void reproduce_all(const AllOptions& options, Console& console) {
     if (done->failed) console.exit_code = Exit::failed;
     const std::string link = part.name + "/README.md";
     sections.push_back({.title = part.title,
-                        .text = fmt::format("{}\n\n[The page]({}): {} stored numbers, {:.0f} s.", markdown_text(done->words),
-                                            link, done->rows, done->seconds)});
+                        .text = fmt::format("{}\n\n[The page]({}): {} stored numbers, {:.0f} s.",
+                                            markdown_text(done->words), link, done->rows, done->seconds)});
     listed.push_back({{"part", part.name},
                       {"report", done->report.string()},
                       {"rows", done->rows},
@@ -143,13 +144,17 @@ void reproduce_all(const AllOptions& options, Console& console) {
     std::ifstream file(folder / part / "README.md");
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
-  sections.push_back({.title = "Where everything of the liver study is redone", .text = items_table(study_items(), page_of)});
-  sections.push_back({.title = "Where everything of the thesis is redone", .text = items_table(thesis_items(), page_of)});
+  sections.push_back({.title = "Where everything of the liver study is redone",
+                      .text = items_table(study_items(), page_of)});
+  sections.push_back(
+      {.title = "Where everything of the thesis is redone", .text = items_table(thesis_items(), page_of)});
   const std::filesystem::path page = write_report(
       "Two sources, done again",
       "A study of a liver as one oscillator, and a thesis on deformable organs. Each page shows what was printed, what "
       "hmax finds, and why they differ." +
-          std::string(options.quick ? " This is the quick form: coarser meshes and fewer points of the thesis." : "") +
+          std::string(options.quick
+                          ? " This is the quick form: coarser meshes and fewer points of the thesis."
+                          : "") +
           " Computed on: " + markdown_text(summary(fingerprint())) + ".",
       sections, folder);
   if (console.json) return console.print_json({{"report", page.string()}, {"parts", listed}});
@@ -157,8 +162,9 @@ void reproduce_all(const AllOptions& options, Console& console) {
 }
 
 void add_all(CLI::App& reproduce, Console& console) {
-  CLI::App& all = add_command(reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
-                              {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
+  CLI::App& all =
+      add_command(reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
+                  {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
   auto options = std::make_shared<AllOptions>();
   show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
   add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue; all by default", "A,B");
@@ -232,9 +238,9 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
 }  // namespace
 
 void add_reproduce(CLI::App& app, Console& console) {
-  CLI::App& reproduce =
-      add_command(app, console, "reproduce", "Reproduce a published study",
-                  {"hmax reproduce all --quick", "hmax reproduce oscillators", "hmax reproduce stability", "hmax reproduce tissue"});
+  CLI::App& reproduce = add_command(app, console, "reproduce", "Reproduce a published study",
+                                    {"hmax reproduce all --quick", "hmax reproduce oscillators",
+                                     "hmax reproduce stability", "hmax reproduce tissue"});
   require_subcommand(reproduce);
   add_all(reproduce, console);
   add_oscillator_study(reproduce, console);

@@ -293,7 +293,8 @@ class Study {
     rest.label = "from rest, (0, 0), as equation 2.9";
     set.label = "k1 = 0.8 N/m";
     set.parameters.k1 = 0.8;
-    const auto begun = [](const LiverFamilyMember& member, const Eigen::Vector2d& y0, const std::string& label) {
+    const auto begun = [](const LiverFamilyMember& member, const Eigen::Vector2d& y0,
+                          const std::string& label) {
       LabelledTable curve = curve_of(member, y0, 20);
       curve.label = label;
       return curve;
@@ -302,7 +303,8 @@ class Study {
                         resting = begun(rest, {0, 0}, rest.label),
                         stiffer = begun(set, timing.y0, "k1 = 0.8 N/m");
     const auto apart = [&](const LabelledTable& other, double from) {
-      const std::vector<double>&t = printed.table.values[0], &x = printed.table.values[1], &z = other.table.values[1];
+      const std::vector<double>&t = printed.table.values[0], &x = printed.table.values[1],
+            &z = other.table.values[1];
       double most = 0;
       for (std::size_t i = 0; i < t.size(); ++i)
         if (t[i] >= from) most = std::max(most, std::abs(x[i] - z[i]));
@@ -312,15 +314,18 @@ class Study {
                                   {printed, resting, {"from (0.5, 1), k1 = 0.8 N/m", stiffer.table}});
     sections_.push_back(
         {.title = "Equations 2.5 and 2.9: the start, and the set that was timed",
-         .text = fmt::format("The start is forgotten: the two motions are up to {:.2g} m apart, after 10 s {:.2g} m and after "
-                             "15 s {:.2g} m. The text's set of the timing experiment, \"damping constant of -2, internal "
-                             "stiffness of 0.8\", is read as the cubic stiffness of the model or as its linear one; with "
-                             "k1 = 0.8 instead of 0.7 N/m the motion differs by at most {:.2g} m. Neither changes what a step "
-                             "costs. The sign of the damping does, see figure 1.",
-                             apart(resting, 0), apart(resting, 10), apart(resting, 15), apart(stiffer, 0)),
-         .figures = {drawn(figure, "equation_2_9_start",
-                           fmt::format("{}, rtol = atol = {:g}; m = 1.45 kg, c = 2 N s/m, k1 = 0.7 N/m, k3 = 0.8 N/m³, P = 0.5 N",
-                                       curve_method, curve_tolerance))},
+         .text = fmt::format(
+             "The start is forgotten: the two motions are up to {:.2g} m apart, after 10 s {:.2g} m and after "
+             "15 s {:.2g} m. The text's set of the timing experiment, \"damping constant of -2, internal "
+             "stiffness of 0.8\", is read as the cubic stiffness of the model or as its linear one; with "
+             "k1 = 0.8 instead of 0.7 N/m the motion differs by at most {:.2g} m. Neither changes what a step "
+             "costs. The sign of the damping does, see figure 1.",
+             apart(resting, 0), apart(resting, 10), apart(resting, 15), apart(stiffer, 0)),
+         .figures = {drawn(
+             figure, "equation_2_9_start",
+             fmt::format(
+                 "{}, rtol = atol = {:g}; m = 1.45 kg, c = 2 N s/m, k1 = 0.7 N/m, k3 = 0.8 N/m³, P = 0.5 N",
+                 curve_method, curve_tolerance))},
          .printed = "Equation 2.5 starts at x = 0.5 m, x' = 1 m/s, equation 2.9 at x = x' = 0.",
          .differs = "Everything else in this report starts at (0.5, 1)."});
   }

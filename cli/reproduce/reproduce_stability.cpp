@@ -208,8 +208,7 @@ fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vec
   return write_report("Step limits of the liver oscillators",
                       "`hmax reproduce stability` made this page. " + markdown_text(machine) +
                           (rows_link.empty() ? "" : "\n\n" + rows_link),
-                      sections,
-                      folder);
+                      sections, folder);
 }
 
 }  // namespace hmax

@@ -29,8 +29,8 @@ void check_limit_files(const std::filesystem::path& folder);
 /// @throws InputError when the folder cannot be written
 std::filesystem::path reproduce_stability(const std::vector<LimitCase>& cases,
                                           const std::vector<StudyRow>& rows,
-                                          const std::vector<StudyRow>& nonlinear,
-                                          const std::string& machine, const std::filesystem::path& folder,
+                                          const std::vector<StudyRow>& nonlinear, const std::string& machine,
+                                          const std::filesystem::path& folder,
                                           const std::string& rows_link = {});
 
 }  // namespace hmax

@@ -322,14 +322,15 @@ TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& option
     progress(share(), name);
     sections.push_back(make());
   }
-  study.report =
-      write_report("Springs and finite elements on the phantom and the liver",
-                   "`hmax reproduce tissue` made this page" +
-                       std::string(options.quick ? " in the quick form: coarser meshes, fewer points and repetitions, so that its "
-                                                   "numbers are those of the sources in part only. "
-                                                 : ". ") +
-                       markdown_text(machine),
-                   sections, folder);
+  study.report = write_report(
+      "Springs and finite elements on the phantom and the liver",
+      "`hmax reproduce tissue` made this page" +
+          std::string(options.quick
+                          ? " in the quick form: coarser meshes, fewer points and repetitions, so that its "
+                            "numbers are those of the sources in part only. "
+                          : ". ") +
+          markdown_text(machine),
+      sections, folder);
   return study;
 }
 

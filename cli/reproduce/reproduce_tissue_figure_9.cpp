@@ -53,10 +53,11 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
   std::vector<FigureFiles> figures;
   std::string scenes;
   for (const char* model : {"mass_spring", "fem_green"}) {
-    BodyPicture bodies{.title = model == std::string_view("mass_spring")
-                                    ? "Springs: the farthest that the body goes when a force begins to press"
-                                    : "Finite elements: the farthest that the body goes when a force begins to press",
-                       .columns = 3};
+    BodyPicture bodies{
+        .title = model == std::string_view("mass_spring")
+                     ? "Springs: the farthest that the body goes when a force begins to press"
+                     : "Finite elements: the farthest that the body goes when a force begins to press",
+        .columns = 3};
     for (const Shown& each : shown) {
       const Parameters material{{"E", 1000 * each.k}, {"alpha", each.c / 1.45}};
       Parameters loaded = material;
@@ -64,9 +65,11 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
       const Problem problem = study_tissue(model, options.mesh(), "press", loaded);
       bodies.views.push_back(farthest(problem));
       bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
-      bodies.caption = made_of(problem) + fmt::format(" {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
-                                                      "h = {:g} s. E and alpha as above each picture.",
-                                                      pressing, h);
+      bodies.caption = made_of(problem) +
+                       fmt::format(
+                           " {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
+                           "h = {:g} s. E and alpha as above each picture.",
+                           pressing, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
       // Scenes have no pressing forces.
       write_file(folder / name, sofa_text(*study_tissue(model, options.mesh(), "gravity", material).body, h));
@@ -78,14 +81,17 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
     write_picture(folder / (name + ".svg"), bodies);
     figures.push_back({folder / name, {folder / (name + ".svg")}, {}});
   }
-  return {.title = "Figure 9 of the liver study: deformation over stiffness and damping",
-          .text = "Stiffness and damping of the table of benchmark livers, given to a body on a mesh. As scenes "
-                  "of SOFA: " +
-                  scenes + ".",
-          .figures = std::move(figures),
-          .printed = "A deformed liver, drawn by SOFA, for several stiffnesses and dampings.",
-          .differs = "The scenes, their parameters and their load are not printed; the force is ours. The scenes for SOFA have "
-                     "the weight of the body in its place."};
+  return {
+      .title = "Figure 9 of the liver study: deformation over stiffness and damping",
+      .text =
+          "Stiffness and damping of the table of benchmark livers, given to a body on a mesh. As scenes "
+          "of SOFA: " +
+          scenes + ".",
+      .figures = std::move(figures),
+      .printed = "A deformed liver, drawn by SOFA, for several stiffnesses and dampings.",
+      .differs =
+          "The scenes, their parameters and their load are not printed; the force is ours. The scenes for SOFA have "
+          "the weight of the body in its place."};
 }
 
 }  // namespace hmax

@@ -9,9 +9,10 @@ namespace hmax {
 
 /// A piece of a source.
 struct SourceItem {
-  const char* item;     ///< "Figure 1", "slides 16 to 18"
-  const char* says;     ///< what it shows or states
-  const char* part;     ///< of `hmax reproduce all`: oscillators, stability, tissue; empty where it is not redone
+  const char* item;  ///< "Figure 1", "slides 16 to 18"
+  const char* says;  ///< what it shows or states
+  const char*
+      part;  ///< of `hmax reproduce all`: oscillators, stability, tissue; empty where it is not redone
   const char* section;  ///< of the part's page: the whole heading, or its beginning
   const char* note;     ///< why it is not redone, or what is different; often empty
 };
@@ -22,8 +23,10 @@ std::span<const SourceItem> study_items();
 std::span<const SourceItem> thesis_items();
 
 /// The items as a table in Markdown.
-/// @param page  the text of the page of a part, from which the heading is taken; a section that it does not have is named
+/// @param page  the text of the page of a part, from which the heading is taken; a section that it does not
+/// have is named
 ///              without a link, and the part said not to be made where the text is empty
-std::string items_table(std::span<const SourceItem> items, const std::function<std::string(const std::string& part)>& page);
+std::string items_table(std::span<const SourceItem> items,
+                        const std::function<std::string(const std::string& part)>& page);
 
 }  // namespace hmax

@@ -13,8 +13,8 @@ namespace hmax {
 /// What is made.
 struct TissueOptions {
   std::string machine;  ///< one line: where it is done
-  bool quick = false;   ///< limits of the step on the phantom and at a few points of each curve, a small thigh
-  bool scale = false;   ///< also what meshes of up to a million tetrahedra cost
+  bool quick = false;  ///< limits of the step on the phantom and at a few points of each curve, a small thigh
+  bool scale = false;  ///< also what meshes of up to a million tetrahedra cost
 
   /// Whose limits are shown.
   [[nodiscard]] const char* mesh() const { return quick ? "phantom" : "liver"; }

@@ -64,7 +64,7 @@ struct ProblemChoice {
   /// @throws InputError when something is missing or unknown
   [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
   /// Whether no model is named.
-  [[nodiscard]] bool empty() const { 
+  [[nodiscard]] bool empty() const {
     return problem.empty() && plugin.empty() && own.matrices.empty() && body.mesh.empty();
   }
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice

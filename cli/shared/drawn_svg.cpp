@@ -14,7 +14,9 @@ namespace hmax {
 
 DrawnSvg drawn_svg(const Figure& figure, const std::string& name) {
   if (!gnuplot_available())
-    return {.svg = {}, .alt = {}, .problem = "gnuplot is not installed; apt-get install gnuplot-nox, then ask again"};
+    return {.svg = {},
+            .alt = {},
+            .problem = "gnuplot is not installed; apt-get install gnuplot-nox, then ask again"};
   try {
     const TemporaryFolder folder;
     const FigureFiles made = draw(figure, folder.path(), name);

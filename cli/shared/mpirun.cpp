@@ -17,7 +17,8 @@ namespace {
 int number_of(const char* open_mpi, const char* others, int least) {
   for (const char* variable : {open_mpi, others})
     if (const char* text = std::getenv(variable))
-      if (const auto number = to_number(text); number && *number >= least && *number < 1e9) return static_cast<int>(*number);
+      if (const auto number = to_number(text); number && *number >= least && *number < 1e9)
+        return static_cast<int>(*number);
   return least;
 }
 
@@ -27,9 +28,9 @@ int processes_started() { return number_of("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", 1
 
 void refuse_copies(std::string_view command) {
   if (const int count = processes_started(); count > 1)
-    throw InputError(
-        fmt::format("mpirun started {} copies of `{}`, which would write to the same store; start one, without mpirun", count,
-                    command));
+    throw InputError(fmt::format(
+        "mpirun started {} copies of `{}`, which would write to the same store; start one, without mpirun",
+        count, command));
 }
 
 void leave_error_to_rank_0() {

@@ -41,9 +41,8 @@ CLI::Option* add_jobs(CLI::App& command) {
 }
 
 CLI::Option* add_jobs_of_timed(CLI::App& command) {
-  return add_jobs(
-      command,
-      "Number of threads, without influence on results, with the elapsed time; 1 by default");
+  return add_jobs(command,
+                  "Number of threads, without influence on results, with the elapsed time; 1 by default");
 }
 
 std::optional<std::size_t> given_jobs(const CLI::Option* option) {

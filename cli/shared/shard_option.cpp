@@ -22,7 +22,8 @@ std::optional<Shard> shard_from(const std::string& text) {
   const std::int64_t count = parse_count("N of --shard I/N", text.substr(slash + 1), 1);
   constexpr std::int64_t most = 1'000'000;
   if (index > count || count > most)
-    throw InputError(fmt::format("--shard {} does not exist; shards count from 1 to N, and N is at most {}", text, most));
+    throw InputError(
+        fmt::format("--shard {} does not exist; shards count from 1 to N, and N is at most {}", text, most));
   return Shard{.index = static_cast<int>(index), .count = static_cast<int>(count)};
 }
 

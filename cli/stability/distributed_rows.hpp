@@ -17,7 +17,7 @@ inline constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
 /// Predicts, verifies where that is asked for, and prints; called by all ranks.
 /// @throws InputError  for models other than symmetric matrices and bodies, and where none of the methods can
 /// be verified
-void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem, const MethodsChoice& methods, bool verified,
-                              Console& console);
+void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& problem,
+                              const MethodsChoice& methods, bool verified, Console& console);
 
 }  // namespace hmax

@@ -67,8 +67,8 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
     if (names_states) cells.emplace(cells.begin() + 2, row.state_kind);
     if (any_real) cells.push_back(words_of_rates(row));
     if (solves) {
-      cells.push_back(row.newton.empty() ? "-"
-                                         : (row.newton == "limit" ? "" : "> ") + short_number(row.newton_h, 3));
+      cells.push_back(
+          row.newton.empty() ? "-" : (row.newton == "limit" ? "" : "> ") + short_number(row.newton_h, 3));
       cells.push_back(number_or_dash(1000 * row.newton_error, 3));
     }
     if (columns.verified) {
@@ -94,9 +94,8 @@ std::string words_of_notes(std::span<const LimitRow> rows) {
   std::vector<Said> all;
   for (const LimitRow& row : rows) {
     if (row.note.empty() || row.bound == name_of(Bound::error_control)) continue;
-    const auto same = std::ranges::find_if(all, [&](const Said& said) {
-      return said.note == row.note && said.material == row.point.material;
-    });
+    const auto same = std::ranges::find_if(
+        all, [&](const Said& said) { return said.note == row.note && said.material == row.point.material; });
     if (same == all.end())
       all.push_back({row.note, row.point.material, {row.method}});
     else

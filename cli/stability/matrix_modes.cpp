@@ -53,15 +53,20 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
     throw InputError("a first-order model has no modes of free motion; give stiffness and mass");
   const MechanicalPart& part = *point.model.mechanical;
   if (!part.symmetric)
-    throw InputError("stiffness and damping are not both symmetric, so there are no modes of free motion; `hmax stability "
-                     "predict` takes such matrices");
+    throw InputError(
+        "stiffness and damping are not both symmetric, so there are no modes of free motion; `hmax stability "
+        "predict` takes such matrices");
   count = std::min(count, part.mass.size());
-  const ExtremeStiffnesses found = fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
+  const ExtremeStiffnesses found =
+      fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
   if (!found.converged)
-    throw InputError(fmt::format("the modes of {} unknowns did not converge; ask for fewer", part.mass.size()));
+    throw InputError(
+        fmt::format("the modes of {} unknowns did not converge; ask for fewer", part.mass.size()));
   const std::vector<MatrixMode> modes = modes_of(part, found);
   const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
-  const auto row_of = [&](const MatrixMode& mode) { return model->unknowns[static_cast<std::size_t>(mode.unknown)]; };
+  const auto row_of = [&](const MatrixMode& mode) {
+    return model->unknowns[static_cast<std::size_t>(mode.unknown)];
+  };
   if (console.json) {
     Json list = Json::array();
     for (const MatrixMode& mode : modes)
@@ -78,11 +83,13 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
                                {"end", fastest ? "fastest" : "slowest"},
                                {"modes", list}});
   }
-  TextTable table({"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving unknowns", "largest share of the energy"});
+  TextTable table(
+      {"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving unknowns", "largest share of the energy"});
   for (std::size_t i = 0; i < modes.size(); ++i)
     table.add({std::to_string(i + 1), short_number(modes[i].frequency()), short_number(modes[i].omega),
                short_number(modes[i].zeta, 4), short_number(modes[i].moving, 3),
-               fmt::format("{} with {} %", model->name_of(row_of(modes[i])), short_number(100 * modes[i].share, 3))});
+               fmt::format("{} with {} %", model->name_of(row_of(modes[i])),
+                           short_number(100 * modes[i].share, 3))});
   console.print(fmt::format("{}\n{}\n\n{}", problem.id, problem.note, table.text(console)));
 }
 

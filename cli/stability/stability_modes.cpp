@@ -170,13 +170,14 @@ void modes(const ModesOptions& options, Console& console) {
       throw InputError("--output writes shapes on a mesh, and matrices have none; remove it");
     remark_unusual(console, problem);
     return print_matrix_modes(problem, operating_point(problem, options.at.of(problem)),
-                              static_cast<Eigen::Index>(parse_count("--count", options.count, 1)), options.fastest,
-                              console);
+                              static_cast<Eigen::Index>(parse_count("--count", options.count, 1)),
+                              options.fastest, console);
   }
   if (!problem.body)
-    throw InputError(fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh, or "
-                                 "matrices with --matrices",
-                                 problem.id));
+    throw InputError(
+        fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh, or "
+                    "matrices with --matrices",
+                    problem.id));
   check_output(options);
   const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
@@ -206,7 +207,8 @@ void modes(const ModesOptions& options, Console& console) {
 
 void add_stability_modes(CLI::App& stability, Console& console) {
   CLI::App& command =
-      add_command(stability, console, "modes", "Compute the slowest or the fastest modes of a body on a mesh, or of matrices",
+      add_command(stability, console, "modes",
+                  "Compute the slowest or the fastest modes of a body on a mesh, or of matrices",
                   {"hmax stability modes --mesh liver --material liver:male_normal --output modes.vtu",
                    "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
   const auto options = std::make_shared<ModesOptions>();

@@ -120,8 +120,8 @@ Json to_json(const RegionStudy& study, const RegionOptions& options) {
   Json documents = Json::array();
   for (std::size_t i = 0; i < study.regions.size(); ++i) {
     const DrawnRegion& region = study.regions[i];
-    Json document = region_json(study.parts.empty() ? region.formula.id : study.chosen.front().id, region.window,
-                                region.curves);
+    Json document = region_json(study.parts.empty() ? region.formula.id : study.chosen.front().id,
+                                region.window, region.curves);
     if (!options.parts.fast.empty())
       document["fast"] = {study.parts[i].fast.real(), study.parts[i].fast.imag()};
     if (!options.parts.ratios.empty()) document["ratio"] = study.parts[i].ratio;

@@ -240,8 +240,8 @@ class ImexRk {
       work_.linear_iterations += solver_.solve(d_);
       detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
     };
-    // One correction solves linear equations but for the error of the linear solver, which only truncated conjugate
-    // gradients leave; a failure shows in numbers that are not finite.
+    // One correction solves linear equations but for the error of the linear solver, which only truncated
+    // conjugate gradients leave; a failure shows in numbers that are not finite.
     if (solves_exactly_ && has_linear_stiff_part(system)) {
       correct();
       ++work_.newton;

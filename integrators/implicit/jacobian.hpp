@@ -321,11 +321,11 @@ class JacobianSource {
   Eigen::SparseMatrix<Real> pattern_;  ///< empty: unknown, so every entry
   /// Columns that are moved together.
   ColumnGroups groups_;
-  Vector increments_;             ///< of the columns
+  Vector increments_;  ///< of the columns
   /// Columns that rounding hides, and whether they are looked for.
   detail::ResolvedDifferences<State> hidden_{Real(1e-4)};
   bool looks_for_hidden_ = true;
-  Eigen::Index searched_ = 0;     ///< evaluations that this took
+  Eigen::Index searched_ = 0;  ///< evaluations that this took
 };
 
 /// dfdt = partial f / partial t at (t, y), shape (n): the system's own, zero for autonomous systems, or a

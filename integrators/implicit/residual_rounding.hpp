@@ -36,8 +36,8 @@ void absolute_product(const Eigen::SparseMatrix<Scalar, Options, Index>& J, cons
     for (typename Eigen::SparseMatrix<Scalar, Options, Index>::InnerIterator entry(J, j); entry; ++entry)
       out[entry.row()] += abs(entry.value()) * x[entry.col()];
 }
-/// |J| (q, v) = (v, M^-1 (|K| q + |C| v)) for q, v >= 0: M has positive entries. Of one that couples its diagonal is
-/// taken, which is as large as M to a factor of about two.
+/// |J| (q, v) = (v, M^-1 (|K| q + |C| v)) for q, v >= 0: M has positive entries. Of one that couples its
+/// diagonal is taken, which is as large as M to a factor of about two.
 template <class Real, class Vector>
 void absolute_product(const MechanicalJacobian<Real>& J, const Vector& x, Vector& out) {
   const Eigen::Index n = J.mass.size();

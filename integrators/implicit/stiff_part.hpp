@@ -29,8 +29,8 @@ class StiffPart {
   const Sys& system_;
 };
 
-/// The same of a structure, whose equations are reduced to its velocities, see ShiftedMechanical: one symmetric
-/// matrix M + s C0 + s^2 K0 of half the size. It has the verbs of a second-order system.
+/// The same of a structure, whose equations are reduced to its velocities, see ShiftedMechanical: one
+/// symmetric matrix M + s C0 + s^2 K0 of half the size. It has the verbs of a second-order system.
 template <SplitStructure Sys>
 class StiffPart<Sys> {
  public:
@@ -82,8 +82,8 @@ struct StiffEquations<Sys> {
 };
 }  // namespace detail
 
-/// The type in which implicit-explicit methods keep the Jacobian of the stiff part of a system; of systems that are
-/// not split jacobian_type.
+/// The type in which implicit-explicit methods keep the Jacobian of the stiff part of a system; of systems
+/// that are not split jacobian_type.
 template <class Sys>
 using stiff_equations_type = typename detail::StiffEquations<Sys>::type;
 

@@ -79,8 +79,8 @@ void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
   }
 }
 
-/// A = M + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n), or a sparse M for
-/// sparse C and K. C, K and A have shape (n, n); of variants, C must hold the same alternative as K.
+/// A = M + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n), or a sparse M
+/// for sparse C and K. C, K and A have shape (n, n); of variants, C must hold the same alternative as K.
 /// @throws std::bad_variant_access  where it does not
 template <class Mass, class Matrix, class Real>
 void set_combination(const Mass& m, Real c, const Matrix& C, Real k, const Matrix& K, Matrix& A) {

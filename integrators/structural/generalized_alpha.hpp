@@ -413,7 +413,7 @@ class GeneralizedAlpha {
   int iterations_ = 0;                                             ///< limit of the user; 0: none
   DofsT mass_ = blank_state<DofsT>(), a_ = mass_, a_new_ = mass_;  ///< shape (n)
   DofsT q_ = mass_, v_ = mass_, force_ = mass_;                    ///< at one iterate, shape (n)
-  MassMatrix<Real> M_;                                             ///< M, where it may couple unknowns; else empty
+  MassMatrix<Real> M_;  ///< M, where it may couple unknowns; else empty
   MatrixT K_ = blank_matrix<MatrixT>(), C_ = K_, K_full_ = K_,
           C_full_ = K_;  // shape (n, n): of the last renewal,
                          // and at the iterates of Newton's method

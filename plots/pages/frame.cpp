@@ -28,7 +28,8 @@ std::string navigation(const std::vector<PageLink>& links) {
 }  // namespace
 
 std::string scrolling_box(const std::string& label) {
-  return fmt::format("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">", html_text(label));
+  return fmt::format("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">",
+                     html_text(label));
 }
 
 std::string_view page_style(std::string_view name) { return text_of(page_styles(), name); }
@@ -40,14 +41,14 @@ std::string framed_page(const PageFrame& frame) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>\n{}{}</style>\n</head>\n<body>\n",
       own_mark, html_text(frame.title), page_style("page"), frame.style);
-  html += fmt::format(
-      "<header>\n<h1>{}</h1>\n<button type=\"button\" id=\"theme\" hidden></button>\n</header>\n",
-      html_text(frame.title));
+  html +=
+      fmt::format("<header>\n<h1>{}</h1>\n<button type=\"button\" id=\"theme\" hidden></button>\n</header>\n",
+                  html_text(frame.title));
   html += frame.introduction + navigation(frame.links);
   html += "<main>\n" + frame.main + "</main>\n";
   if (!frame.footer.empty()) html += fmt::format("<footer>{}</footer>\n", frame.footer);
-  html += fmt::format("{}<script>\n{}{}{}</script>\n", frame.data, page_script("theme"), page_script("sort_tables"),
-                      frame.script);
+  html += fmt::format("{}<script>\n{}{}{}</script>\n", frame.data, page_script("theme"),
+                      page_script("sort_tables"), frame.script);
   return html + "</body>\n</html>\n";
 }
 

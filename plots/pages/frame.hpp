@@ -25,8 +25,8 @@ struct PageFrame {
   std::string script = {};           ///< runs after theme.js and sort_tables.js
 };
 
-/// The page: one file that needs no network and no other file. It has a light and a dark theme, fits phones and
-/// paper, and its tables sort where they are plain tables with a `thead`.
+/// The page: one file that needs no network and no other file. It has a light and a dark theme, fits phones
+/// and paper, and its tables sort where they are plain tables with a `thead`.
 std::string framed_page(const PageFrame& frame);
 
 /// The opening tag of a `div` in which a wide table scrolls, also with the keyboard.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmark-gfm-core-extensions.h>
+#include <cmark-gfm.h>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -11,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include <cmark-gfm-core-extensions.h>
-#include <cmark-gfm.h>
 #include <fmt/format.h>
 
 #include "plots/pages/encodings/deflate.hpp"
@@ -33,7 +33,8 @@ using Node = std::unique_ptr<cmark_node, decltype(&cmark_node_free)>;
 class Document {
  public:
   explicit Document(const std::string& markdown)
-      : parser_(cmark_parser_new(CMARK_OPT_VALIDATE_UTF8), &cmark_parser_free), root_(nullptr, &cmark_node_free) {
+      : parser_(cmark_parser_new(CMARK_OPT_VALIDATE_UTF8), &cmark_parser_free),
+        root_(nullptr, &cmark_node_free) {
     cmark_gfm_core_extensions_ensure_registered();
     cmark_parser_attach_syntax_extension(parser_.get(), cmark_find_syntax_extension("table"));
     cmark_parser_feed(parser_.get(), markdown.data(), markdown.size());
@@ -46,7 +47,8 @@ class Document {
   /// Every node of a type, in the order of the text.
   std::vector<cmark_node*> all(const std::string& type) {
     std::vector<cmark_node*> found;
-    const std::unique_ptr<cmark_iter, decltype(&cmark_iter_free)> each(cmark_iter_new(root()), &cmark_iter_free);
+    const std::unique_ptr<cmark_iter, decltype(&cmark_iter_free)> each(cmark_iter_new(root()),
+                                                                       &cmark_iter_free);
     for (cmark_event_type event; (event = cmark_iter_next(each.get())) != CMARK_EVENT_DONE;)
       if (cmark_node* node = cmark_iter_get_node(each.get());
           event == CMARK_EVENT_ENTER && cmark_node_get_type_string(node) == type)
@@ -56,7 +58,8 @@ class Document {
 
   std::string html(cmark_node* node) {
     const std::unique_ptr<char, decltype(&std::free)> text(
-        cmark_render_html(node, CMARK_OPT_DEFAULT, cmark_parser_get_syntax_extensions(parser_.get())), &std::free);
+        cmark_render_html(node, CMARK_OPT_DEFAULT, cmark_parser_get_syntax_extensions(parser_.get())),
+        &std::free);
     return text.get();
   }
 
@@ -68,7 +71,8 @@ class Document {
 /// What a node says, without its markup.
 std::string words_of(cmark_node* node) {
   if (const char* literal = cmark_node_get_literal(node)) return literal;
-  if (cmark_node_get_type(node) == CMARK_NODE_SOFTBREAK || cmark_node_get_type(node) == CMARK_NODE_LINEBREAK) return " ";
+  if (cmark_node_get_type(node) == CMARK_NODE_SOFTBREAK || cmark_node_get_type(node) == CMARK_NODE_LINEBREAK)
+    return " ";
   std::string words;
   for (cmark_node* child = cmark_node_first_child(node); child; child = cmark_node_next(child))
     words += words_of(child);
@@ -111,7 +115,8 @@ void show_markup_as_text(Document& document) {
 
 bool is_alone(cmark_node* node) { return !cmark_node_previous(node) && !cmark_node_next(node); }
 
-/// Of a path below the folder of the page; empty for another host, an absolute path and a file that cannot be read.
+/// Of a path below the folder of the page; empty for another host, an absolute path and a file that cannot be
+/// read.
 std::string bytes_of(const fs::path& folder, const fs::path& file) {
   if (file.empty() || file.is_absolute() || file.string().find(':') != std::string::npos) return {};
   if (std::ranges::find(file, fs::path("..")) != file.end()) return {};
@@ -159,7 +164,11 @@ std::vector<Picture> take_pictures(Document& document, const fs::path& folder) {
   for (cmark_node* image : document.all("image")) {
     // Nodes in headings are copied, and those in other pictures gone with them.
     if (is_below(image, "image") || is_below(image, "heading")) continue;
-    Picture picture{.place = nullptr, .figure = false, .file = cmark_node_get_url(image), .link = {}, .alt = words_of(image)};
+    Picture picture{.place = nullptr,
+                    .figure = false,
+                    .file = cmark_node_get_url(image),
+                    .link = {},
+                    .alt = words_of(image)};
     picture.link = picture.file;
     cmark_node* outer = image;
     if (cmark_node* parent = cmark_node_parent(outer);
@@ -208,7 +217,8 @@ std::string fit(std::vector<Picture>& pictures, std::size_t room) {
   const std::size_t packed = count([](const Picture& p) { return p.is(Picture::Kind::packed); });
   std::string words = png > 0 ? counted(png, " as PNG") : "", html;
   if (linked > 0) words += (words.empty() ? "" : " and ") + counted(linked, " as a link");
-  if (!words.empty()) html += fmt::format("<p>The page shows {}, because it would be larger than 5 MB.</p>\n", words);
+  if (!words.empty())
+    html += fmt::format("<p>The page shows {}, because it would be larger than 5 MB.</p>\n", words);
   if (packed > 0)
     html += fmt::format("<noscript><p>{} JavaScript; without it they are links.</p></noscript>\n",
                         counted(packed, packed == 1 ? " needs" : " need"));
@@ -255,7 +265,8 @@ Headings take_headings(Document& document) {
     if (level == 2) found.links.push_back({"#" + id, words});
     const std::string opening = fmt::format("<h{}", level);
     const std::string html = document.html(heading).substr(opening.size());
-    replace(heading, html_node(CMARK_NODE_CUSTOM_BLOCK, fmt::format("{} id=\"{}\"{}", opening, html_text(id), html)));
+    replace(heading,
+            html_node(CMARK_NODE_CUSTOM_BLOCK, fmt::format("{} id=\"{}\"{}", opening, html_text(id), html)));
   }
   return found;
 }
@@ -304,7 +315,8 @@ std::string markdown_page(const std::string& markdown, const fs::path& folder, s
   std::size_t other = framed_page(frame).size() + 1000;
   for (const Picture& picture : pictures) other += 100 + picture.alt.size() * 2 + picture.link.size() * 2;
   frame.introduction = fit(pictures, most_bytes > other ? most_bytes - other : 0);
-  if (std::ranges::none_of(pictures, [](const Picture& p) { return p.is(Picture::Kind::packed); })) frame.script.clear();
+  if (std::ranges::none_of(pictures, [](const Picture& p) { return p.is(Picture::Kind::packed); }))
+    frame.script.clear();
   for (const Picture& picture : pictures) show(picture);
   frame.main = document.html(document.root());
   // What stands before the first section belongs above the navigation.

@@ -8,17 +8,20 @@
 
 namespace hmax {
 
-/// The id that GitHub gives a heading: lower case, blanks as hyphens; of other ASCII signs only - and _ stay. Other
-/// characters stay as they are.
+/// The id that GitHub gives a heading: lower case, blanks as hyphens; of other ASCII signs only - and _ stay.
+/// Other characters stay as they are.
 /// @param heading  its text, with or without Markdown's signs
 std::string heading_anchor(std::string_view heading);
 
 /// `markdown` (GitHub's flavour with tables) as HTML. Markup in it is shown as text; comments are left out.
-/// - The first heading of level 1 becomes the title, headings of level 2 the navigation; every heading has the id
+/// - The first heading of level 1 becomes the title, headings of level 2 the navigation; every heading has
+/// the id
 ///   `heading_anchor`, with -1, -2, ... behind it where it occurs again.
-/// - Pictures are embedded as SVG where a file of the same name with the ending .svg is there, otherwise as PNG, and are
-///   links to their files. Where the page would be larger than `most_bytes`, the largest are embedded as PNG. Without a PNG
-///   they are embedded as SVG that a script unpacks, or linked where hmax was built without zlib. A sentence says so.
+/// - Pictures are embedded as SVG where a file of the same name with the ending .svg is there, otherwise as
+/// PNG, and are
+///   links to their files. Where the page would be larger than `most_bytes`, the largest are embedded as PNG.
+///   Without a PNG they are embedded as SVG that a script unpacks, or linked where hmax was built without
+///   zlib. A sentence says so.
 /// - A link to the README.md of another folder leads to the index.html beside it, where there is one.
 /// @param folder      that relative links and pictures start from
 std::string markdown_page(const std::string& markdown, const std::filesystem::path& folder,

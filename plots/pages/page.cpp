@@ -103,8 +103,8 @@ std::string packed_svg(std::string_view deflated, const std::string& alt) {
 std::string sections_html(const std::vector<PageSection>& sections, std::size_t first) {
   std::string html;
   for (std::size_t i = 0; i < sections.size(); ++i)
-    html += fmt::format("<section>\n<h2 id=\"s{}\">{}</h2>\n{}</section>\n", first + i, html_text(sections[i].title),
-                        html_of(sections[i]));
+    html += fmt::format("<section>\n<h2 id=\"s{}\">{}</h2>\n{}</section>\n", first + i,
+                        html_text(sections[i].title), html_of(sections[i]));
   return html;
 }
 

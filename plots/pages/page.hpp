@@ -31,8 +31,8 @@ struct PageSection {
   std::vector<std::vector<std::string>> table = {};  ///< rows of equal length, the first of them headings
 };
 
-/// The HTML of sections, with the ids s0, s1, ... at their headings, for the content of a page. Every text is shown
-/// as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
+/// The HTML of sections, with the ids s0, s1, ... at their headings, for the content of a page. Every text is
+/// shown as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
 /// @param first  number of the first section
 std::string sections_html(const std::vector<PageSection>& sections, std::size_t first = 0);
 
@@ -53,7 +53,8 @@ std::string embedded_png(std::string_view png, const std::string& alt);
 /// @param deflated  an SVG as plots/pages/encodings/deflate.hpp makes it
 std::string packed_svg(std::string_view deflated, const std::string& alt);
 
-/// A page of these sections. Every text is shown as it is; none of it becomes markup. Bytes that are not UTF-8 become '?'.
+/// A page of these sections. Every text is shown as it is; none of it becomes markup. Bytes that are not
+/// UTF-8 become '?'.
 std::string page_text(const std::string& title, const std::string& introduction,
                       const std::vector<PageSection>& sections);
 

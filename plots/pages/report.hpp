@@ -33,7 +33,8 @@ std::string markdown_table(const Table& table);
 std::string report_text(const std::string& title, const std::string& introduction,
                         const std::vector<ReportSection>& sections, const std::filesystem::path& folder);
 
-/// @throws InputError where a report in `folder` would replace files that hmax did not write, before anything is computed
+/// @throws InputError where a report in `folder` would replace files that hmax did not write, before anything
+/// is computed
 void check_report_place(const std::filesystem::path& folder);
 
 /// Writes `report_text` to folder / README.md, and the same as `markdown_page` to folder / index.html.

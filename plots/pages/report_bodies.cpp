@@ -24,7 +24,8 @@ std::string report_bodies(std::span<const ReportedStore> stores) {
       try {
         body = scene_html(each.scene, fmt::format("body-{}", shown.size()));
       } catch (const InputError& error) {
-        body = fmt::format("<p>{}: not shown. {}</p>\n", html_text(each.key.problem), html_text(error.what()));
+        body =
+            fmt::format("<p>{}: not shown. {}</p>\n", html_text(each.key.problem), html_text(error.what()));
       }
       if (html.size() + body.size() <= most_bytes)
         html += body;
@@ -32,8 +33,8 @@ std::string report_bodies(std::span<const ReportedStore> stores) {
         ++without_room;
     }
   if (without_room > 0)
-    html += fmt::format("<p>{} more {} not shown, to keep the page small; name fewer stores.</p>\n", without_room,
-                        without_room == 1 ? "body is" : "bodies are");
+    html += fmt::format("<p>{} more {} not shown, to keep the page small; name fewer stores.</p>\n",
+                        without_room, without_room == 1 ? "body is" : "bodies are");
   return html;
 }
 

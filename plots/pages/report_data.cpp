@@ -51,7 +51,8 @@ const std::vector<ShownColumn<Row>>& run_columns() {
       {"h", "h", "ms", "number", [](C r) -> Cell { return in_ms(unless_zero(r.key.h)); }},
       {"rtol", "rtol", "", "number", [](C r) -> Cell { return unless_zero(r.key.rtol); }},
       {"error", "largest error", "", "number", [](C r) -> Cell { return r.error_global; }},
-      {"cpu", "CPU time", "ms", "number", [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).median); }},
+      {"cpu", "CPU time", "ms", "number",
+       [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).median); }},
       {"outcome", "outcome", "", "text", [](C r) -> Cell { return r.outcome; }},
       {"speed", "real-time factor", "", "number",
        [](C r) -> Cell { return r.t_reached / summarise(comparable_times(r)).median; }},
@@ -327,17 +328,21 @@ Json advice_figures() {
   Json frames = figure("frame_times", advice_table, "Frame times",
                        "CPU time of a frame: the recommended method is in bold.", "p50", "p99",
                        "CPU time of a frame [ms]", "");
-  frames["range"] = {mark("p50", "median", "circle"), mark("p99", "99 %", "bar"), mark("max", "maximum", "diamond")};
+  frames["range"] = {mark("p50", "median", "circle"), mark("p99", "99 %", "bar"),
+                     mark("max", "maximum", "diamond")};
   frames["missing"] = "not timed";
   frames["lines"].push_back(line("x", "budget", "budget"));
-  Json tail = figure("frame_tail", advice_table, "Distribution of frame times",
-                     "Share of the frames that take longer. Curves of fewer than a thousand frames end earlier.",
-                     "p50", "p99", "CPU time of a frame [ms]", "frames that take longer [%]");
+  Json tail =
+      figure("frame_tail", advice_table, "Distribution of frame times",
+             "Share of the frames that take longer. Curves of fewer than a thousand frames end earlier.",
+             "p50", "p99", "CPU time of a frame [ms]", "frames that take longer [%]");
   tail["shares"] = {{"key", "tail"}, {"of", frame_shares}};
   tail["join"] = true;
   tail["lines"].push_back(line("x", "budget", "budget"));
-  Json steps = figure("steps_and_limits", advice_table, "Steps and their limits",
-                      "Predicted limits are the smallest of the linearised model along the motion; observed ones are of runs on it.", "h", "h_max", "time step [ms]", "");
+  Json steps = figure(
+      "steps_and_limits", advice_table, "Steps and their limits",
+      "Predicted limits are the smallest of the linearised model along the motion; observed ones are of runs on it.",
+      "h", "h_max", "time step [ms]", "");
   steps["range"] = {mark("h", "step", "circle"), mark("h_max", "limit, predicted", "bar"),
                     mark("observed", "limit, observed", "diamond")};
   steps["missing"] = "without a limit";

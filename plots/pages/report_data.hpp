@@ -21,8 +21,9 @@ struct ReportData {
 /// tell the curves of a method apart;
 /// - `tables`: `{id, title, tips, columns: [{key, name, unit, form}], rows}`. A row is `[store, number,
 /// series, case, cell...]`. Cells of
-///   the forms `text`, `long` and `list` are indices of `words`; a list is numbers with spaces between, for figures
-///   alone. Numbers have six significant digits; NaN is null, infinity "inf". Tables without rows are left out;
+///   the forms `text`, `long` and `list` are indices of `words`; a list is numbers with spaces between, for
+///   figures alone. Numbers have six significant digits; NaN is null, infinity "inf". Tables without rows are
+///   left out;
 /// - `figures`: `{id, table, title, words, x, y, labels, ...}` with the keys of columns.
 /// Times are in ms, as the headings say. Bytes that are not UTF-8 become U+FFFD.
 /// @param most_rows  of each table

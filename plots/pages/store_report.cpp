@@ -115,9 +115,11 @@ void add(Parts& parts, const Section& section) {
 
 /// Where the page is about one answer, this says what its rows are in words.
 Section advice_section(std::span<const ReportedStore> stores, const AnswerSections* answer) {
-  const std::vector<std::string_view> figures{"advice_error", "frame_times", "frame_tail", "steps_and_limits"};
+  const std::vector<std::string_view> figures{"advice_error", "frame_times", "frame_tail",
+                                              "steps_and_limits"};
   if (!answer)
-    return {advice_table, "Advice", "", figures, "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"};
+    return {advice_table, "Advice", "", figures,
+            "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"};
   constexpr const char* title = "All methods";
   return {advice_table, title, "", figures,
           "<noscript>\n" + table_html(answer->table, title) + "</noscript>\n"};
@@ -128,13 +130,15 @@ std::vector<Section> sections_of(std::span<const ReportedStore> stores, const An
   std::vector<Section> sections;
   if (counts.advice > 0) sections.push_back(advice_section(stores, answer));
   if (counts.runs > 0)
-    sections.push_back({runs_table,
-                        "Runs",
-                        "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.",
-                        {"work_precision", "time_steps"},
-                        counts.explored > 0 ? fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
-                                                          counted(counts.explored, "of these was", "of these were"))
-                                            : ""});
+    sections.push_back(
+        {runs_table,
+         "Runs",
+         "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.",
+         {"work_precision", "time_steps"},
+         counts.explored > 0
+             ? fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
+                           counted(counts.explored, "of these was", "of these were"))
+             : ""});
   if (counts.limits > 0)
     sections.push_back(
         {limits_table,
@@ -194,17 +198,19 @@ std::string machines(std::span<const ReportedStore> stores) {
 
 std::string introduction_of(std::span<const ReportedStore> stores, const AnswerSections* answer,
                             std::size_t left_out) {
-  std::string html = fmt::format("<p>{}</p>\n", answer ? html_text(answer->introduction) : summary_of(stores));
+  std::string html =
+      fmt::format("<p>{}</p>\n", answer ? html_text(answer->introduction) : summary_of(stores));
   if (left_out > 0)
-    html += fmt::format("<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
-                        counted(left_out, "row is", "rows are"));
+    html += fmt::format(
+        "<p>{} left out to keep the page small; <code>hmax export STORE</code> writes every row.</p>\n",
+        counted(left_out, "row is", "rows are"));
   return html + "<noscript><p>Figures and sorted tables need JavaScript.</p></noscript>\n";
 }
 
 /// @param answer  null: the page is about stores
 /// @param bodies  of report_bodies()
-std::string page_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& bodies,
-                    const std::string& version, const ReportData& data) {
+std::string page_of(std::span<const ReportedStore> stores, const AnswerSections* answer,
+                    const std::string& bodies, const std::string& version, const ReportData& data) {
   PageFrame page{.title = answer               ? answer->title
                           : stores.size() == 1 ? "Results: " + stores.front().name
                                                : fmt::format("Results: {} stores", stores.size())};
@@ -235,8 +241,8 @@ std::string page_of(std::span<const ReportedStore> stores, const AnswerSections*
   return framed_page(page);
 }
 
-StoreReport report_of(std::span<const ReportedStore> stores, const AnswerSections* answer, const std::string& version,
-                      std::size_t most_bytes) {
+StoreReport report_of(std::span<const ReportedStore> stores, const AnswerSections* answer,
+                      const std::string& version, std::size_t most_bytes) {
   const Counts counts = count_rows(stores);
   const std::string bodies = report_bodies(stores);
   std::size_t most_rows = std::max({counts.runs, counts.limits, counts.advice});
@@ -257,8 +263,8 @@ StoreReport store_report(std::span<const ReportedStore> stores, const std::strin
   return report_of(stores, nullptr, version, most_bytes);
 }
 
-StoreReport answer_report(const ReportedStore& answer, const AnswerSections& sections, const std::string& version,
-                          std::size_t most_bytes) {
+StoreReport answer_report(const ReportedStore& answer, const AnswerSections& sections,
+                          const std::string& version, std::size_t most_bytes) {
   return report_of({&answer, 1}, &sections, version, most_bytes);
 }
 

@@ -22,7 +22,8 @@ struct AnswerSections {
   std::string title = {}, introduction = {};  ///< shown as they are
   std::vector<PageSection> before = {};       ///< in place of the answers in words
   std::vector<PageSection> after = {};
-  std::vector<std::vector<std::string>> table = {};  ///< the rows where there is no JavaScript, headings first
+  std::vector<std::vector<std::string>> table =
+      {};  ///< the rows where there is no JavaScript, headings first
 };
 
 /// One page without any other file. Texts of stores are shown as they are; none of it becomes markup. Stores
@@ -34,7 +35,7 @@ StoreReport store_report(std::span<const ReportedStore> stores, const std::strin
 
 /// The same page about the answer to one question.
 /// @param answer  its rows and its body, if it is about one, and a session
-StoreReport answer_report(const ReportedStore& answer, const AnswerSections& sections, const std::string& version,
-                          std::size_t most_bytes = 5'000'000);
+StoreReport answer_report(const ReportedStore& answer, const AnswerSections& sections,
+                          const std::string& version, std::size_t most_bytes = 5'000'000);
 
 }  // namespace hmax

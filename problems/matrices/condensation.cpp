@@ -31,26 +31,30 @@ Sparse from(const Triplets& entries, Index rows, Index columns) {
 using NameOf = std::function<std::string(Index)>;
 
 /// @throws std::invalid_argument  unless C_m = b K_m for a number b
-void require_proportional(const Sparse& C_m, const Sparse& K_m, const std::vector<Index>& rows, const NameOf& name_of) {
+void require_proportional(const Sparse& C_m, const Sparse& K_m, const std::vector<Index>& rows,
+                          const NameOf& name_of) {
   const double b = K_m.squaredNorm() > 0 ? K_m.cwiseProduct(C_m).sum() / K_m.squaredNorm() : 0;
   const Sparse rest = C_m - b * K_m;
-  const auto largest = [](const Sparse& A) { return A.nonZeros() > 0 ? A.coeffs().cwiseAbs().maxCoeff() : 0.0; };
+  const auto largest = [](const Sparse& A) {
+    return A.nonZeros() > 0 ? A.coeffs().cwiseAbs().maxCoeff() : 0.0;
+  };
   const double allowed = 1e-9 * std::max(std::abs(b) * largest(K_m), largest(C_m));
   each_entry(rest, [&](Index i, Index, double value) {
     if (std::abs(value) > allowed)
-      throw std::invalid_argument("damping acts on " + name_of(rows[static_cast<std::size_t>(i)]) +
-                                  ", which has no mass, so the model is no longer of second order; give it a mass or "
-                                  "take the damping away");
+      throw std::invalid_argument(
+          "damping acts on " + name_of(rows[static_cast<std::size_t>(i)]) +
+          ", which has no mass, so the model is no longer of second order; give it a mass or "
+          "take the damping away");
   });
 }
 
 /// K_mm^-1 K_mu, shape (m, u). What is not coupled stays zero exactly.
 Sparse solved(const Sparse& K_mm, const Sparse& K_mu, const std::vector<Index>& rows, const NameOf& name_of) {
   const auto fail = [&](Index row) {
-    throw std::invalid_argument(
-        "the stiffness among the " + std::to_string(rows.size()) + " unknowns without mass is singular, for instance at " +
-        name_of(rows[static_cast<std::size_t>(row)]) +
-        ": nothing holds it; give it a mass, or take it out of the matrices");
+    throw std::invalid_argument("the stiffness among the " + std::to_string(rows.size()) +
+                                " unknowns without mass is singular, for instance at " +
+                                name_of(rows[static_cast<std::size_t>(row)]) +
+                                ": nothing holds it; give it a mass, or take it out of the matrices");
   };
   VectorXd sizes = VectorXd::Zero(K_mm.rows());
   each_entry(K_mm, [&](Index i, Index, double value) { sizes[i] = std::max(sizes[i], std::abs(value)); });
@@ -78,10 +82,13 @@ Sparse solved(const Sparse& K_mm, const Sparse& K_mu, const std::vector<Index>& 
     }
     for (Index k = 0; k < T.cols(); ++k)
       for (Index i = 0; i < T.rows(); ++i)
-        if (T(i, k) != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(columns[begin + static_cast<std::size_t>(k)]), T(i, k));
+        if (T(i, k) != 0)
+          entries.emplace_back(static_cast<int>(i),
+                               static_cast<int>(columns[begin + static_cast<std::size_t>(k)]), T(i, k));
     if (entries.size() > most_entries)
-      throw std::invalid_argument("without its " + std::to_string(rows.size()) +
-                                  " unknowns without mass the stiffness has too many entries; give them a mass");
+      throw std::invalid_argument(
+          "without its " + std::to_string(rows.size()) +
+          " unknowns without mass the stiffness has too many entries; give them a mass");
   }
   return from(entries, K_mm.rows(), K_mu.cols());
 }
@@ -90,7 +97,8 @@ Sparse solved(const Sparse& K_mm, const Sparse& K_mu, const std::vector<Index>& 
 
 Sparse block_of(const Sparse& A, const std::vector<Index>& rows, const std::vector<Index>& columns) {
   std::vector<int> place(static_cast<std::size_t>(A.rows()), -1);
-  for (std::size_t i = 0; i < rows.size(); ++i) place[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    place[static_cast<std::size_t>(rows[i])] = static_cast<int>(i);
   Triplets entries;
   for (std::size_t j = 0; j < columns.size(); ++j)
     for (Sparse::InnerIterator entry(A, columns[j]); entry; ++entry)
@@ -99,19 +107,22 @@ Sparse block_of(const Sparse& A, const std::vector<Index>& rows, const std::vect
   return from(entries, static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
 }
 
-void require_proportional_damping(const Sparse& C, const Sparse& K, const std::vector<Index>& rows, const NameOf& name_of) {
+void require_proportional_damping(const Sparse& C, const Sparse& K, const std::vector<Index>& rows,
+                                  const NameOf& name_of) {
   std::vector<Index> all(static_cast<std::size_t>(K.rows()));
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
   require_proportional(block_of(C, rows, all), block_of(K, rows, all), rows, name_of);
 }
 
-CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector<char>& massless, const NameOf& name_of) {
+CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector<char>& massless,
+                             const NameOf& name_of) {
   CondensedStructure result;
   std::vector<Index> out;
   for (Index i = 0; i < K.rows(); ++i)
     (massless[static_cast<std::size_t>(i)] ? out : result.kept).push_back(i);
   if (result.kept.empty())
-    throw std::invalid_argument("no unknown has a mass; check the mass matrix, or give a first-order model as jacobian=");
+    throw std::invalid_argument(
+        "no unknown has a mass; check the mass matrix, or give a first-order model as jacobian=");
   if (static_cast<std::ptrdiff_t>(out.size()) > most_factored)
     throw std::invalid_argument(std::to_string(out.size()) + " unknowns have no mass, more than the " +
                                 std::to_string(most_factored) + " that are taken out; give them a mass");
@@ -121,7 +132,8 @@ CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector
   result.K = block_of(K, kept, kept) - Sparse(block_of(K, kept, out) * T);
   result.C = block_of(C, kept, kept) - Sparse(block_of(C, kept, out) * T);
   if (static_cast<std::size_t>(result.K.nonZeros()) > most_entries)
-    throw std::invalid_argument("without its unknowns without mass the stiffness has too many entries; give them a mass");
+    throw std::invalid_argument(
+        "without its unknowns without mass the stiffness has too many entries; give them a mass");
   if (is_symmetric(K)) result.K = symmetrised(result.K);
   if (is_symmetric(C)) result.C = symmetrised(result.C);
   return result;

@@ -12,8 +12,8 @@ namespace hmax {
 
 /// M q'' + C q' + K q = 0 without its unknowns without mass.
 struct CondensedStructure {
-  std::vector<Eigen::Index> kept;       ///< rows with mass, counted from 0, rising
-  Eigen::SparseMatrix<double> K, C;     ///< shape (kept, kept)
+  std::vector<Eigen::Index> kept;    ///< rows with mass, counted from 0, rising
+  Eigen::SparseMatrix<double> K, C;  ///< shape (kept, kept)
 };
 
 /// Static condensation [guyan1965reduction], which is exact here: with the massless rows m and the others u
@@ -35,7 +35,8 @@ void require_proportional_damping(const Eigen::SparseMatrix<double>& C, const Ei
                                   const std::function<std::string(Eigen::Index)>& name_of);
 
 /// The rows and columns `rows` and `columns` of A, in their order.
-Eigen::SparseMatrix<double> block_of(const Eigen::SparseMatrix<double>& A, const std::vector<Eigen::Index>& rows,
+Eigen::SparseMatrix<double> block_of(const Eigen::SparseMatrix<double>& A,
+                                     const std::vector<Eigen::Index>& rows,
                                      const std::vector<Eigen::Index>& columns);
 
 }  // namespace hmax

@@ -31,14 +31,12 @@ ConstraintRows constraint_rows(const Sparse& K, const Sparse& C, const Sparse& M
   const VectorXd coupling =
       beside + sums_beside_diagonal(C, ones, held) + sums_beside_diagonal(M, ones, held);
   // 1 / sqrt(m_j); where there is no mass the unknown follows the others.
-  const VectorXd scale =
-      mass.unaryExpr([](double m) { return m > 0 ? 1 / std::sqrt(m) : 0.0; });
+  const VectorXd scale = mass.unaryExpr([](double m) { return m > 0 ? 1 / std::sqrt(m) : 0.0; });
   const VectorXd scaled_beside = sums_beside_diagonal(K, scale, held);
 
   ConstraintRows found;
   for (Index i = 0; i < n; ++i) {
-    if (coupling[i] == 0 && stiffness[i] != 0)
-      found.decoupled.push_back(i);
+    if (coupling[i] == 0 && stiffness[i] != 0) found.decoupled.push_back(i);
     // k_ii = K_ii / m_i against sum |K_ij| / sqrt(m_i m_j).
     else if (beside[i] > 0 && stiffness[i] >= penalty_ratio * beside[i] &&
              stiffness[i] * scale[i] >= penalty_ratio * scaled_beside[i])

@@ -18,8 +18,8 @@ inline constexpr double penalty_ratio = 1e4;
 ///   K_ii >= 1e4 sum_{j != i} |K_ij|   and   k_ii >= 1e4 sum_{j != i} |k_ij|,   k = M^-1/2 K M^-1/2,
 /// as programs write that add a large number to the diagonal. For symmetric K the residual of the unit vector
 /// e_i, |k e_i - k_ii e_i| <= 1e-4 k_ii, bounds the distance from k_ii to an eigenvalue: a mode sits on that
-/// unknown alone, with the frequency sqrt(k_ii) to 1e-4. The first condition leaves out unknowns that are fast
-/// because their mass is small.
+/// unknown alone, with the frequency sqrt(k_ii) to 1e-4. The first condition leaves out unknowns that are
+/// fast because their mass is small.
 struct ConstraintRows {
   std::vector<Eigen::Index> decoupled, penalties;
   /// The largest sqrt(K_ii / M_ii) of these rows [rad/s]; rows without mass have none.

@@ -20,8 +20,8 @@ Eigen::SparseMatrix<double> assembled(const MatrixFile& file, Eigen::Index rows,
                                       std::size_t* repeated) {
   if (file.rows > rows || file.columns > columns)
     throw std::invalid_argument(file.name + ": the matrix has " + std::to_string(file.rows) + " rows and " +
-                                std::to_string(file.columns) + " columns, more than " + std::to_string(rows) + " and " +
-                                std::to_string(columns) + "; give matrices of one model");
+                                std::to_string(file.columns) + " columns, more than " + std::to_string(rows) +
+                                " and " + std::to_string(columns) + "; give matrices of one model");
   std::vector<MatrixEntry> entries = file.entries;
   if (file.storage != Storage::general) {
     const double sign = file.storage == Storage::skew ? -1 : 1;
@@ -46,8 +46,8 @@ Eigen::SparseMatrix<double> assembled(const MatrixFile& file, Eigen::Index rows,
   }
   for (Eigen::Index k = 0; k < matrix.nonZeros(); ++k)
     if (!std::isfinite(matrix.valuePtr()[k]))
-      throw std::invalid_argument(file.name +
-                                  ": entries of one place add up beyond the range of double; export the matrix again");
+      throw std::invalid_argument(
+          file.name + ": entries of one place add up beyond the range of double; export the matrix again");
   return matrix;
 }
 

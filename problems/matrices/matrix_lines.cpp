@@ -33,15 +33,17 @@ bool MatrixLines::next() {
   return false;
 }
 
-std::int64_t MatrixLines::integer(std::size_t i, const char* what, std::int64_t least, std::int64_t most) const {
+std::int64_t MatrixLines::integer(std::size_t i, const char* what, std::int64_t least,
+                                  std::int64_t most) const {
   std::string_view digits = word_.at(i);
   if (digits.starts_with('+')) digits.remove_prefix(1);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range || (error == std::errc{} && end == digits.data() + digits.size() &&
-                                                  (value < least || value > most)))
-    fail(std::string(what) + " is " + in_quotes(word_.at(i)) + " but must lie between " + std::to_string(least) +
-         " and " + std::to_string(most) + "; indices count from 1, so correct it or export the matrix again");
+  if (error == std::errc::result_out_of_range ||
+      (error == std::errc{} && end == digits.data() + digits.size() && (value < least || value > most)))
+    fail(std::string(what) + " is " + in_quotes(word_.at(i)) + " but must lie between " +
+         std::to_string(least) + " and " + std::to_string(most) +
+         "; indices count from 1, so correct it or export the matrix again");
   if (error != std::errc{} || end != digits.data() + digits.size())
     fail(std::string(what) + " should be a whole number and is " + in_quotes(word_.at(i)) +
          "; correct it or export the matrix again");
@@ -58,7 +60,9 @@ double MatrixLines::number(std::size_t i, const char* what) const {
 void MatrixLines::fail(const std::string& text) const {
   throw std::invalid_argument(name_ + ", line " + std::to_string(number_) + ": " + text);
 }
-void MatrixLines::fail_at_end(const std::string& text) const { throw std::invalid_argument(name_ + ": " + text); }
+void MatrixLines::fail_at_end(const std::string& text) const {
+  throw std::invalid_argument(name_ + ": " + text);
+}
 
 double number_in(std::string_view word) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -75,7 +79,8 @@ double number_in(std::string_view word) {
     const bool of_digits = (c >= '0' && c <= '9') || c == '.';
     if (c == 'D' || c == 'd' || c == 'Q' || c == 'q')
       text += 'e';
-    else if ((c == '+' || c == '-') && i > 0 && ((word[i - 1] >= '0' && word[i - 1] <= '9') || word[i - 1] == '.'))
+    else if ((c == '+' || c == '-') && i > 0 &&
+             ((word[i - 1] >= '0' && word[i - 1] <= '9') || word[i - 1] == '.'))
       text += std::string("e") + c;
     else if (of_digits || c == '+' || c == '-' || c == 'e' || c == 'E')
       text += c;

@@ -35,8 +35,8 @@ std::string shape_of(const MatrixFile& file) {
 void require_shape(const MatrixFile& file, Index n, const std::string& model) {
   if (file.rows == n && file.columns == n) return;
   if (file.open_shape && file.rows <= n) return;
-  fail(file.name, "the matrix has the shape " + shape_of(file) + " but must have " + std::to_string(n) + " x " +
-                      std::to_string(n) + ", that of " + model + "; give matrices of one model");
+  fail(file.name, "the matrix has the shape " + shape_of(file) + " but must have " + std::to_string(n) +
+                      " x " + std::to_string(n) + ", that of " + model + "; give matrices of one model");
 }
 
 /// One triangle is mirrored where that is asked for, and refused otherwise.
@@ -44,10 +44,12 @@ void settle_triangle(MatrixFile& file, bool mirrored) {
   if (file.storage != Storage::general) return;
   const bool one = is_one_triangle(file);
   if (one && !mirrored)
-    fail(file.name,
-         "all entries stand on one side of the diagonal, and the file does not say that the matrix is symmetric; add "
-         "storage=triangle to --matrices if it is, or store both triangles");
-  if (mirrored && !one && std::ranges::any_of(file.entries, [](const MatrixEntry& e) { return e.row() != e.col(); }))
+    fail(
+        file.name,
+        "all entries stand on one side of the diagonal, and the file does not say that the matrix is symmetric; add "
+        "storage=triangle to --matrices if it is, or store both triangles");
+  if (mirrored && !one &&
+      std::ranges::any_of(file.entries, [](const MatrixEntry& e) { return e.row() != e.col(); }))
     fail(file.name, "storage=triangle is given, and entries stand on both sides of the diagonal; remove it");
   if (one) file.storage = Storage::symmetric;
 }
@@ -76,12 +78,14 @@ void check_mass(const MatrixModel& model, const Sparse& M, const std::string& fi
   const VectorXd diagonal = M.diagonal();
   for (Index i = 0; i < diagonal.size(); ++i)
     if (!(diagonal[i] >= 0 && std::isfinite(diagonal[i])))
-      fail(file, "the mass of " + model.name_of(i) + " is " + shortest_digits(diagonal[i]) +
-                     " but must be finite and not negative; " +
-                     (model.files.lumped
-                          ? "the sums of rows are no masses of quadratic elements, so give the masses that the program "
-                            "lumps itself"
-                          : "check the elements and densities"));
+      fail(
+          file,
+          "the mass of " + model.name_of(i) + " is " + shortest_digits(diagonal[i]) +
+              " but must be finite and not negative; " +
+              (model.files.lumped
+                   ? "the sums of rows are no masses of quadratic elements, so give the masses that the program "
+                     "lumps itself"
+                   : "check the elements and densities"));
   each_entry(M, [&](Index i, Index j, double value) {
     if (i != j && value != 0 && (diagonal[i] == 0 || diagonal[j] == 0))
       fail(file, "the mass matrix is not positive: " + model.name_of(diagonal[i] == 0 ? i : j) +
@@ -106,8 +110,8 @@ Index free_directions(const Sparse& K) {
   return free;
 }
 
-/// Whether no entry of K is negative, and most rows of M sum to zero, as those of a stiffness do where a translation makes
-/// no force.
+/// Whether no entry of K is negative, and most rows of M sum to zero, as those of a stiffness do where a
+/// translation makes no force.
 bool look_swapped(const Sparse& K, const Sparse& M) {
   const Index n = K.rows();
   bool negative = false;
@@ -174,7 +178,8 @@ void leave_out_constraint_rows(MatrixModel& model, Structure& structure) {
   if (!facts.dropped) return;
   const std::vector<Index> kept = without(facts.rows, facts.constraints);
   if (kept.empty())
-    throw std::invalid_argument("every row is a constraint row, so drop=constraints leaves nothing; remove it");
+    throw std::invalid_argument(
+        "every row is a constraint row, so drop=constraints leaves nothing; remove it");
   structure.each([&](const Sparse& A) { return block_of(A, kept, kept); });
   keep(model, kept);
 }
@@ -184,8 +189,9 @@ void require_lasting_constraints(const MatrixSeries& K, const std::vector<Index>
   const Sparse first = block_of(K.at.front(), multipliers, all_rows(K.at.front()));
   for (std::size_t k = 1; k < K.at.size(); ++k)
     if (!(Sparse(block_of(K.at[k], multipliers, all_rows(first)) - first).norm() <= 1e-10 * first.norm()))
-      throw std::invalid_argument("the constraints of the Lagrange multipliers change with time, and only ones that do "
-                                  "not can be eliminated; give stiffnesses with the same constraints");
+      throw std::invalid_argument(
+          "the constraints of the Lagrange multipliers change with time, and only ones that do "
+          "not can be eliminated; give stiffnesses with the same constraints");
 }
 
 void eliminate_multipliers(MatrixModel& model, Structure& structure) {
@@ -197,9 +203,11 @@ void eliminate_multipliers(MatrixModel& model, Structure& structure) {
   const auto name = [&](Index i) { return name_of_row(model, i); };
   require_lasting_constraints(structure.K, multipliers);
   for (const Sparse& C : structure.C.at)
-    for (const Sparse& half : {C, Sparse(C.transpose())}) require_proportional_damping(half, K, multipliers, name);
+    for (const Sparse& half : {C, Sparse(C.transpose())})
+      require_proportional_damping(half, K, multipliers, name);
   const ConstrainedMotions motions = constrained_motions(K, multipliers, massless, name);
-  for (const Index i : motions.redundant) model.facts.redundant.push_back(model.unknowns[static_cast<std::size_t>(i)]);
+  for (const Index i : motions.redundant)
+    model.facts.redundant.push_back(model.unknowns[static_cast<std::size_t>(i)]);
   structure.each([&](const Sparse& A) { return projected(A, motions.Z); });
   keep(model, motions.kept);
 }
@@ -251,9 +259,9 @@ void require_finite(const Structure& structure) {
   const auto check = [](const Sparse& A) {
     each_entry(A, [](Index i, Index j, double value) {
       if (!std::isfinite(value))
-        throw std::invalid_argument("without massless unknowns and multipliers row " + std::to_string(i + 1) + ", column " +
-                                    std::to_string(j + 1) + " of the matrices is " + shortest_digits(value) +
-                                    "; check the sizes of the numbers");
+        throw std::invalid_argument("without massless unknowns and multipliers row " + std::to_string(i + 1) +
+                                    ", column " + std::to_string(j + 1) + " of the matrices is " +
+                                    shortest_digits(value) + "; check the sizes of the numbers");
     });
   };
   for (const MatrixSeries* series : {&structure.K, &structure.C}) std::ranges::for_each(series->at, check);
@@ -270,7 +278,9 @@ void set_matrices_at(double t, MatrixModel& model) {
 void settle(MatrixModel& model, Structure structure) {
   MatrixFacts& facts = model.facts;
   require_finite(structure);
-  each_entry(structure.M, [&](Index i, Index j, double value) { facts.coupled_mass = facts.coupled_mass || (i != j && value != 0); });
+  each_entry(structure.M, [&](Index i, Index j, double value) {
+    facts.coupled_mass = facts.coupled_mass || (i != j && value != 0);
+  });
   facts.symmetric_K = settle_symmetry(structure.K);
   facts.symmetric_C = settle_symmetry(structure.C);
   facts.free_directions = model.size() == facts.rows ? free_directions(structure.K.at.front()) : 0;
@@ -323,7 +333,8 @@ GivenFiles read_given(const std::string& name, bool series) {
 }
 
 /// The matrices of files of n rows. What was read is given up.
-MatrixSeries assembled_series(GivenFiles& given, Index n, bool one_triangle, const std::string& shape, std::size_t& repeated) {
+MatrixSeries assembled_series(GivenFiles& given, Index n, bool one_triangle, const std::string& shape,
+                              std::size_t& repeated) {
   MatrixSeries series{.t = given.t, .at = {}};
   for (MatrixFile& file : given.files) {
     require_shape(file, n, shape);
@@ -351,14 +362,15 @@ void read_structure(MatrixModel& model) {
     for (const MatrixFile& file : *each)
       if (first.open_shape && file.rows == file.columns) n = std::max(n, file.rows);
   if (first.open_shape && M.open_shape && M.rows > n)
-    fail(M.name, "the mass has rows up to " + std::to_string(M.rows) + ", and the stiffness " + first.name + " up to " +
-                     std::to_string(n) + "; give matrices of one model");
+    fail(M.name, "the mass has rows up to " + std::to_string(M.rows) + ", and the stiffness " + first.name +
+                     " up to " + std::to_string(n) + "; give matrices of one model");
   if (first.open_shape && M.rows == M.columns) n = std::max(n, M.rows);
   for (const MatrixFile& file : K.files) entries += file.entries.size();
   model.facts.rows = n;
   if (static_cast<std::size_t>(n) > entries)
-    fail(first.name, "the matrix has " + std::to_string(n) + " rows, and K and M have only " + std::to_string(entries) +
-                         " entries, so some unknowns have neither stiffness nor mass; check the number of rows");
+    fail(first.name,
+         "the matrix has " + std::to_string(n) + " rows, and K and M have only " + std::to_string(entries) +
+             " entries, so some unknowns have neither stiffness nor mass; check the number of rows");
   const bool column = M.columns == 1 && M.rows == n;
   if (!column) require_shape(M, n, "the stiffness");
   std::size_t& repeated = model.facts.repeated;
@@ -379,12 +391,13 @@ void read_structure(MatrixModel& model) {
 
 void read_first_order(MatrixModel& model) {
   MatrixFile J = read_matrix(model.files.jacobian);
-  if (J.rows != J.columns) fail(J.name, "the Jacobian has the shape " + shape_of(J) + " but must be square; give J");
+  if (J.rows != J.columns)
+    fail(J.name, "the Jacobian has the shape " + shape_of(J) + " but must be square; give J");
   // A header alone must not ask for memory; rows without an entry are constants.
   constexpr Index most_empty = 64;
   if (J.rows > 1000 && J.rows / most_empty > static_cast<Index>(J.entries.size()))
-    fail(J.name, "the matrix has " + std::to_string(J.rows) + " rows and only " + std::to_string(J.entries.size()) +
-                     " entries; check the number of rows");
+    fail(J.name, "the matrix has " + std::to_string(J.rows) + " rows and only " +
+                     std::to_string(J.entries.size()) + " entries; check the number of rows");
   if (model.files.one_triangle) settle_triangle(J, true);
   model.facts.rows = J.rows;
   model.J = assembled(J, J.rows, J.columns, &model.facts.repeated);
@@ -405,9 +418,11 @@ VectorXd start_of_file(const MatrixModel& model) {
   const Index n = model.facts.rows;
   const bool whole = file.rows == n || (!model.is_first_order() && file.rows == 2 * n);
   if (!whole || file.columns > 2 || (file.columns == 2 && (file.rows != n || model.is_first_order())))
-    fail(file.name, "the initial state has the shape " + shape_of(file) + " but must have " + std::to_string(n) +
-                        " rows, " + (model.is_first_order() ? "one for each state" : "one for each unknown of the files; "
-                                                               "velocities follow in a second column or in further rows"));
+    fail(file.name, "the initial state has the shape " + shape_of(file) + " but must have " +
+                        std::to_string(n) + " rows, " +
+                        (model.is_first_order() ? "one for each state"
+                                                : "one for each unknown of the files; "
+                                                  "velocities follow in a second column or in further rows"));
   VectorXd values = column_of(file, 0);
   if (file.columns == 2) {
     values.conservativeResize(2 * n);
@@ -442,8 +457,16 @@ std::string MatrixModel::name_of(Index row) const {
 }
 
 MatrixModel read_matrix_model(const MatrixFiles& files) {
-  MatrixModel model{.files = files, .facts = {}, .K = {}, .C = {}, .mass = {}, .M = {}, .J = {}, .start = {},
-                    .unknowns = {}, .names = names_beside(files.stiffness)};
+  MatrixModel model{.files = files,
+                    .facts = {},
+                    .K = {},
+                    .C = {},
+                    .mass = {},
+                    .M = {},
+                    .J = {},
+                    .start = {},
+                    .unknowns = {},
+                    .names = names_beside(files.stiffness)};
   if (model.is_first_order())
     read_first_order(model);
   else
@@ -462,9 +485,9 @@ VectorXd start_from(const MatrixModel& model, const VectorXd& values, const std:
   const Index n = model.facts.rows, kept = model.size();
   const bool with_velocities = !model.is_first_order() && values.size() == 2 * n;
   if (values.size() != n && !with_velocities)
-    throw std::invalid_argument(what + ": " + std::to_string(values.size()) + " numbers are given, and the model has " +
-                                std::to_string(n) + (model.is_first_order() ? " states" : " unknowns") +
-                                "; give one for each");
+    throw std::invalid_argument(what + ": " + std::to_string(values.size()) +
+                                " numbers are given, and the model has " + std::to_string(n) +
+                                (model.is_first_order() ? " states" : " unknowns") + "; give one for each");
   VectorXd start = VectorXd::Zero(model.is_first_order() ? kept : 2 * kept);
   for (Index i = 0; i < kept; ++i) {
     const Index row = model.unknowns[static_cast<std::size_t>(i)];
@@ -482,7 +505,8 @@ MatrixModel frozen(MatrixModel model, double t) {
 
 AnySystem system_of(const MatrixModel& model, double alpha, double beta) {
   if (model.is_first_order()) return AnySystem(LinearFirstOrder{model.J});
-  const MassMatrix<double> M = model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
+  const MassMatrix<double> M =
+      model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
   if (model.varying) return AnySystem(VaryingStructure(model.varying, M, alpha, beta));
   const Index n = model.size();
   Sparse C(n, n);

@@ -54,8 +54,8 @@ class MatrixLines {
 double number_in(std::string_view word);
 
 MatrixFile read_matrix_market(const std::string& name, std::string_view text);
-/// CalculiX `.sti`, `.mas`, `.dam`: a line "row column value" for each entry of one triangle, or of both where
-/// the matrix is not symmetric; no header.
+/// CalculiX `.sti`, `.mas`, `.dam`: a line "row column value" for each entry of one triangle, or of both
+/// where the matrix is not symmetric; no header.
 MatrixFile read_calculix(const std::string& name, std::string_view text);
 /// Big endian, with indices of 32 or 64 bits, which the first bytes tell apart.
 MatrixFile read_petsc(const std::string& name, std::string_view bytes);

@@ -32,8 +32,9 @@ std::string matrix_market_text(const Sparse& matrix, const std::string& comment)
   const auto is_written = [&](Eigen::Index i, Eigen::Index j) { return !symmetric || i >= j; };
   Eigen::Index count = 0;
   each_entry(matrix, [&](Eigen::Index i, Eigen::Index j, double) { count += is_written(i, j) ? 1 : 0; });
-  std::string text = std::string("%%MatrixMarket matrix coordinate real ") + (symmetric ? "symmetric" : "general") +
-                     "\n% " + comment + ", " + std::string(own_mark) + "\n";
+  std::string text = std::string("%%MatrixMarket matrix coordinate real ") +
+                     (symmetric ? "symmetric" : "general") + "\n% " + comment + ", " + std::string(own_mark) +
+                     "\n";
   append(text, matrix.rows(), ' ');
   append(text, matrix.cols(), ' ');
   append(text, count, '\n');

@@ -61,7 +61,8 @@ class Elimination {
     const Index p = pivot_of(row);
     const double scale = 1 / row[p].value;
     row.erase(p);
-    for (auto& [k, coefficient] : row) coefficient = {coefficient.value * scale, std::abs(coefficient.value * scale)};
+    for (auto& [k, coefficient] : row)
+      coefficient = {coefficient.value * scale, std::abs(coefficient.value * scale)};
     // The new pivot leaves the rows before.
     const std::set<Index> with_p = std::move(followed_by_[static_cast<std::size_t>(p)]);
     for (const Index other : with_p) {
@@ -96,13 +97,14 @@ class Elimination {
       return std::pair(massless_[i] ? 0 : 1, followed_by_[i].size());
     };
     for (const auto& [j, coefficient] : row)
-      if (std::abs(coefficient.value) >= pivot_share * largest && (best < 0 || rank(j) < rank(best))) best = j;
+      if (std::abs(coefficient.value) >= pivot_share * largest && (best < 0 || rank(j) < rank(best)))
+        best = j;
     return best;
   }
 
   const std::vector<char>& massless_;
-  std::map<Index, Row> rows_;                  ///< by their p
-  std::vector<std::set<Index>> followed_by_;   ///< of each unknown, the p of the rows that it occurs in
+  std::map<Index, Row> rows_;                 ///< by their p
+  std::vector<std::set<Index>> followed_by_;  ///< of each unknown, the p of the rows that it occurs in
   double products_ = 0;
 };
 
@@ -128,9 +130,9 @@ void require_transposes(const Sparse& K, const std::vector<Index>& multipliers, 
   const double allowed = rounding * (B.nonZeros() > 0 ? B.coeffs().cwiseAbs().maxCoeff() : 0.0);
   each_entry(difference, [&](Index i, Index, double value) {
     if (std::abs(value) > allowed)
-      throw std::invalid_argument("the column of the Lagrange multiplier " +
-                                  name_of(multipliers[static_cast<std::size_t>(i)]) +
-                                  " is not the transpose of its row; export the stiffness again, or give it a mass");
+      throw std::invalid_argument(
+          "the column of the Lagrange multiplier " + name_of(multipliers[static_cast<std::size_t>(i)]) +
+          " is not the transpose of its row; export the stiffness again, or give it a mass");
   });
 }
 
@@ -140,7 +142,8 @@ std::vector<Index> multiplier_rows(const Sparse& K, const std::vector<char>& mas
   const auto n = static_cast<std::size_t>(K.rows());
   const Eigen::VectorXd diagonal = K.diagonal();
   std::vector<char> candidate(n, 0), coupled(n, 0), filled(n, 0);
-  for (std::size_t i = 0; i < n; ++i) candidate[i] = massless[i] && diagonal[static_cast<Index>(i)] == 0 ? 1 : 0;
+  for (std::size_t i = 0; i < n; ++i)
+    candidate[i] = massless[i] && diagonal[static_cast<Index>(i)] == 0 ? 1 : 0;
   each_entry(K, [&](Index i, Index j, double value) {
     if (i == j || value == 0) return;
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
@@ -170,13 +173,15 @@ ConstrainedMotions constrained_motions(const Sparse& K, const std::vector<Index>
     motions.kept.push_back(static_cast<Index>(i));
   }
   if (motions.kept.empty())
-    throw std::invalid_argument("the Lagrange multipliers hold every unknown, so nothing moves; remove some of them");
+    throw std::invalid_argument(
+        "the Lagrange multipliers hold every unknown, so nothing moves; remove some of them");
   Triplets entries;
   for (std::size_t p = 0; p < motions.kept.size(); ++p)
     entries.emplace_back(static_cast<int>(motions.kept[p]), static_cast<int>(p), 1.0);
   for (const auto& [p, row] : elimination.rows())
     for (const auto& [k, coefficient] : row)
-      entries.emplace_back(static_cast<int>(p), static_cast<int>(place[static_cast<std::size_t>(k)]), -coefficient.value);
+      entries.emplace_back(static_cast<int>(p), static_cast<int>(place[static_cast<std::size_t>(k)]),
+                           -coefficient.value);
   motions.Z.resize(K.rows(), static_cast<Index>(motions.kept.size()));
   motions.Z.setFromTriplets(entries.begin(), entries.end());
   return motions;

@@ -82,9 +82,10 @@ MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
   if (const std::string sentence = known_and_not_read(bytes); !sentence.empty()) fail(sentence);
   const std::string extension = lower_extension(name);
   if (extension == ".sti" || extension == ".mas" || extension == ".dam") return read_calculix(name, bytes);
-  fail("the file starts with " + in_quotes(bytes.substr(0, std::min(bytes.find('\n'), bytes.size()))) +
-       " and is neither Matrix Market, whose first line is like %%MatrixMarket matrix coordinate real general, nor "
-       "PETSc binary, nor CalculiX .sti or .mas; export it as one of these");
+  fail(
+      "the file starts with " + in_quotes(bytes.substr(0, std::min(bytes.find('\n'), bytes.size()))) +
+      " and is neither Matrix Market, whose first line is like %%MatrixMarket matrix coordinate real general, nor "
+      "PETSc binary, nor CalculiX .sti or .mas; export it as one of these");
   return {};
 }
 
@@ -96,17 +97,20 @@ std::vector<SeriesEntry> read_series(const fs::path& file) {
   std::vector<SeriesEntry> series;
   while (lines.next()) {
     if (lines.words() != 2)
-      lines.fail("the line has " + std::to_string(lines.words()) +
-                 " words but should be a time in seconds and the name of a matrix file, such as 0.5 K_1.mtx; correct it");
+      lines.fail(
+          "the line has " + std::to_string(lines.words()) +
+          " words but should be a time in seconds and the name of a matrix file, such as 0.5 K_1.mtx; correct it");
     const double t = lines.number(0, "the time");
     if (!series.empty() && !(t > series.back().t))
-      lines.fail("the time is " + std::string(lines.word()[0]) + " s but must be later than that of the line before; sort "
+      lines.fail("the time is " + std::string(lines.word()[0]) +
+                 " s but must be later than that of the line before; sort "
                  "the lines by their times");
     const fs::path name(lines.word()[1]);
     series.push_back({t, name.is_absolute() ? name : file.parent_path() / name});
   }
   if (series.size() < 2)
-    lines.fail_at_end("the series names " + std::to_string(series.size()) + (series.size() == 1 ? " matrix" : " matrices") +
+    lines.fail_at_end("the series names " + std::to_string(series.size()) +
+                      (series.size() == 1 ? " matrix" : " matrices") +
                       " but needs two or more; a matrix that does not change is named without series:");
   return series;
 }

@@ -25,12 +25,13 @@ struct SeriesEntry {
   std::filesystem::path file;
 };
 
-/// A series: a line "time file" for each matrix, times rising, files relative to this one; # begins a comment.
+/// A series: a line "time file" for each matrix, times rising, files relative to this one; # begins a
+/// comment.
 /// @throws std::invalid_argument  also where there are fewer than two
 std::vector<SeriesEntry> read_series(const std::filesystem::path& file);
 
-/// Names of the unknowns, as CalculiX has them: "12.3" for direction 3 of node 12, one a line of a .dof file; # begins
-/// a comment.
+/// Names of the unknowns, as CalculiX has them: "12.3" for direction 3 of node 12, one a line of a .dof file;
+/// # begins a comment.
 std::vector<std::string> read_unknown_names(const std::filesystem::path& file);
 
 }  // namespace hmax

@@ -34,10 +34,13 @@ Banner banner_of(const std::string& name, std::string_view line) {
     words.push_back(lower(line.substr(begin, i - begin)));
   }
   if (words.size() != 5)
-    fail_banner(name, "the header has " + std::to_string(words.size()) +
-                          " words but must have five; write for instance %%MatrixMarket matrix coordinate real general");
+    fail_banner(
+        name,
+        "the header has " + std::to_string(words.size()) +
+            " words but must have five; write for instance %%MatrixMarket matrix coordinate real general");
   if (words[1] != "matrix")
-    fail_banner(name, "the file holds a " + in_quotes(words[1]) + "; write a matrix, a vector is one of one column");
+    fail_banner(
+        name, "the file holds a " + in_quotes(words[1]) + "; write a matrix, a vector is one of one column");
   Banner banner;
   if (words[2] != "coordinate" && words[2] != "array")
     fail_banner(name, "unknown form " + in_quotes(words[2]) + "; write coordinate or array");
@@ -55,7 +58,8 @@ Banner banner_of(const std::string& name, std::string_view line) {
   else if (words[4] == "skew-symmetric")
     banner.storage = Storage::skew;
   else if (words[4] != "general")
-    fail_banner(name, "unknown symmetry " + in_quotes(words[4]) + "; write general, symmetric or skew-symmetric");
+    fail_banner(name,
+                "unknown symmetry " + in_quotes(words[4]) + "; write general, symmetric or skew-symmetric");
   return banner;
 }
 
@@ -88,8 +92,9 @@ void read_coordinates(MatrixLines& lines, MatrixFile& file, std::int64_t count) 
     above = above || i < j;
     below = below || i > j;
     if (above && below)
-      lines.fail("the header says that one triangle is stored, and entries stand on both sides of the diagonal; write "
-                 "general into the header if all entries are stored");
+      lines.fail(
+          "the header says that one triangle is stored, and entries stand on both sides of the diagonal; write "
+          "general into the header if all entries are stored");
     if (file.storage == Storage::skew && i == j && value != 0)
       lines.fail("a skew-symmetric matrix has zeros on its diagonal; correct the entry or the header");
   }
@@ -98,11 +103,13 @@ void read_coordinates(MatrixLines& lines, MatrixFile& file, std::int64_t count) 
 /// Column by column; of symmetric matrices the part from the diagonal down.
 void read_array(MatrixLines& lines, MatrixFile& file) {
   for (Eigen::Index j = 0; j < file.columns; ++j) {
-    const Eigen::Index first = file.storage == Storage::general ? 0 : file.storage == Storage::symmetric ? j : j + 1;
+    const Eigen::Index first = file.storage == Storage::general     ? 0
+                               : file.storage == Storage::symmetric ? j
+                                                                    : j + 1;
     for (Eigen::Index i = first; i < file.rows; ++i) {
       if (!lines.next())
-        lines.fail_at_end("the file ends before row " + std::to_string(i + 1) + " of column " + std::to_string(j + 1) +
-                          "; it is cut off, so export it again");
+        lines.fail_at_end("the file ends before row " + std::to_string(i + 1) + " of column " +
+                          std::to_string(j + 1) + "; it is cut off, so export it again");
       require_words(lines, 1, "an entry of an array is one value");
       const double value = lines.number(0, "the value");
       if (value != 0) file.entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
@@ -139,7 +146,8 @@ MatrixFile read_matrix_market(const std::string& name, std::string_view text) {
     read_coordinates(lines, file, count);
   }
   if (lines.next())
-    lines.fail("the file goes on behind its last entry; correct the number of entries or export the matrix again");
+    lines.fail(
+        "the file goes on behind its last entry; correct the number of entries or export the matrix again");
   if (!lines.ends_with_a_break())
     lines.fail_at_end("the last line has no line break, so the file may be cut off; add one if it is whole");
   return file;

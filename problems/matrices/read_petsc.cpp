@@ -40,14 +40,16 @@ class Bytes {
     const auto value = take<double>("a value");
     if (!std::isfinite(value)) {
       at_ -= sizeof(double);
-      fail("a value is not finite; export the matrix again, in double precision and from a build with real numbers");
+      fail(
+          "a value is not finite; export the matrix again, in double precision and from a build with real numbers");
     }
     return value;
   }
   void require_end() const {
     if (left() > 0)
-      fail(std::to_string(left()) + " bytes follow the last value; give one real matrix a file, complex numbers and "
-                                    "several objects are not read");
+      fail(std::to_string(left()) +
+           " bytes follow the last value; give one real matrix a file, complex numbers and "
+           "several objects are not read");
   }
 
  private:
@@ -78,8 +80,9 @@ void read_rows(Bytes& bytes, MatrixFile& file, std::int64_t entries, bool wide) 
   for (Eigen::Index i = 0; i < file.rows; ++i) {
     lengths.push_back(bytes.index("the length of a row", wide));
     if (lengths.back() < 0 || lengths.back() > entries - sum)
-      bytes.fail("row " + std::to_string(i + 1) + " has " + std::to_string(lengths.back()) + " entries, and " +
-                 std::to_string(entries - sum) + " of all are left; export the matrix again");
+      bytes.fail("row " + std::to_string(i + 1) + " has " + std::to_string(lengths.back()) +
+                 " entries, and " + std::to_string(entries - sum) +
+                 " of all are left; export the matrix again");
     sum += lengths.back();
   }
   if (sum != entries)
@@ -101,8 +104,8 @@ void read_rows(Bytes& bytes, MatrixFile& file, std::int64_t entries, bool wide) 
 
 /// Row by row.
 void read_dense(Bytes& bytes, MatrixFile& file) {
-  bytes.require_room(static_cast<std::uint64_t>(file.rows) * static_cast<std::uint64_t>(file.columns), sizeof(double),
-                     "values");
+  bytes.require_room(static_cast<std::uint64_t>(file.rows) * static_cast<std::uint64_t>(file.columns),
+                     sizeof(double), "values");
   for (Eigen::Index i = 0; i < file.rows; ++i)
     for (Eigen::Index j = 0; j < file.columns; ++j)
       if (const double value = bytes.number(); value != 0)

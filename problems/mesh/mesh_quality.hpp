@@ -20,8 +20,8 @@ inline Corners corners_of(const TetMesh& mesh, Eigen::Index tetrahedron) {
 /// det(x1 - x0, x2 - x0, x3 - x0) / 6 [m^3]: negative where the tetrahedron is inverted.
 double signed_volume(const Corners& x);
 
-/// The distance of a corner from the face opposite to it, 3 V / (area of the face), least of the four [m]: negative
-/// where the tetrahedron is inverted.
+/// The distance of a corner from the face opposite to it, 3 V / (area of the face), least of the four [m]:
+/// negative where the tetrahedron is inverted.
 double least_height(const Corners& x);
 
 /// The six dihedral angles [rad], in the order of tetrahedron_edges.

@@ -147,7 +147,8 @@ std::string force_fields(const TissueBody& body) {
 std::string springs(const TissueBody& body) {
   const TetMesh& mesh = body.mesh();
   std::string list;
-  for (const SpringSet::Spring& spring : tissue_springs(mesh, edge_table(mesh), surface_of(mesh), body.settings())) {
+  for (const SpringSet::Spring& spring :
+       tissue_springs(mesh, edge_table(mesh), surface_of(mesh), body.settings())) {
     std::array<double, 2> places{};
     for (const std::size_t end : {0U, 1U}) {
       const TetMesh::Index point = spring.points[end];
@@ -195,12 +196,11 @@ std::string sofa_text(const TissueBody& body, double step) {
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) +
                      " -->\n<Node name=\"root\" dt=\"" + shortest_digits(step) + "\" gravity=\"" +
                      listed(settings.gravity) + "\">\n";
-  for (const char* plugin :
-       {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
-        settings.model.is_of_springs() ? "SolidMechanics.Spring"
-        : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
-                                       : "SolidMechanics.FEM.HyperElastic",
-        "StateContainer", "Topology.Container.Dynamic", "Visual"})
+  for (const char* plugin : {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
+                             settings.model.is_of_springs() ? "SolidMechanics.Spring"
+                             : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
+                                                            : "SolidMechanics.FEM.HyperElastic",
+                             "StateContainer", "Topology.Container.Dynamic", "Visual"})
     text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
   text += "  <Node name=\"tissue\">\n";

@@ -14,10 +14,12 @@ namespace hmax {
 /// Rayleigh damping uses the tangent, ours the stiffness at rest. Regions may differ in material: one force
 /// field takes E of each tetrahedron where that is all that differs in the elasticity of fem_cauchy and
 /// fem_corotational; else each region is a child node with its tetrahedra and a force field of its own on the
-/// points of the body. Linear springs become SOFA's, one by one, with dampers. Points in no tetrahedron are held.
+/// points of the body. Linear springs become SOFA's, one by one, with dampers. Points in no tetrahedron are
+/// held.
 /// @param step  of SOFA's solver [s]
 /// @throws std::invalid_argument for what SOFA's scenes are not written with here: a skin, tools,
-///         forces, moving supports, springs that are not linear; and for materials and steps that are not positive
+///         forces, moving supports, springs that are not linear; and for materials and steps that are not
+///         positive
 std::string sofa_text(const TissueBody& body, double step);
 
 }  // namespace hmax

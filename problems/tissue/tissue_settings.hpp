@@ -53,8 +53,8 @@ struct TissueSettings {
       std::vector<TissueMaterial>(1);     ///< of each region; one serves them all
   std::optional<double> total_mass = {};  ///< [kg]; scales all densities
   bool equal_masses = false;              ///< every point has the same mass, whatever its volume
-  /// Masses of points are raised until explicit steps of an undamped body at rest are stable up to this one [s]; 0:
-  /// they stay. What is added is inert: gravity does not pull it.
+  /// Masses of points are raised until explicit steps of an undamped body at rest are stable up to this one
+  /// [s]; 0: they stay. What is added is inert: gravity does not pull it.
   double mass_step = 0;
 
   /// Rayleigh damping, forces -(alpha M + beta K0) v with the stiffness K0 at rest. K0 rather than the

@@ -16,7 +16,9 @@ constexpr auto each_column = [](const AdviceRecord& record, const auto& text, co
 
 }  // namespace
 
-std::string advice_to_csv(std::span<const AdviceRecord> records) { return columns_to_csv(records, each_column); }
+std::string advice_to_csv(std::span<const AdviceRecord> records) {
+  return columns_to_csv(records, each_column);
+}
 
 std::string advice_to_jsonl(std::span<const AdviceRecord> records) {
   return columns_to_jsonl(records, each_column);

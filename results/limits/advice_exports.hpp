@@ -8,8 +8,8 @@
 
 namespace hmax {
 
-/// One header line, one line for each method of each question. A number that does not apply is an empty cell, a
-/// limit that no step reaches is "unbounded"; steps, limits and times in s.
+/// One header line, one line for each method of each question. A number that does not apply is an empty cell,
+/// a limit that no step reaches is "unbounded"; steps, limits and times in s.
 std::string advice_to_csv(std::span<const AdviceRecord> records);
 
 /// The same as one JSON object per line; a number that does not apply is null.

@@ -20,7 +20,8 @@ struct Column {
 };
 
 /// One header line, one line a row. A NaN is an empty cell, infinity is "unbounded".
-/// @param each_column  each_column(row, text, number) calls text(name, value) or number(name, value) of every column
+/// @param each_column  each_column(row, text, number) calls text(name, value) or number(name, value) of every
+/// column
 template <class Row, class Each>
 std::string columns_to_csv(std::span<const Row> rows, const Each& each_column) {
   std::string header, text;

@@ -13,7 +13,8 @@ namespace hmax {
 
 namespace {
 
-/// By all that tells limits apart but the digest of the model; the ends of motions and the starts are part of it.
+/// By all that tells limits apart but the digest of the model; the ends of motions and the starts are part of
+/// it.
 std::map<std::string, const LimitRow*> by_name(std::span<const LimitRow> rows) {
   std::map<std::string, const LimitRow*> named;
   for (const LimitRow& row : rows) {

@@ -22,9 +22,9 @@ struct LimitComparison {
   std::vector<std::string> only_in_a, only_in_b;
 };
 
-/// Limits of the same problem, state, path and method. A changed bound or verdict is a change; predicted numbers
-/// are compared to 1e-6 relative, observed ones to 1e-3, since another processor moves their last digits. Where a
-/// store has several models of one name, the one that was computed last counts.
+/// Limits of the same problem, state, path and method. A changed bound or verdict is a change; predicted
+/// numbers are compared to 1e-6 relative, observed ones to 1e-3, since another processor moves their last
+/// digits. Where a store has several models of one name, the one that was computed last counts.
 LimitComparison compare_limits(std::span<const LimitRow> a, std::span<const LimitRow> b);
 
 }  // namespace hmax

@@ -8,8 +8,8 @@
 
 namespace hmax {
 
-/// One header line, one line per limit: every column of a limit but its details. A number that does not apply is
-/// an empty cell, a limit that no step reaches is "unbounded"; steps and limits in s.
+/// One header line, one line per limit: every column of a limit but its details. A number that does not apply
+/// is an empty cell, a limit that no step reaches is "unbounded"; steps and limits in s.
 std::string limits_to_csv(std::span<const LimitRow> rows);
 
 /// The same as one JSON object per line; a number that does not apply is null.

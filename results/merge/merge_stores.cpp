@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string text_of(const RowKey& key) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", key.problem, key.material, key.parameters, key.y0,
-                     key.method, key.mode, key.control, to_text(key.h), to_text(key.rtol), to_text(key.atol),
-                     to_text(key.t_end));
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", key.problem, key.material, key.parameters,
+                     key.y0, key.method, key.mode, key.control, to_text(key.h), to_text(key.rtol),
+                     to_text(key.atol), to_text(key.t_end));
 }
 
 std::string text_of(const OperatingPointKey& key) {
@@ -69,7 +69,8 @@ struct Merger::Parts {
 
   explicit Parts(Store& store) : out(store) {
     for (Row& row : out.rows()) rows.emplace(text_of(row.key), std::move(row));
-    for (LimitRow& limit : out.limits()) limits.emplace(text_of(limit.point) + "\n" + limit.method, std::move(limit));
+    for (LimitRow& limit : out.limits())
+      limits.emplace(text_of(limit.point) + "\n" + limit.method, std::move(limit));
     for (const AdviceRecord& record : out.advice()) advice.insert(text_of(record.key));
     if (!(rows.empty() && limits.empty() && advice.empty())) notes = out.notes();
   }
@@ -109,7 +110,8 @@ struct Merger::Parts {
         continue;
       }
       const LimitComparison both = compare_limits({&known->second, 1}, {&limit, 1});
-      meet(limit_name(limit), in.file(), both.changed.empty() ? std::vector<std::string>{} : both.changed.front().changes);
+      meet(limit_name(limit), in.file(),
+           both.changed.empty() ? std::vector<std::string>{} : both.changed.front().changes);
     }
   }
 
@@ -174,8 +176,8 @@ Merger::~Merger() = default;
 
 void Merger::add(const fs::path& file) {
   if (std::error_code error; fs::equivalent(file, parts_->out.file(), error))
-    throw InputError(
-        fmt::format("'{}' is the output of the merge and cannot be an input; remove it from the inputs", file.string()));
+    throw InputError(fmt::format(
+        "'{}' is the output of the merge and cannot be an input; remove it from the inputs", file.string()));
   const Store in = Store::open_existing(file);
   // Notes first: a store must not say that it is of one sweep while it holds rows of another.
   parts_->take_notes(in);

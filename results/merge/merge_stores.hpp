@@ -20,15 +20,16 @@ struct MergeConflict {
 };
 
 struct MergeSummary {
-  std::int64_t added = 0;    ///< rows, limits and answers that came in
-  std::int64_t doubled = 0;  ///< that were there already with the same results, times aside; replaced ones too
+  std::int64_t added = 0;  ///< rows, limits and answers that came in
+  std::int64_t doubled =
+      0;  ///< that were there already with the same results, times aside; replaced ones too
   std::vector<MergeConflict> conflicts;
 };
 
-/// Puts stores into one, in the order in which they are given: of equal keys the first counts, but a measured row takes
-/// the place of an explored one with the same results. Sessions come along with their machines and the time when they
-/// began. A note is kept where all stores have it with the same value. Each input goes in by transactions of whole
-/// sessions, so a merge that was killed can be made again.
+/// Puts stores into one, in the order in which they are given: of equal keys the first counts, but a measured
+/// row takes the place of an explored one with the same results. Sessions come along with their machines and
+/// the time when they began. A note is kept where all stores have it with the same value. Each input goes in
+/// by transactions of whole sessions, so a merge that was killed can be made again.
 class Merger {
  public:
   /// @param out  stays the caller's; what it holds already counts as the first input

@@ -55,7 +55,8 @@ CREATE TABLE rows (
 /// From layout 1, which had no error_l2, to layout 2.
 inline constexpr const char* store_schema_1_to_2 =
     "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
-/// From layout 4, whose advice had neither iterations of conjugate gradients nor distributions of times, to layout 5.
+/// From layout 4, whose advice had neither iterations of conjugate gradients nor distributions of times, to
+/// layout 5.
 inline constexpr const char* store_schema_4_to_5 =
     "ALTER TABLE advice ADD COLUMN linear_per_frame NOT NULL DEFAULT 'nan'; "
     "ALTER TABLE advice ADD COLUMN frame_tail_s TEXT NOT NULL DEFAULT ''";

@@ -416,8 +416,8 @@ void Store::continue_session(std::int64_t session) {
 
 void Store::insert(std::span<const Row> rows) {
   if (impl_->session == 0) throw std::logic_error("Store::insert needs begin_session() first.");
-  // Rows of this span or session are the caller's mistake; a row that another process has added since the caller looked
-  // is not.
+  // Rows of this span or session are the caller's mistake; a row that another process has added since the
+  // caller looked is not.
   const auto refuse = [&](const RowKey& key, std::int64_t existing) {
     Statement owner(impl_->db(), "SELECT session FROM rows WHERE id = ?");
     owner.bind(0, existing);
@@ -440,7 +440,8 @@ void Store::insert(std::span<const Row> rows) {
     sqlite::Transaction transaction(impl_->db());
     if (!impl_->insert) impl_->insert = std::make_unique<Statement>(impl_->db(), insert_sql);
     for (const Row& row : rows) {
-      if (const std::int64_t existing = impl_->id_of(row.key); existing != 0 && (row.explored || !gives_way(existing)))
+      if (const std::int64_t existing = impl_->id_of(row.key);
+          existing != 0 && (row.explored || !gives_way(existing)))
         refuse(row.key, existing);
       bind_row(*impl_->insert, row, impl_->session);
       impl_->insert->run();
@@ -475,8 +476,9 @@ std::vector<Row> Store::rows() const {
     std::vector<Row> rows;
     // Another process may bring an earlier layout up to date meanwhile.
     const std::int64_t layout = sqlite::integer(impl_->db(), "PRAGMA user_version");
-    Statement query(impl_->db(),
-                    fmt::format(select_sql, layout > 1 ? "error_l2" : "'nan'", layout > 5 ? "explored" : "0").c_str());
+    Statement query(
+        impl_->db(),
+        fmt::format(select_sql, layout > 1 ? "error_l2" : "'nan'", layout > 5 ? "explored" : "0").c_str());
     while (query.step()) rows.push_back(read_row(query, impl_->file));
     return rows;
   });

@@ -109,7 +109,8 @@ CREATE TABLE advice (
   UNIQUE ({}, method, options)
 );
 )sql",
-      key_schema(), joined("", " TEXT NOT NULL", ",\n  ", advice_texts), joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
+      key_schema(), joined("", " TEXT NOT NULL", ",\n  ", advice_texts),
+      joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
 }
 
 std::string scene_schema() { return text_schema("scenes", "scene"); }
@@ -147,8 +148,8 @@ std::vector<AdviceRecord> Store::advice() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceRecord> {
     const std::int64_t layout = layout_of(impl_->db());
     if (layout < 4) return {};
-    Statement query(impl_->db(), fmt::format("SELECT {0}, {1}, session FROM advice ORDER BY {0}, id", key_names(),
-                                             own_names(layout))
+    Statement query(impl_->db(), fmt::format("SELECT {0}, {1}, session FROM advice ORDER BY {0}, id",
+                                             key_names(), own_names(layout))
                                      .c_str());
     std::vector<AdviceRecord> records;
     while (query.step()) {

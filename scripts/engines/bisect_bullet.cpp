@@ -1,6 +1,7 @@
-/// The step limit of a scene of Bullet by bisection with the engine alone: bisect_bullet SCENE H0 H1 [STEPS]. Nothing of hmax is in
-/// it. After a kick the kinetic energy is watched over windows of steps; it grows where the largest of the last fifth
-/// exceeds that of the second fifth ten times, or what the kick gave a thousand times.
+/// The step limit of a scene of Bullet by bisection with the engine alone: bisect_bullet SCENE H0 H1 [STEPS].
+/// Nothing of hmax is in it. After a kick the kinetic energy is watched over windows of steps; it grows where
+/// the largest of the last fifth exceeds that of the second fifth ten times, or what the kick gave a thousand
+/// times.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +12,8 @@
 
 static double energy_of(const World& scene) {
   double energy = 0;
-  for (const auto& body : scene.bodies) energy += body->getLinearVelocity().length2() + 0.01 * body->getAngularVelocity().length2();
+  for (const auto& body : scene.bodies)
+    energy += body->getLinearVelocity().length2() + 0.01 * body->getAngularVelocity().length2();
   if (scene.soft)
     for (int i = 0; i < scene.soft->m_nodes.size(); ++i) energy += scene.soft->m_nodes[i].m_v.length2();
   return energy;
@@ -22,7 +24,9 @@ static bool grows(const char* name, double h, int steps) {
   if (!scene.build(name)) std::exit(2);
   std::mt19937 numbers(7);
   std::normal_distribution<double> normal(0, sizeof(btScalar) == 4 ? 1e-3 : 1e-6);
-  const auto kick = [&] { return btVector3(btScalar(normal(numbers)), btScalar(normal(numbers)), btScalar(normal(numbers))); };
+  const auto kick = [&] {
+    return btVector3(btScalar(normal(numbers)), btScalar(normal(numbers)), btScalar(normal(numbers)));
+  };
   for (auto& body : scene.bodies) {
     body->setLinearVelocity(body->getLinearVelocity() + kick());
     body->setAngularVelocity(body->getAngularVelocity() + 10 * kick());

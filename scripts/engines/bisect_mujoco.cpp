@@ -1,13 +1,14 @@
-/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml H0 H1. Nothing of hmax
-/// is in it. After a kick of 1e-6 m/s the kinetic energy is watched over windows of steps; it grows where the largest of
-/// the last fifth exceeds that of the second fifth ten times, or what the kick gave 1e5 times.
+/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml H0 H1.
+/// Nothing of hmax is in it. After a kick of 1e-6 m/s the kinetic energy is watched over windows of steps; it
+/// grows where the largest of the last fifth exceeds that of the second fifth ten times, or what the kick
+/// gave 1e5 times.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <mujoco/mujoco.h>
 #include <random>
 #include <vector>
-#include <mujoco/mujoco.h>
 
 static mjModel* m;
 static mjData *rest, *d;

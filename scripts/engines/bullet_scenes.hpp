@@ -5,11 +5,11 @@
 ///   hinge     a pendulum of two rods on hinges with torsion springs
 ///   box       a box that rests on the ground
 ///   hinges    eight rods on hinges with torsion springs and dampers, which hang; rods have damping
-///   damped    five boxes in a row, springs at their corners turn them too; bodies have linear and angular damping
-///   six       four boxes between walls, held by springs of btGeneric6DofSpring2Constraint
-///   six_old   the same with btGeneric6DofSpringConstraint
-///   cloth     a deformable cloth of 6 x 6 points, or cloth=NUMBER, held at its corners, which hangs; explicit springs and dampers
-///   rope      a rope of btSoftBody, which its solver of positions holds at one end
+///   damped    five boxes in a row, springs at their corners turn them too; bodies have linear and angular
+///   damping six       four boxes between walls, held by springs of btGeneric6DofSpring2Constraint six_old
+///   the same with btGeneric6DofSpringConstraint cloth     a deformable cloth of 6 x 6 points, or
+///   cloth=NUMBER, held at its corners, which hangs; explicit springs and dampers rope      a rope of
+///   btSoftBody, which its solver of positions holds at one end
 /// Springs of rigid bodies are forces before each step, but for the constraints.
 #pragma once
 
@@ -44,8 +44,10 @@ struct World {
   ~World() {
     if (!world) return;
     if (soft) {
-      if (auto* w = dynamic_cast<btDeformableMultiBodyDynamicsWorld*>(world.get())) w->removeSoftBody(soft);
-      else static_cast<btSoftRigidDynamicsWorld*>(world.get())->removeSoftBody(soft);
+      if (auto* w = dynamic_cast<btDeformableMultiBodyDynamicsWorld*>(world.get()))
+        w->removeSoftBody(soft);
+      else
+        static_cast<btSoftRigidDynamicsWorld*>(world.get())->removeSoftBody(soft);
       delete soft;
     }
     for (auto& joint : joints) world->removeConstraint(joint.get());
@@ -81,15 +83,19 @@ struct World {
       auto* of_deformables = new btDeformableMultiBodyConstraintSolver;
       of_deformables->setDeformableSolver(&deformable_solver);
       solver.reset(of_deformables);
-      world = std::make_unique<btDeformableMultiBodyDynamicsWorld>(&dispatcher, &broadphase, of_deformables, &configuration, &deformable_solver);
+      world = std::make_unique<btDeformableMultiBodyDynamicsWorld>(&dispatcher, &broadphase, of_deformables,
+                                                                   &configuration, &deformable_solver);
     } else if (name == "rope") {
       solver = std::make_unique<btSequentialImpulseConstraintSolver>();
-      world = std::make_unique<btSoftRigidDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
+      world =
+          std::make_unique<btSoftRigidDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
     } else {
       solver = std::make_unique<btSequentialImpulseConstraintSolver>();
-      world = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
+      world =
+          std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, solver.get(), &configuration);
     }
-    const bool weightless = name == "chain" || name == "torsion" || name == "damped" || name.starts_with("six");
+    const bool weightless =
+        name == "chain" || name == "torsion" || name == "damped" || name.starts_with("six");
     world->setGravity(btVector3(0, 0, weightless ? 0 : btScalar(-9.81)));
     if (name == "chain") {
       for (int i = 1; i <= (number ? number : 10); ++i)
@@ -103,11 +109,13 @@ struct World {
       settle(btScalar(0.001), 20000);
     } else if (name == "box") {
       add(new btBoxShape(btVector3(1, 1, btScalar(0.5))), 0, btVector3(0, 0, btScalar(-0.5)), true);
-      add(new btBoxShape(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1))), 1, btVector3(0, 0, btScalar(0.1)), true);
+      add(new btBoxShape(btVector3(btScalar(0.1), btScalar(0.1), btScalar(0.1))), 1,
+          btVector3(0, 0, btScalar(0.1)), true);
       settle(btScalar(0.001), 2000);
     } else if (name == "damped") {
       for (int i = 0; i < 5; ++i) {
-        btRigidBody* box = add_box(btScalar(0.05), btScalar(0.05), btScalar(0.05), btScalar(0.2) + btScalar(0.05) * i, btVector3(btScalar(0.2) * i, 0, 0));
+        btRigidBody* box = add_box(btScalar(0.05), btScalar(0.05), btScalar(0.05),
+                                   btScalar(0.2) + btScalar(0.05) * i, btVector3(btScalar(0.2) * i, 0, 0));
         box->setDamping(btScalar(0.2), btScalar(0.3));
       }
     } else if (name.starts_with("six")) {
@@ -124,11 +132,13 @@ struct World {
 
   void hang_rods(int count, btScalar mass, btScalar damping, btScalar half) {
     for (int i = 0; i < count; ++i) {
-      btRigidBody* rod = add_box(btScalar(0.02), btScalar(0.02), half, mass, btVector3(0, 0, -half * (1 + 2 * i)));
+      btRigidBody* rod =
+          add_box(btScalar(0.02), btScalar(0.02), half, mass, btVector3(0, 0, -half * (1 + 2 * i)));
       rod->setDamping(damping, damping);
       const btVector3 top(0, 0, half), axis(0, 1, 0);
-      joints.emplace_back(i == 0 ? new btHingeConstraint(*rod, top, axis)
-                                 : new btHingeConstraint(*rod, *bodies[std::size_t(i) - 1], top, -top, axis, axis));
+      joints.emplace_back(
+          i == 0 ? new btHingeConstraint(*rod, top, axis)
+                 : new btHingeConstraint(*rod, *bodies[std::size_t(i) - 1], top, -top, axis, axis));
       world->addConstraint(joints.back().get(), true);
     }
   }
@@ -136,8 +146,10 @@ struct World {
   void build_six(bool newer) {
     btRigidBody* before = add_box(btScalar(0.05), btScalar(0.05), btScalar(0.05), 0, btVector3(0, 0, 0));
     for (int i = 1; i <= 5; ++i) {
-      btRigidBody* box = add_box(btScalar(0.05), btScalar(0.05), btScalar(0.05), i < 5 ? btScalar(0.4) : 0, btVector3(btScalar(0.3) * i, 0, 0));
-      const btTransform left(btQuaternion::getIdentity(), btVector3(btScalar(0.15), 0, 0)), right(btQuaternion::getIdentity(), btVector3(btScalar(-0.15), 0, 0));
+      btRigidBody* box = add_box(btScalar(0.05), btScalar(0.05), btScalar(0.05), i < 5 ? btScalar(0.4) : 0,
+                                 btVector3(btScalar(0.3) * i, 0, 0));
+      const btTransform left(btQuaternion::getIdentity(), btVector3(btScalar(0.15), 0, 0)),
+          right(btQuaternion::getIdentity(), btVector3(btScalar(-0.15), 0, 0));
       const auto free_with_springs = [](auto* joint, const auto& set) {
         for (int k = 0; k < 6; ++k) {
           joint->setLimit(k, 1, -1);  // free
@@ -170,7 +182,9 @@ struct World {
     info.m_gravity.setValue(0, 0, btScalar(-9.81));
     info.m_sparsesdf.Initialize();
     const btScalar s = btScalar(0.25);
-    soft = btSoftBodyHelpers::CreatePatch(info, btVector3(-s, -s, 0), btVector3(s, -s, 0), btVector3(-s, s, 0), btVector3(s, s, 0), side, side, 1 + 2 + 4 + 8, true);
+    soft =
+        btSoftBodyHelpers::CreatePatch(info, btVector3(-s, -s, 0), btVector3(s, -s, 0), btVector3(-s, s, 0),
+                                       btVector3(s, s, 0), side, side, 1 + 2 + 4 + 8, true);
     soft->setTotalMass(btScalar(0.01) * side * side);
     for (const int corner : {0, side - 1, side * (side - 1), side * side - 1}) soft->setMass(corner, 0);
     soft->m_cfg.collisions = 0;
@@ -189,7 +203,8 @@ struct World {
     auto* softs = static_cast<btSoftRigidDynamicsWorld*>(world.get());
     softs->getWorldInfo().m_gravity.setValue(0, 0, btScalar(-9.81));
     softs->getWorldInfo().m_sparsesdf.Initialize();
-    soft = btSoftBodyHelpers::CreateRope(softs->getWorldInfo(), btVector3(0, 0, 0), btVector3(0, 0, -1), 8, 1);
+    soft =
+        btSoftBodyHelpers::CreateRope(softs->getWorldInfo(), btVector3(0, 0, 0), btVector3(0, 0, -1), 8, 1);
     soft->setTotalMass(btScalar(0.2));
     soft->m_cfg.kDP = btScalar(0.01);
     soft->m_cfg.piterations = 4;
@@ -215,7 +230,8 @@ struct World {
       const btScalar k = 1000;
       const auto off = [&](std::size_t i) {
         return i < 1 || i > bodies.size() ? btVector3(0, 0, 0)
-                                          : bodies[i - 1]->getWorldTransform().getOrigin() - btVector3(btScalar(0.1) * btScalar(i), 0, 0);
+                                          : bodies[i - 1]->getWorldTransform().getOrigin() -
+                                                btVector3(btScalar(0.1) * btScalar(i), 0, 0);
       };
       for (std::size_t i = 1; i <= bodies.size(); ++i)
         bodies[i - 1]->applyCentralForce(k * (off(i - 1) + off(i + 1) - 2 * off(i)));
@@ -224,7 +240,8 @@ struct World {
     } else if (scene == "hinge" || scene == "hinges") {
       const btScalar scale = scene == "hinge" ? 10 : 4;
       for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const btVector3 none(0, 0, 0), at = i > 0 ? turned(*bodies[i - 1]) : none, spin = i > 0 ? bodies[i - 1]->getAngularVelocity() : none;
+        const btVector3 none(0, 0, 0), at = i > 0 ? turned(*bodies[i - 1]) : none,
+                                       spin = i > 0 ? bodies[i - 1]->getAngularVelocity() : none;
         btVector3 torque = -(i == 0 && scene == "hinge" ? 3 * scale : scale) * (turned(*bodies[i]) - at);
         if (scene == "hinges") torque -= btScalar(0.002) * (bodies[i]->getAngularVelocity() - spin);
         bodies[i]->applyTorque(torque);
@@ -234,15 +251,18 @@ struct World {
       const btScalar a = btScalar(0.05);
       for (std::size_t i = 0; i + 1 < bodies.size(); ++i)
         for (const btScalar y : {-a, a})
-          for (const btScalar z : {-a, a}) pull(*bodies[i], btVector3(a, y, z), *bodies[i + 1], btVector3(-a, y, -z), 400);
+          for (const btScalar z : {-a, a})
+            pull(*bodies[i], btVector3(a, y, z), *bodies[i + 1], btVector3(-a, y, -z), 400);
     }
   }
 
   // A spring between two points of two bodies, without length at rest 0.1 m away along x.
   static void pull(btRigidBody& one, const btVector3& p, btRigidBody& other, const btVector3& q, btScalar k) {
-    const btVector3 arm = one.getWorldTransform().getBasis() * p, far = other.getWorldTransform().getBasis() * q;
+    const btVector3 arm = one.getWorldTransform().getBasis() * p,
+                    far = other.getWorldTransform().getBasis() * q;
     const btVector3 rest(btScalar(0.1), 0, q.z() - p.z());
-    const btVector3 force = k * (other.getWorldTransform().getOrigin() + far - one.getWorldTransform().getOrigin() - arm - rest);
+    const btVector3 force =
+        k * (other.getWorldTransform().getOrigin() + far - one.getWorldTransform().getOrigin() - arm - rest);
     one.applyForce(force, arm);
     other.applyForce(-force, far);
   }

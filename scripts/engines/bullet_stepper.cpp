@@ -1,5 +1,6 @@
-/// A stepper for `hmax probe`: scenes of Bullet, see bullet_scenes.hpp; the name of one is the argument. Compiled with
-/// BT_USE_DOUBLE_PRECISION it computes in double. Contacts begin anew from a state that is set or restored.
+/// A stepper for `hmax probe`: scenes of Bullet, see bullet_scenes.hpp; the name of one is the argument.
+/// Compiled with BT_USE_DOUBLE_PRECISION it computes in double. Contacts begin anew from a state that is set
+/// or restored.
 #include <hmax/plugin.h>
 
 #include "bullet_scenes.hpp"
@@ -35,9 +36,11 @@ int dimension(void* handle, size_t* n) {
 
 int get(void* handle, double* y) {
   for (auto& body : of(handle).bodies) {
-    const btVector3 x = body->getWorldTransform().getOrigin(), v = body->getLinearVelocity(), w = body->getAngularVelocity();
+    const btVector3 x = body->getWorldTransform().getOrigin(), v = body->getLinearVelocity(),
+                    w = body->getAngularVelocity();
     const btQuaternion q = body->getOrientation();
-    for (const double number : {x.x(), x.y(), x.z(), q.x(), q.y(), q.z(), q.w(), v.x(), v.y(), v.z(), w.x(), w.y(), w.z()})
+    for (const double number :
+         {x.x(), x.y(), x.z(), q.x(), q.y(), q.z(), q.w(), v.x(), v.y(), v.z(), w.x(), w.y(), w.z()})
       *y++ = number;
   }
   each_node(of(handle), [&](auto& node) {
@@ -49,7 +52,8 @@ int get(void* handle, double* y) {
 int set(void* handle, const double* y) {
   for (auto& body : of(handle).bodies) {
     const auto at = [&](int i) { return btScalar(y[i]); };
-    const btTransform transform(btQuaternion(at(3), at(4), at(5), at(6)).normalized(), btVector3(at(0), at(1), at(2)));
+    const btTransform transform(btQuaternion(at(3), at(4), at(5), at(6)).normalized(),
+                                btVector3(at(0), at(1), at(2)));
     body->setWorldTransform(transform);
     body->setInterpolationWorldTransform(transform);
     body->setLinearVelocity(btVector3(at(7), at(8), at(9)));
@@ -76,8 +80,16 @@ int quaternions(void* handle, size_t* count, size_t* first) {
   return HMAX_OK;
 }
 
-const hmax_stepper stepper{{create, destroy, error_text, dimension}, sizeof(btScalar) == 4 ? HMAX_SINGLE_PRECISION : 0u, get, set, step, nullptr, nullptr,
-                           nullptr, quaternions, nullptr};
+const hmax_stepper stepper{{create, destroy, error_text, dimension},
+                           sizeof(btScalar) == 4 ? HMAX_SINGLE_PRECISION : 0u,
+                           get,
+                           set,
+                           step,
+                           nullptr,
+                           nullptr,
+                           nullptr,
+                           quaternions,
+                           nullptr};
 const hmax_plugin_entry entries[]{{"bullet", "a scene of Bullet", nullptr, &stepper}};
 const hmax_plugin plugin{HMAX_PLUGIN_VERSION, 1, entries};
 

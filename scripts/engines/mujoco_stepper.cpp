@@ -1,5 +1,5 @@
-/// A stepper for `hmax probe`: a scene of MuJoCo, whose file is the argument. It settles for twenty seconds first.
-/// The state is qpos, qvel and the activations; hidden are the start of the solver and the time.
+/// A stepper for `hmax probe`: a scene of MuJoCo, whose file is the argument. It settles for twenty seconds
+/// first. The state is qpos, qvel and the activations; hidden are the start of the solver and the time.
 #include <algorithm>
 #include <hmax/plugin.h>
 #include <mujoco/mujoco.h>
@@ -25,7 +25,9 @@ static void destroy(void* handle) {
   delete &of(handle);
 }
 static const char* error_text(void*) { return reason; }
-static int dimension(void* handle, size_t* n) { return *n = of(handle).m->nq + of(handle).m->nv + of(handle).m->na, HMAX_OK; }
+static int dimension(void* handle, size_t* n) {
+  return *n = of(handle).m->nq + of(handle).m->nv + of(handle).m->na, HMAX_OK;
+}
 static int get(void* handle, double* y) {
   auto& [m, d] = of(handle);
   y = std::copy(d->qvel, d->qvel + m->nv, std::copy(d->qpos, d->qpos + m->nq, y));
@@ -41,7 +43,8 @@ static int set(void* handle, const double* y) {
 }
 // MuJoCo resets what diverges, and counts it.
 static int resets(const mjData* d) {
-  return d->warning[mjWARN_BADQPOS].number + d->warning[mjWARN_BADQVEL].number + d->warning[mjWARN_BADQACC].number;
+  return d->warning[mjWARN_BADQPOS].number + d->warning[mjWARN_BADQVEL].number +
+         d->warning[mjWARN_BADQACC].number;
 }
 static int step(void* handle, double h) {
   auto& [m, d] = of(handle);
@@ -50,7 +53,9 @@ static int step(void* handle, double h) {
   mj_step(m, d);
   return resets(d) > before ? HMAX_DIVERGED : HMAX_OK;
 }
-static size_t saved_size(void* handle) { return 8 * (of(handle).m->nq + 2 * of(handle).m->nv + of(handle).m->na + 1); }
+static size_t saved_size(void* handle) {
+  return 8 * (of(handle).m->nq + 2 * of(handle).m->nv + of(handle).m->na + 1);
+}
 static int save(void* handle, void* blob) {
   auto& [m, d] = of(handle);
   auto* to = static_cast<double*>(blob);
@@ -77,8 +82,16 @@ static int quaternions(void* handle, size_t* count, size_t* first) {
     }
   return HMAX_OK;
 }
-static const hmax_stepper stepper{{create, destroy, error_text, dimension}, 0, get, set, step, saved_size, save, restore,
-                                  quaternions, nullptr};
+static const hmax_stepper stepper{{create, destroy, error_text, dimension},
+                                  0,
+                                  get,
+                                  set,
+                                  step,
+                                  saved_size,
+                                  save,
+                                  restore,
+                                  quaternions,
+                                  nullptr};
 static const hmax_plugin_entry entries[]{{"mujoco", "a scene of MuJoCo", nullptr, &stepper}};
 static const hmax_plugin plugin{HMAX_PLUGIN_VERSION, 1, entries};
 HMAX_PLUGIN_EXPORT const hmax_plugin* hmax_plugin_get(void) { return &plugin; }

@@ -61,7 +61,8 @@ TEST(Folders, EachHeaderIsNamedInTheReadmeOfItsFolder) {
   }
 }
 
-/// Sources that the first column of a table of a README names, `name.hpp` or `name.*`, and that are not there.
+/// Sources that the first column of a table of a README names, `name.hpp` or `name.*`, and that are not
+/// there.
 std::vector<std::string> lost_sources(const std::string& folder, const std::string& readme) {
   static const std::regex row("\\| ([^|]*) \\|"), name("`([a-z_0-9/]+)\\.(hpp|cpp|\\*)`");
   std::vector<std::string> lost;
@@ -72,7 +73,9 @@ std::vector<std::string> lost_sources(const std::string& folder, const std::stri
     const std::string cell = first[1];
     for (std::sregex_iterator it(cell.begin(), cell.end(), name), end; it != end; ++it) {
       const std::string stem = folder + "/" + (*it)[1].str();
-      const auto is_there = [&](const char* ending) { return std::filesystem::exists(source_dir() / (stem + ending)); };
+      const auto is_there = [&](const char* ending) {
+        return std::filesystem::exists(source_dir() / (stem + ending));
+      };
       if (!is_there(".hpp") && !is_there(".cpp")) lost.push_back(stem);
     }
   }
@@ -86,7 +89,8 @@ TEST(Folders, ReadmesNameWhatIsThere) {
     const std::size_t slash = folder.rfind('/');
     if (slash == std::string::npos) continue;
     const std::string parent = folder.substr(0, slash);
-    EXPECT_NE(read_text(source_dir() / parent / "README.md").find(folder.substr(slash + 1) + "/"), std::string::npos)
+    EXPECT_NE(read_text(source_dir() / parent / "README.md").find(folder.substr(slash + 1) + "/"),
+              std::string::npos)
         << parent << "/README.md does not name its folder " << folder << ".";
   }
   EXPECT_EQ(lost_sources("plots", "| `draw.*`, `sketch.hpp` | `paper.hpp` |"),

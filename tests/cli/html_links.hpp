@@ -34,8 +34,8 @@ inline std::set<std::string> values_of(const std::string& page, const std::strin
   return values;
 }
 
-/// Links that lead to no file or to no id, as "page: link". Those to other hosts are left out, and so are those to rows,
-/// which a script makes.
+/// Links that lead to no file or to no id, as "page: link". Those to other hosts are left out, and so are
+/// those to rows, which a script makes.
 /// @param links  counts the links that were followed
 inline std::vector<std::string> broken_html_links(const std::filesystem::path& folder, std::size_t& links) {
   namespace fs = std::filesystem;
@@ -45,11 +45,13 @@ inline std::vector<std::string> broken_html_links(const std::filesystem::path& f
     if (entry.path().extension() != ".html") continue;
     for (const std::string& link : values_of(without_pictures(read_text(entry.path())), "href")) {
       const std::size_t hash = link.find('#');
-      const std::string path = link.substr(0, hash), id = hash == std::string::npos ? "" : link.substr(hash + 1);
+      const std::string path = link.substr(0, hash),
+                        id = hash == std::string::npos ? "" : link.substr(hash + 1);
       if (std::regex_search(link, elsewhere) || std::regex_search(id, row)) continue;
       ++links;
       const fs::path target = path.empty() ? entry.path() : entry.path().parent_path() / path;
-      if (!fs::exists(target) || (!id.empty() && !values_of(without_pictures(read_text(target)), "id").contains(id)))
+      if (!fs::exists(target) ||
+          (!id.empty() && !values_of(without_pictures(read_text(target)), "id").contains(id)))
         broken.push_back(entry.path().string() + ": " + link);
     }
   }

@@ -53,17 +53,19 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
   const Shell shell;
   for (const std::string command :
-       {"advise", "check", "mesh convert liver --matrices out", "phase", "reproduce all", "reproduce oscillators",
-        "reproduce stability", "reproduce tissue", "run", "stability gallery", "stability map",
-        "stability matrices", "stability modes", "stability predict", "stability region", "static",
-        "sweep --explore"})
+       {"advise", "check", "mesh convert liver --matrices out", "phase", "reproduce all",
+        "reproduce oscillators", "reproduce stability", "reproduce tissue", "run", "stability gallery",
+        "stability map", "stability matrices", "stability modes", "stability predict", "stability region",
+        "static", "sweep --explore"})
     for (const char* wrong : {"0", "-1", "1.5", "many", "1025"}) {
       const Told told = shell.hmax(command + " --jobs " + wrong);
       EXPECT_EQ(told.exit_code, 2) << command;
       EXPECT_NE(told.err.find("--jobs is "), std::string::npos) << command << "\n" << told.err;
-      EXPECT_NE(told.err.find(std::string(wrong) == "1025" ? "up to 1024" : "must be a whole number of at least 1"),
-                std::string::npos)
-          << command << "\n" << told.err;
+      EXPECT_NE(
+          told.err.find(std::string(wrong) == "1025" ? "up to 1024" : "must be a whole number of at least 1"),
+          std::string::npos)
+          << command << "\n"
+          << told.err;
       EXPECT_EQ(told.err.find('\n'), told.err.size() - 1) << told.err;
     }
 }
@@ -71,10 +73,11 @@ TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
 /// A run and an equilibrium on threads are the same, and tell elapsed times.
 TEST(JobsOfRun, ChangeTimesAlone) {
   const Shell shell;
-  const std::string body =
-      " --mesh ball:n=8 --model fem_green --set E=50000 --json";
+  const std::string body = " --mesh ball:n=8 --model fem_green --set E=50000 --json";
   for (const std::string& command :
-       {"run" + body + " --method linearly_implicit_euler --h 0.01 --t-end 0.03 --linear direct --jacobian exact --full", "static" + body}) {
+       {"run" + body +
+            " --method linearly_implicit_euler --h 0.01 --t-end 0.03 --linear direct --jacobian exact --full",
+        "static" + body}) {
     const auto answer = [&](const std::string& jobs) {
       const Told told = shell.hmax(command + jobs);
       EXPECT_EQ(told.exit_code, 0) << told.err;
@@ -98,7 +101,8 @@ TEST(JobsOfRun, AreForBodiesAndMatrices) {
   const Shell shell;
   const Told small = shell.hmax("run --problem liver_linear --method rk4 --h 0.01 --jobs 2");
   EXPECT_EQ(small.exit_code, 2);
-  EXPECT_EQ(small.err, "hmax: --jobs is for bodies and matrices, and liver_linear is neither; leave it out\n");
+  EXPECT_EQ(small.err,
+            "hmax: --jobs is for bodies and matrices, and liver_linear is neither; leave it out\n");
   const Told converted = shell.hmax("mesh convert liver liver.vtu --jobs 2");
   EXPECT_EQ(converted.exit_code, 2);
   EXPECT_EQ(converted.err, "hmax: --jobs is for --matrices; leave it out\n");

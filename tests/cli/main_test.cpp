@@ -102,8 +102,10 @@ TEST(Help, ExamplesRun) {
   const auto group_of = [](const std::string& name) { return name.substr(0, name.find(' ')); };
   const Shell shell;
   // What the examples of report name.
-  ASSERT_EQ(shell.hmax("sweep --problem liver_forced --methods rk4 --h 0.1 --t-end 1 --out study").exit_code, 0);
-  ASSERT_EQ(shell.hmax("stability predict --problem liver_forced --methods rk4 --out limits.sqlite").exit_code, 0);
+  ASSERT_EQ(shell.hmax("sweep --problem liver_forced --methods rk4 --h 0.1 --t-end 1 --out study").exit_code,
+            0);
+  ASSERT_EQ(
+      shell.hmax("stability predict --problem liver_forced --methods rk4 --out limits.sqlite").exit_code, 0);
   for (const std::string& name : commands(shell)) {
     if (elsewhere.contains(group_of(name))) continue;
     for (const std::string& example : examples_of(shell.hmax(name + " --help").out)) {

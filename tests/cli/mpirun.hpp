@@ -16,11 +16,13 @@ inline bool is_built_with(std::string_view library) {
   return false;
 }
 
-/// Starts two processes. Open MPI starts as root, and more processes than cores, only when it is told to; the words export
-/// what it is told to the whole line.
+/// Starts two processes. Open MPI starts as root, and more processes than cores, only when it is told to; the
+/// words export what it is told to the whole line.
 inline const std::string as_root = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; ";
 inline const std::string mpirun_two = "mpirun -n 2 --oversubscribe ";
 
-inline bool starts_two_processes() { return Shell().line(as_root + "timeout 60 " + mpirun_two + "true").exit_code == 0; }
+inline bool starts_two_processes() {
+  return Shell().line(as_root + "timeout 60 " + mpirun_two + "true").exit_code == 0;
+}
 
 }  // namespace hmax

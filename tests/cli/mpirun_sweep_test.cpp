@@ -14,11 +14,13 @@ using nlohmann::json;
 const std::string on_two = mpirun_two + HMAX_PROGRAM " ";
 
 void expect_same_rows(const Shell& shell, const std::string& found, const std::string& expected) {
-  const std::vector<Row> rows = Store::open_existing(shell / found).rows(), others = Store::open_existing(shell / expected).rows();
+  const std::vector<Row> rows = Store::open_existing(shell / found).rows(),
+                         others = Store::open_existing(shell / expected).rows();
   ASSERT_EQ(rows.size(), others.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].key, others[i].key);
-    for (const std::string& change : changes_between(others[i], rows[i])) ADD_FAILURE() << rows[i].key.method << " " << change;
+    for (const std::string& change : changes_between(others[i], rows[i]))
+      ADD_FAILURE() << rows[i].key.method << " " << change;
     EXPECT_EQ(rows[i].cpu_s.size(), others[i].cpu_s.size());
   }
 }
@@ -30,24 +32,30 @@ class MpirunSweep : public testing::Test {
     if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   }
   [[nodiscard]] Told line(const std::string& command) const { return shell.line(as_root + command); }
-  [[nodiscard]] Told two(const std::string& arguments) const { return line("timeout 180 " + on_two + arguments); }
+  [[nodiscard]] Told two(const std::string& arguments) const {
+    return line("timeout 180 " + on_two + arguments);
+  }
 
-  /// Starts `sweep` on two ranks, and once more rows are stored than before runs `then`, which knows the process of mpirun as $job and
-  /// those of its ranks as $1 and $2.
+  /// Starts `sweep` on two ranks, and once more rows are stored than before runs `then`, which knows the
+  /// process of mpirun as $job and those of its ranks as $1 and $2.
   [[nodiscard]] Told two_until(const std::string& sweep, const std::string& then) const {
-    return line("rows() { hmax export a.sqlite --format csv 2>/dev/null | tail -n +2 | wc -l; }; before=$(rows); " + on_two + sweep +
-                " & job=$!; for i in $(seq 600); do [ $(rows) -gt $before ] && break; sleep 0.05; done; " +
-                "set -- $(cat /proc/$job/task/*/children); " + then +
-                "; wait $job; code=$?; sleep 1; grep -s '^State:.[RSDT]' /proc/$1/status /proc/$2/status && exit 99; exit $code");
+    return line(
+        "rows() { hmax export a.sqlite --format csv 2>/dev/null | tail -n +2 | wc -l; }; before=$(rows); " +
+        on_two + sweep +
+        " & job=$!; for i in $(seq 600); do [ $(rows) -gt $before ] && break; sleep 0.05; done; " +
+        "set -- $(cat /proc/$job/task/*/children); " + then +
+        "; wait $job; code=$?; sleep 1; grep -s '^State:.[RSDT]' /proc/$1/status /proc/$2/status && exit 99; exit $code");
   }
 
   Shell shell;
 };
 
-constexpr const char* quick = "sweep --problems liver_forced,liver_linear --methods rk4,ode45 --h 0.2,0.1,0.001 --t-end 10 ";
+constexpr const char* quick =
+    "sweep --problems liver_forced,liver_linear --methods rk4,ode45 --h 0.2,0.1,0.001 --t-end 10 ";
 // Sixteen blocks of 13 rows, each of half a second.
-constexpr const char* longer = "sweep --methods explicit_runge_kutta --repeats 20 --fixed --t-end 50 "
-                               "--h 0.2,0.19,0.18,0.17,0.16,0.15,0.14,0.13,0.12,0.11,0.1,0.09,0.08,0.07,0.06,0.05 ";
+constexpr const char* longer =
+    "sweep --methods explicit_runge_kutta --repeats 20 --fixed --t-end 50 "
+    "--h 0.2,0.19,0.18,0.17,0.16,0.15,0.14,0.13,0.12,0.11,0.1,0.09,0.08,0.07,0.06,0.05 ";
 
 TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
   for (const std::string options : {"", "--explore "}) {
@@ -125,7 +133,8 @@ TEST_F(MpirunSweep, TellsAnErrorOnce) {
 }
 
 TEST_F(MpirunSweep, RanksWithDifferentOptionsAreRefused) {
-  const Told told = line("timeout 180 mpirun --oversubscribe -n 1 " HMAX_PROGRAM " sweep --methods rk4 --h 0.1 : -n 1 " HMAX_PROGRAM " sweep --methods rk4 --h 0.2");
+  const Told told = line("timeout 180 mpirun --oversubscribe -n 1 " HMAX_PROGRAM
+                         " sweep --methods rk4 --h 0.1 : -n 1 " HMAX_PROGRAM " sweep --methods rk4 --h 0.2");
   EXPECT_EQ(told.exit_code, 2) << told.err;
   EXPECT_NE(told.err.find("rank 1 has another sweep"), std::string::npos) << told.err;
 }
@@ -144,9 +153,11 @@ Told modelled(const std::vector<double>& seconds, const std::string& options) {
   const Shell shell;
   json tasks = json::array();
   for (const double length : seconds)
-    tasks.push_back({{"rank", 0}, {"problem", "p"}, {"rows", 1}, {"expected_seconds", length}, {"seconds", length}});
-  std::ofstream(shell / "tasks.json")
-      << json{{"ranks", 2}, {"seconds", 1}, {"measured", seconds.size()}, {"hands", 4}, {"dealing_seconds", 4e-3}, {"tasks", tasks}};
+    tasks.push_back(
+        {{"rank", 0}, {"problem", "p"}, {"rows", 1}, {"expected_seconds", length}, {"seconds", length}});
+  std::ofstream(shell / "tasks.json") << json{
+      {"ranks", 2},    {"seconds", 1}, {"measured", seconds.size()}, {"hands", 4}, {"dealing_seconds", 4e-3},
+      {"tasks", tasks}};
   return shell.line("'" HMAX_SOURCE_DIR "/scripts/scaling-model' tasks.json --latency 0 " + options);
 }
 

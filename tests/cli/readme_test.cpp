@@ -27,7 +27,8 @@ struct Shown {
   std::size_t begin = 0, end = 0;  ///< lines of the page
 };
 
-/// What a page asks its reader to type: files, as blocks that begin with ```toml NAME or ```mtx NAME, and commands.
+/// What a page asks its reader to type: files, as blocks that begin with ```toml NAME or ```mtx NAME, and
+/// commands.
 struct Page {
   std::vector<std::string> lines;
   std::vector<std::pair<std::string, std::string>> files;  // name, text

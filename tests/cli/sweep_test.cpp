@@ -34,9 +34,11 @@ TEST(SweepCommand, MeasuresIntoAStoreAndSaysWhatItDid) {
 TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   const Shell shell;
   // Several threads evaluate the formulas.
-  write_text(shell / "mine.toml",
-             "[equations]\nx = \"v\"\nv = \"-c*v - k*x - x^3\"\n[parameters]\nc = 0.4\nk = 1\n[initial]\nx = 0.5\nv = 1\n");
-  const std::string options = "sweep --problems liver_forced,mine.toml --methods rk4,ode45 --h 0.2,0.1,0.05,0.04 --t-end 10 ";
+  write_text(
+      shell / "mine.toml",
+      "[equations]\nx = \"v\"\nv = \"-c*v - k*x - x^3\"\n[parameters]\nc = 0.4\nk = 1\n[initial]\nx = 0.5\nv = 1\n");
+  const std::string options =
+      "sweep --problems liver_forced,mine.toml --methods rk4,ode45 --h 0.2,0.1,0.05,0.04 --t-end 10 ";
   const Told told = shell.hmax(options + "--explore --jobs 3 --out e");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.err.find("rough"), std::string::npos) << told.err;
@@ -77,7 +79,8 @@ TEST(SweepCommand, DrawsAFigureForEachProblem) {
   for (const char* words : {"liver_linear", "rk4", "CPU time"})
     EXPECT_NE(read_text(shell / figures[1].get<std::string>()).find(words), std::string::npos) << words;
   // Tolerances have no steps to draw over.
-  const Told over = shell.hmax("sweep --methods ode45 --rtol 1e-4,1e-6 --t-end 10 --out over --output drawn_over");
+  const Told over =
+      shell.hmax("sweep --methods ode45 --rtol 1e-4,1e-6 --t-end 10 --out over --output drawn_over");
   ASSERT_EQ(over.exit_code, 0) << over.err;
   EXPECT_NE(over.out.find("The figure: drawn_over/sweep.svg"), std::string::npos) << over.out;
   expect_refused(shell.hmax(std::string(quick) + " --style slide"), "--output");
@@ -86,7 +89,8 @@ TEST(SweepCommand, DrawsAFigureForEachProblem) {
 TEST(SweepCommand, MeasuresInShardsWhichMergeIntoOneStore) {
   const Shell shell;
   const std::string whole = "sweep --methods rk4,ode45 --h 0.2,0.1,0.05 --t-end 10";
-  const Told told = shell.line("for i in 1 2 3; do hmax " + whole + " --shard $i/3 --json || exit 9; done >&2 && hmax merge whole " +
+  const Told told = shell.line("for i in 1 2 3; do hmax " + whole +
+                               " --shard $i/3 --json || exit 9; done >&2 && hmax merge whole " +
                                "sweep_1_of_3 sweep_2_of_3 results/runs/sweep_3_of_3.sqlite --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.json()["store"], "results/runs/whole.sqlite");
@@ -113,7 +117,8 @@ TEST(SweepCommand, MeasuresInShardsWhichMergeIntoOneStore) {
 
 TEST(PrecisionCommand, MeasuresInShardsAndAnswersFromTheMergedStore) {
   const Shell shell;
-  const std::string whole = "precision --methods rk4,ode45 --h 0.1,0.05 --rtol 1e-4,1e-6 --t-end 5 --json --store ";
+  const std::string whole =
+      "precision --methods rk4,ode45 --h 0.1,0.05 --rtol 1e-4,1e-6 --t-end 5 --json --store ";
   for (int i = 1; i <= 3; ++i) {
     const std::string number = std::to_string(i);
     const Told told = shell.hmax(whole + number + ".sqlite --shard " + number + "/3");

@@ -19,8 +19,8 @@ using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 using Root = CoupledMass::Root;
 
-/// Consistent masses of linear elements on a grid of n x n points: the Kronecker product of those of two bars,
-/// with other weights of the points.
+/// Consistent masses of linear elements on a grid of n x n points: the Kronecker product of those of two
+/// bars, with other weights of the points.
 Sparse plate(Index n, Index coordinates = 1) {
   const auto weight = [](Index i) { return 1 + 0.5 * std::sin(static_cast<double>(i)); };
   const auto bar = [&](Index i, Index j) { return i == j ? (i == 0 || i == n - 1 ? 2.0 : 4.0) : 1.0; };
@@ -31,7 +31,8 @@ Sparse plate(Index n, Index coordinates = 1) {
         const Index x = i / n + a, y = i % n + b;
         if (x < 0 || y < 0 || x >= n || y >= n) continue;
         for (Index c = 0; c < coordinates; ++c)
-          entries.emplace_back(static_cast<int>(coordinates * i + c), static_cast<int>(coordinates * (x * n + y) + c),
+          entries.emplace_back(static_cast<int>(coordinates * i + c),
+                               static_cast<int>(coordinates * (x * n + y) + c),
                                weight(i) * weight(x * n + y) * bar(i / n, x) * bar(i % n, y));
       }
   Sparse M(coordinates * n * n, coordinates * n * n);
@@ -113,7 +114,8 @@ TEST(MassMatrix, OfLumpedMassesDividesByEach) {
   EXPECT_EQ(mass.solve(x), VectorXd(x.cwiseQuotient(m)));
   EXPECT_EQ(mass.root_times(x), VectorXd(Eigen::Vector3d(2, 6, -3)));
   EXPECT_EQ(MatrixXd(mass.matrix()), MatrixXd(m.asDiagonal()));
-  const MassMatrix<double> coupled(std::make_shared<const CoupledMass>(MatrixXd{{2, 1}, {1, 3}}.sparseView()));
+  const MassMatrix<double> coupled(
+      std::make_shared<const CoupledMass>(MatrixXd{{2, 1}, {1, 3}}.sparseView()));
   EXPECT_THROW((void)coupled.lumped(), std::invalid_argument);
   EXPECT_EQ(coupled.diagonal(), VectorXd(Eigen::Vector2d(2, 3)));
 }

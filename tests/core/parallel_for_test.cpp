@@ -112,7 +112,8 @@ TEST(ParallelFor, LeavesItsThreadsToWhatItsOnlyPieceCalls) {
   EXPECT_TRUE(met);
 }
 
-/// The threads of the system that do two pieces, each of which waits for the other to begin; one where they never meet.
+/// The threads of the system that do two pieces, each of which waits for the other to begin; one where they
+/// never meet.
 std::set<pid_t> two_that_meet() {
   std::atomic<int> begun = 0;
   std::array<pid_t, 2> who{};

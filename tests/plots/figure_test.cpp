@@ -133,19 +133,22 @@ TEST_F(FigureTest, SaysInWordsWhatIsSeen) {
 
 TEST(FigureSourceText, AMarkHasItsNameBesideIt) {
   Figure figure = small_figure();
-  figure.panels[0].marks = {{.x = 0.1, .y = 1e-4, .style = {.marker = 7}, .label = "best", .name = "hht_alpha"},
-                            {.x = 0.01, .y = 1e-8, .style = {.marker = 7}, .label = "best"}};
+  figure.panels[0].marks = {
+      {.x = 0.1, .y = 1e-4, .style = {.marker = 7}, .label = "best", .name = "hht_alpha"},
+      {.x = 0.01, .y = 1e-8, .style = {.marker = 7}, .label = "best"}};
   const std::string script = source_of(figure, "steps").script;
   const std::regex name(
       R"(set label 'hht_alpha' at graph 0\.\d+,0\.\d+ (left|right) offset [^\n]* noenhanced front\n)");
-  EXPECT_EQ(std::distance(std::sregex_iterator(script.begin(), script.end(), name), std::sregex_iterator()), 1);
+  EXPECT_EQ(std::distance(std::sregex_iterator(script.begin(), script.end(), name), std::sregex_iterator()),
+            1);
   EXPECT_NE(alt_text(figure).find("best: hht_alpha"), std::string::npos) << alt_text(figure);
 }
 
 TEST(FigureSourceText, NamesOfAnAxisStandInThePlaceOfNumbers) {
-  Figure figure{.panels = {{.x = {"h [s]", true},
-                            .y = {.label = "method", .range = Range{0.5, 2.5}},
-                            .curves = {{.x = {0.1, 0.2}, .y = {1, 2}, .style = {.marker = 7}, .line = false}}}}};
+  Figure figure{
+      .panels = {{.x = {"h [s]", true},
+                  .y = {.label = "method", .range = Range{0.5, 2.5}},
+                  .curves = {{.x = {0.1, 0.2}, .y = {1, 2}, .style = {.marker = 7}, .line = false}}}}};
   const auto left_edge = [&] {
     const std::string script = source_of(figure, "steps").script;
     const std::size_t at = script.find("set lmargin at screen ");

@@ -12,7 +12,8 @@ namespace hmax {
 /// @param stiffness, density  E A and rho A of element e
 /// @return  K and M, shape (n + 1, n + 1)
 template <class Stiffness, class Density>
-std::pair<Eigen::SparseMatrix<double>, Eigen::SparseMatrix<double>> bar(Eigen::Index n, const Stiffness& stiffness,
+std::pair<Eigen::SparseMatrix<double>, Eigen::SparseMatrix<double>> bar(Eigen::Index n,
+                                                                        const Stiffness& stiffness,
                                                                         const Density& density) {
   std::vector<Eigen::Triplet<double>> k, m;
   for (int e = 0; e < static_cast<int>(n); ++e)
@@ -29,7 +30,8 @@ std::pair<Eigen::SparseMatrix<double>, Eigen::SparseMatrix<double>> bar(Eigen::I
 
 /// E A = 1, rho A = 1.
 inline std::pair<Eigen::SparseMatrix<double>, Eigen::SparseMatrix<double>> uniform_bar(Eigen::Index n) {
-  return bar(n, [](int) { return 1.0; }, [](int) { return 1.0; });
+  return bar(
+      n, [](int) { return 1.0; }, [](int) { return 1.0; });
 }
 
 }  // namespace hmax

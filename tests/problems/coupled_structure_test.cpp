@@ -47,8 +47,8 @@ struct Bar {
     return static_cast<double>(j) * std::numbers::pi / static_cast<double>(K.rows() - 1);
   }
   [[nodiscard]] AnySystem system(Root root, double alpha, double beta) const {
-    return AnySystem(LinearStructure<Sparse>(K, MassMatrix<double>(std::make_shared<const CoupledMass>(M, root)),
-                                             Sparse(alpha * M + beta * K)));
+    return AnySystem(LinearStructure<Sparse>(
+        K, MassMatrix<double>(std::make_shared<const CoupledMass>(M, root)), Sparse(alpha * M + beta * K)));
   }
 };
 
@@ -106,7 +106,8 @@ TEST(CoupledStructure, IsSteppedByExplicitMethodsAsItsModesAre) {
 TEST(CoupledStructure, IsSteppedByImplicitMethodsAsItsModesAre) {
   using Matrix = equations_type<AnySystem>;
   expect_amplitude(
-      Dirk<tableaux::ImplicitEuler, VectorXd, Matrix>{}, [](Complex z) { return 1.0 / (1.0 - z); }, alpha, beta);
+      Dirk<tableaux::ImplicitEuler, VectorXd, Matrix>{}, [](Complex z) { return 1.0 / (1.0 - z); }, alpha,
+      beta);
   expect_amplitude(
       GeneralizedAlpha<VectorXd, VectorXd, AnySystem::DofMatrix>(newmark_parameters(0.25L, 0.5L)),
       [](Complex z) { return (1.0 + z / 2.0) / (1.0 - z / 2.0); }, 0, 0);

@@ -275,7 +275,8 @@ TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
   EXPECT_TRUE(found.rows[0].changes.empty());
   EXPECT_TRUE(std::isnan(found.rows[0].ratio));
   EXPECT_EQ(found.rows[1].verdict, Verdict::changed);
-  EXPECT_NE(found.remarks.back().find("2 of the rows were explored"), std::string::npos) << found.remarks.back();
+  EXPECT_NE(found.remarks.back().find("2 of the rows were explored"), std::string::npos)
+      << found.remarks.back();
 }
 
 }  // namespace

@@ -43,7 +43,8 @@ Formula formula_of(const Method& method);
 std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
                                                 const std::vector<Problem>& problems);
 
-/// The formulas of a list: names as of find_formula, families, or "all"; for rkc_2 and its like one that is held.
+/// The formulas of a list: names as of find_formula, families, or "all"; for rkc_2 and its like one that is
+/// held.
 std::vector<Formula> choose_formulas(const std::vector<std::string>& names);
 
 }  // namespace hmax

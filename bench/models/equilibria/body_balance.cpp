@@ -262,7 +262,8 @@ NamedElement named_element(const Problem& problem, Eigen::Index element) {
   NamedElement named{.kind = "tetrahedron", .number = 0, .points = {}};
   if (element < tetrahedra) {
     named.number = tetrahedron_number(problem, element);
-    for (const auto corner : body.mesh().tetrahedra.col(element)) named.points.push_back(point_number(problem, corner));
+    for (const auto corner : body.mesh().tetrahedra.col(element))
+      named.points.push_back(point_number(problem, corner));
     return named;
   }
   named.kind = springs ? "spring" : "skin triangle";

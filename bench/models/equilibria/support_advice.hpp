@@ -21,8 +21,8 @@ std::optional<double> linear_sag(const TissueBody& body);
 /// @cost  up to seven factors of K0, and one search for an equilibrium
 std::string remedy_without_equilibrium(const Problem& problem);
 
-/// status_of() a search under the whole load; where the support is the cause that it has no equilibrium, that in
-/// place of a smaller load.
+/// status_of() a search under the whole load; where the support is the cause that it has no equilibrium, that
+/// in place of a smaller load.
 /// @cost  as remedy_without_equilibrium() where the search has found nothing
 std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution);
 

@@ -19,8 +19,8 @@ std::vector<PointStrips::Strip> PointStrips::divide(Index points, std::size_t co
   std::vector<Strip> strips;
   std::size_t longest = 0;
   for (std::size_t i = 0; i + 1 < first.size(); ++i) {
-    const auto begin =
-        std::partition_point(groups_.begin(), groups_.end(), [&](const Group& g) { return g.highest < first[i]; });
+    const auto begin = std::partition_point(groups_.begin(), groups_.end(),
+                                            [&](const Group& g) { return g.highest < first[i]; });
     const auto end =
         std::partition_point(begin, groups_.end(), [&](const Group& g) { return g.lowest < first[i + 1]; });
     const std::size_t before = begin == groups_.begin() ? 0 : (begin - 1)->end;

@@ -11,14 +11,14 @@
 
 namespace hmax {
 
-/// Groups of elements in about the order of their points, and the points that they act on. All that acts on a strip
-/// of points lies between a first and a last group.
+/// Groups of elements in about the order of their points, and the points that they act on. All that acts on a
+/// strip of points lies between a first and a last group.
 class PointStrips {
  public:
   using Index = std::int32_t;
 
-  /// The points first .. last - 1, and the blocks of elements begin .. end - 1, among which are all that act on them.
-  /// These act on points from lowest to highest.
+  /// The points first .. last - 1, and the blocks of elements begin .. end - 1, among which are all that act
+  /// on them. These act on points from lowest to highest.
   struct Strip {
     Index first, last;
     std::size_t begin, end;
@@ -31,8 +31,8 @@ class PointStrips {
 
   [[nodiscard]] std::size_t blocks() const { return groups_.empty() ? 0 : groups_.back().end; }
 
-  /// Strips of all points with about as many blocks, without blocks that are in two. At most `count`; one where a strip
-  /// would need most of the blocks.
+  /// Strips of all points with about as many blocks, without blocks that are in two. At most `count`; one
+  /// where a strip would need most of the blocks.
   [[nodiscard]] std::vector<Strip> divide(Index points, std::size_t count) const;
 
  private:
@@ -44,9 +44,9 @@ class PointStrips {
   std::vector<Group> groups_;
 };
 
-/// f += what kernel(begin, end, rows) adds to rows of points by the blocks begin .. end - 1, one after the other. On at
-/// most `most` threads: each computes all blocks that act on its strip of points, in their order, and keeps what they
-/// add there. Sums have the same bits for any number of threads.
+/// f += what kernel(begin, end, rows) adds to rows of points by the blocks begin .. end - 1, one after the
+/// other. On at most `most` threads: each computes all blocks that act on its strip of points, in their
+/// order, and keeps what they add there. Sums have the same bits for any number of threads.
 template <class Kernel>
 void add_by_strips(const PointStrips& groups, std::size_t most, NodeRows& f, const Kernel& kernel) {
   const std::size_t count = most > 1 ? std::min(threads(), most) : 1;

@@ -109,11 +109,11 @@ TEST(NumericalDamping, OfAMethodWithoutDampingIsZeroWithoutASign) {
   }
 }
 
-/// The pair meets on the real axis and parts along it, and one of the two then meets the spurious root: the larger root stays
-/// continuous.
+/// The pair meets on the real axis and parts along it, and one of the two then meets the spurious root: the
+/// larger root stays continuous.
 TEST(PrincipalRoot, MovesContinuouslyWithTheStep) {
-  for (const char* method :
-       {"hht_alpha", "generalized_alpha", "generalized_alpha:rho_inf=0.2", "bdf_3", "bdf_6", "adams_bashforth_3"})
+  for (const char* method : {"hht_alpha", "generalized_alpha", "generalized_alpha:rho_inf=0.2", "bdf_3",
+                             "bdf_6", "adams_bashforth_3"})
     for (const double zeta : {0.3, 0.9, 0.999}) {
       const auto amplification = find_formula(method).amplification;
       const Complex lambda(-zeta, std::sqrt(1 - zeta * zeta));

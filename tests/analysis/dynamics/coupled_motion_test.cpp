@@ -163,7 +163,8 @@ TEST(CoupledMotion, OfGyroscopicForcesIsAmplifiedByEveryStepOfExplicitMethods) {
   // q1'' + g q2' + k1 q1 = 0, q2'' - g q1' + k2 q2 = 0.
   const MatrixXd K = Eigen::Vector2d(200, 100).asDiagonal(), gyroscopic{{0, 1.5}, {-1.5, 0}};
   const auto part = [&](double c, double g = 1) {
-    return mechanical_part(Eigen::VectorXd::Ones(2), K, MatrixXd(g * gyroscopic + c * MatrixXd::Identity(2, 2)));
+    return mechanical_part(Eigen::VectorXd::Ones(2), K,
+                           MatrixXd(g * gyroscopic + c * MatrixXd::Identity(2, 2)));
   };
   const Amplification euler = symplectic_euler_amplification();
   const CoupledMotion undamped(*euler.motion, part(0));

@@ -87,7 +87,8 @@ TEST(StepSpectrum, NeutralMultipliersDoNotGrow) {
       EXPECT_FALSE(found.grows) << h << " " << found.spectral_radius;
       EXPECT_NEAR(found.spectral_radius, 1, single ? 1e-2 : 1e-5);
     }
-    EXPECT_TRUE(spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), 0.401, pattern).grows);
+    EXPECT_TRUE(
+        spectrum_of_step(engine, coordinates, VectorXd::Ones(4), 0, VectorXd::Zero(4), 0.401, pattern).grows);
   }
 }
 

@@ -47,13 +47,14 @@ TEST(Arnoldi, MeasuresResidualsAndStretchInTheGivenInnerProduct) {
   const MatrixXd A = some_matrix(n);
   const DominantEigenvalue found =
       dominant_eigenvalue(product_with(A), VectorXd::Ones(n),
-                          {.basis = n,
-                           .most_products = n,
-                           .inner = [&](const VectorXd& x) -> VectorXd { return weights.cwiseProduct(x); }});
-  EXPECT_NEAR(std::sqrt((found.vector.adjoint() * weights.cast<std::complex<double>>().cwiseProduct(found.vector))
-                            .value()
-                            .real()),
-              1, 1e-10);
+                          {.basis = n, .most_products = n, .inner = [&](const VectorXd& x) -> VectorXd {
+                             return weights.cwiseProduct(x);
+                           }});
+  EXPECT_NEAR(
+      std::sqrt((found.vector.adjoint() * weights.cast<std::complex<double>>().cwiseProduct(found.vector))
+                    .value()
+                    .real()),
+      1, 1e-10);
   // The residual is measured there, and vanishes in the whole space.
   const Eigen::VectorXcd left = A * found.vector - found.value * found.vector;
   EXPECT_NEAR((root.cast<std::complex<double>>().cwiseProduct(left)).norm(), 0, 1e-9 * std::abs(found.value));
@@ -72,8 +73,8 @@ TEST(Arnoldi, StopsEarlyOnlyWhereTheSideOfTheThresholdIsKnown) {
   A(0, 0) += 3;
   const double radius = dense_radius(A);
   for (const double threshold : {0.9 * radius, 2 * radius}) {
-    const DominantEigenvalue found =
-        dominant_eigenvalue(product_with(A), VectorXd::Ones(200), {.most_products = 400, .threshold = threshold});
+    const DominantEigenvalue found = dominant_eigenvalue(product_with(A), VectorXd::Ones(200),
+                                                         {.most_products = 400, .threshold = threshold});
     EXPECT_EQ(found.exceeds(threshold), radius > threshold) << threshold;
     EXPECT_LE(found.products, 60) << threshold;
   }

@@ -30,7 +30,8 @@ using Root = CoupledMass::Root;
 constexpr Root roots[]{Root::factor, Root::polynomial};
 
 std::pair<Sparse, Sparse> uneven_bar(Index n) {
-  return bar(n, [](int e) { return 1 + 0.5 * std::sin(e); }, [](int e) { return 1 + 0.4 * std::cos(2 * e); });
+  return bar(
+      n, [](int e) { return 1 + 0.5 * std::sin(e); }, [](int e) { return 1 + 0.4 * std::cos(2 * e); });
 }
 
 MechanicalPart part_of(const Sparse& K, const Sparse& M, const Sparse& C, Root root = Root::fitting) {
@@ -80,7 +81,8 @@ TEST(CoupledMassModes, AreThoseOfTheDensePencil) {
     }
     EXPECT_LT((all.shapes.transpose() * M * all.shapes - MatrixXd::Identity(n, n)).norm(), 1e-12);
     // By iteration: the largest, the smallest, and those beside a place.
-    const ExtremeStiffnesses largest = largest_stiffnesses(part, 4, 0), smallest = smallest_stiffnesses(part, 4, 0),
+    const ExtremeStiffnesses largest = largest_stiffnesses(part, 4, 0),
+                             smallest = smallest_stiffnesses(part, 4, 0),
                              near = stiffnesses_near(part, expected[30]);
     ASSERT_TRUE(largest.converged && smallest.converged && near.converged);
     for (Index i = 0; i < 4; ++i) {
@@ -97,7 +99,9 @@ TEST(CoupledMassModes, AreThoseOfTheDensePencil) {
 TEST(CoupledMassModes, OfGeneralDampingAreThoseOfTheJacobian) {
   auto [K, M] = uneven_bar(40);
   K.coeffRef(0, 0) += 1;  // held: a rigid motion has a double eigenvalue of one vector
-  const Sparse C = bar(40, [](int e) { return e < 10 ? 0.4 : 0.01; }, [](int) { return 0.0; }).first;
+  const Sparse C = bar(
+                       40, [](int e) { return e < 10 ? 0.4 : 0.01; }, [](int) { return 0.0; })
+                       .first;
   const MechanicalPart part = part_of(K, M, C);
   ASSERT_EQ(part.damping, Damping::general);
   EXPECT_FALSE(rayleigh_coefficients(part));
@@ -122,16 +126,22 @@ TEST(CoupledMassModes, OfGeneralDampingAreThoseOfTheJacobian) {
       EXPECT_LT((lambda * lambda * Mu + lambda * (C * u) + K * u).norm(), 1e-6 * std::norm(lambda));
     }
   }
-  const LinearModel model{.t = 0, .y = VectorXd::Zero(2 * n), .J = [J] { return AnyMatrix(J); }, .mechanical = part,
+  const LinearModel model{.t = 0,
+                          .y = VectorXd::Zero(2 * n),
+                          .J = [J] { return AnyMatrix(J); },
+                          .mechanical = part,
                           .J_stiff = {}};
   std::vector<Complex> all = spectrum_of(model).lambda;
   std::ranges::sort(all, std::ranges::greater{}, [](Complex l) { return std::abs(l); });
-  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_NEAR(std::abs(all[i]), std::abs(expected[i]), 1e-6) << i;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_NEAR(std::abs(all[i]), std::abs(expected[i]), 1e-6) << i;
   // Right and left vectors in the states themselves.
   const Eigenvectors vectors = eigenvectors_of(model);
   ASSERT_FALSE(vectors.defective);
   for (Index i = 0; i < 2 * n; ++i)
-    EXPECT_LT((J * vectors.right.col(i) - vectors.lambda[static_cast<std::size_t>(i)] * vectors.right.col(i)).norm(), 1e-6);
+    EXPECT_LT((J * vectors.right.col(i) - vectors.lambda[static_cast<std::size_t>(i)] * vectors.right.col(i))
+                  .norm(),
+              1e-6);
   EXPECT_LT((vectors.left * vectors.right - Eigen::MatrixXcd::Identity(2 * n, 2 * n)).norm(), 1e-6);
 }
 
@@ -167,7 +177,8 @@ TEST(Davidson, FindsTheLargestWithTheirMultiplicities) {
   ASSERT_TRUE(found.converged);
   for (Index i = 0; i < 7; ++i)
     EXPECT_NEAR(found.values[static_cast<std::size_t>(i)], expected[80 - i / 3], 1e-10) << i;
-  EXPECT_LT((found.vectors.transpose() * mass.matrix() * found.vectors - MatrixXd::Identity(7, 7)).norm(), 1e-10);
+  EXPECT_LT((found.vectors.transpose() * mass.matrix() * found.vectors - MatrixXd::Identity(7, 7)).norm(),
+            1e-10);
 }
 
 }  // namespace

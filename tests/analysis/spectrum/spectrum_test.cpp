@@ -237,7 +237,9 @@ TEST(Spectrum, WithinRepeatedFrequenciesDampingIsDiagonalisedToo) {
   const MatrixXd& shapes = modal.shapes;
   const MatrixXd damping = shapes.transpose() * C * shapes;
   EXPECT_LT((damping - MatrixXd(damping.diagonal().asDiagonal())).norm(), 1e-13);
-  EXPECT_LT((shapes.transpose() * part.mass.diagonal().asDiagonal() * shapes - MatrixXd::Identity(n, n)).norm(), 1e-13);
+  EXPECT_LT(
+      (shapes.transpose() * part.mass.diagonal().asDiagonal() * shapes - MatrixXd::Identity(n, n)).norm(),
+      1e-13);
 }
 
 TEST(Spectrum, GeneralDampingSolvesTheQuadraticEigenvalueProblem) {

@@ -192,7 +192,8 @@ TEST(Equilibrium, MayBeOutOfReachOfWhatIsConserved) {
   EXPECT_NE(moving.message.find("conserves"), std::string::npos) << moving.message;
 }
 
-/// Two masses of 0.1 kg below each other on springs of 0.2 m and 1000 N/m, y = (x1, y1, x2, y2, and their velocities).
+/// Two masses of 0.1 kg below each other on springs of 0.2 m and 1000 N/m, y = (x1, y1, x2, y2, and their
+/// velocities).
 struct Hanging {
   using State = VectorXd;
   [[nodiscard]] Eigen::Index dim() const { return 8; }

@@ -65,7 +65,8 @@ TEST(StepMapLimit, OfSymplecticEulerIsTwoOverTheFastestFrequency) {
     return MatrixXd(drift * kick);
   };
   for (const Eigen::Index dense_to : {by_matrix, by_arnoldi}) {
-    const StepMapLimit limit = first_growing_step(maps_of(symplectic), 2 * springs, between(0.01, 10, dense_to));
+    const StepMapLimit limit =
+        first_growing_step(maps_of(symplectic), 2 * springs, between(0.01, 10, dense_to));
     EXPECT_NEAR(limit.h_max, 2.0 / springs, 1e-3 * limit.h_max) << dense_to;
     // It is the fastest spring that grows.
     Eigen::Index largest = 0;
@@ -83,7 +84,8 @@ TEST(StepMapLimit, OfRungeKutta4IsTheEndOfItsImaginaryAxis) {
   EXPECT_NEAR(limit.h_max, 2.828427124746 / springs, 1e-3 * limit.h_max);
 }
 
-// One of a hundred undamped motions grows by 0.001 a step: Ritz values of a few products lie within the others.
+// One of a hundred undamped motions grows by 0.001 a step: Ritz values of a few products lie within the
+// others.
 TEST(StepGrowth, IsSeenThoughItIsSlowAndOthersNeitherGrowNorDecay) {
   constexpr int pairs = 100;
   const StepMap rotations = [](const VectorXd& y, int steps) -> VectorXd {

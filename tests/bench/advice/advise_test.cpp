@@ -71,10 +71,12 @@ TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
 }
 
 TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
-  const Problem problem = make_problem("fem_green/gravity@ball:n=8", {.material = {}, .parameters = {}, .y0 = {}});
+  const Problem problem =
+      make_problem("fem_green/gravity@ball:n=8", {.material = {}, .parameters = {}, .y0 = {}});
   ASSERT_GT(problem.body->dofs(), 5000);
   const RestingBody resting = resting_under_gravity(problem);
-  const double share = resting.problem.body->settings().gravity.norm() / problem.body->settings().gravity.norm();
+  const double share =
+      resting.problem.body->settings().gravity.norm() / problem.body->settings().gravity.norm();
   EXPECT_GT(share, 0);
   EXPECT_LT(share, 1);
   EXPECT_NE(resting.words.find("under which it has an equilibrium"), std::string::npos) << resting.words;
@@ -98,7 +100,8 @@ TEST(ProbingMotion, TakesAsMuchOfALoadAsMovesTheBodyByTwoPercent) {
 
 TEST(ReferenceMotion, IsAsCloseAsItSays) {
   const ProbingMotion motion = probing_motion(cube("press"));
-  const ReferenceMotion coarse = reference_motion(motion, 0.01, 0.1), fine = reference_motion(motion, 0.01, 1e-3);
+  const ReferenceMotion coarse = reference_motion(motion, 0.01, 0.1),
+                        fine = reference_motion(motion, 0.01, 1e-3);
   EXPECT_LE(coarse.error_bound, 0.01);
   EXPECT_LE(fine.error_bound, 1e-4);
   EXPECT_GT(fine.scale, 0);
@@ -270,7 +273,8 @@ TEST(Proof, FailsBeyondTheLimit) {
   const ReferenceMotion reference = reference_motion(motion, asked.frame(), asked.tolerance);
   // A frame that one step fills, 5 % beyond the limit.
   const ProofPlan plan{.frame = 1.05 * row.h_max, .budget = 1, .seconds = 2, .slowest = 0};
-  for (const ProofRun& run : prove(row.candidate, 1, motion, reference, plan)) EXPECT_FALSE(run.holds()) << run.motion;
+  for (const ProofRun& run : prove(row.candidate, 1, motion, reference, plan))
+    EXPECT_FALSE(run.holds()) << run.motion;
 }
 
 /// The same body with its points in another order, turned, mirrored and made in another unit.
@@ -301,7 +305,8 @@ TEST(Advise, IsTheSameForABodyRenumberedTurnedAndMirrored) {
   ASSERT_EQ(problem.body->mesh().point_count() % 5, 2);  // 27 points: the new order is one
   const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
   const Advice before = advise(problem, asked);
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+  const Eigen::Matrix3d turn =
+                            Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
                         mirror = Eigen::Vector3d(-1, 1, 1).asDiagonal();
   for (const Eigen::Matrix3d& change : {turn, Eigen::Matrix3d(turn * mirror)}) {
     const Advice after = advise(moved(problem, change), asked);
@@ -320,7 +325,9 @@ TEST(Advise, IsTheSameForABodyRenumberedTurnedAndMirrored) {
 }
 
 TEST(LimitBands, AreRootsForAnUndampedBody) {
-  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
   const Problem problem = make({});
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem.y0.size());
   const auto bands = limit_bands(find_method("central_difference"), problem, rest, make);
@@ -411,7 +418,8 @@ TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
     return row.candidate.jacobian.every == JacobianUpdate::frozen;
   });
   ASSERT_NE(frozen, advice.rows.end());
-  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one of a damped body far beyond.
+  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one of a damped body far
+  // beyond.
   EXPECT_GT(frozen->stiffening * advice.stiffened, 2);
 }
 
@@ -419,10 +427,12 @@ TEST(Advise, PredictsLimitsThatNoModeTells) {
   // Under load the stiff part and the rest of a body have no common modes.
   const Problem problem = cube("press");
   const Advice advice = advise(problem, question(100, {"imex_euler", "linearly_implicit_euler"}, problem));
-  const auto imex = std::ranges::find(advice.rows, "imex_euler", [](const AdviceRow& row) { return row.candidate.method.id; });
+  const auto imex = std::ranges::find(advice.rows, "imex_euler",
+                                      [](const AdviceRow& row) { return row.candidate.method.id; });
   ASSERT_NE(imex, advice.rows.end());
   EXPECT_LE(imex->h, imex->h_max) << imex->status;
-  for (const AdviceRow& row : advice.rows) EXPECT_FALSE(std::isnan(row.h_max)) << row.candidate.words() << row.status;
+  for (const AdviceRow& row : advice.rows)
+    EXPECT_FALSE(std::isnan(row.h_max)) << row.candidate.words() << row.status;
 }
 
 TEST(LoadMargin, IsOpenWhereNothingStiffens) {
@@ -438,7 +448,8 @@ TEST(LoadMargin, IsOpenWhereNothingStiffens) {
 }
 
 TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
-  const Problem problem = make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 0}}, .y0 = {1, 0}});
+  const Problem problem =
+      make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 0}}, .y0 = {1, 0}});
   const Candidate candidate{find_method("symplectic_euler"), {}, {}};
   const ProbingMotion motion = probing_motion(problem);
   const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
@@ -461,12 +472,15 @@ TEST(LoadMargin, MovesWhatMovesABody) {
   EXPECT_EQ(larger.problem.body->settings().forces.front().force,
             3 * probing_motion(pressed).problem.body->settings().forces.front().force);
   // A tool that went further would touch elsewhere.
-  EXPECT_TRUE(std::isnan(
-      load_margin({find_method("symplectic_euler"), {}, {}}, 1e-4, {.problem = touched, .t_end = 1, .words = ""}, {}, {}).holds));
+  EXPECT_TRUE(std::isnan(load_margin({find_method("symplectic_euler"), {}, {}}, 1e-4,
+                                     {.problem = touched, .t_end = 1, .words = ""}, {}, {})
+                             .holds));
 }
 
 TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
-  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
   const Problem problem = make({});
   AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
   asked.budget = 1e-8;
@@ -492,10 +506,11 @@ TEST(Remedies, MendElementsWhereThatMakesTheFastestModeSlower) {
   ASSERT_EQ(failed.recommended(), nullptr);
   std::vector<int> counts;
   const Remaking make{.with = [](const auto&) -> Problem { throw InputError("no other parameters"); },
-                      .mended = [&](int count) {
-                        counts.push_back(count);
-                        return cube("press", {{"E", count < 16 ? 5.5e13 : 5500}});
-                      }};
+                      .mended =
+                          [&](int count) {
+                            counts.push_back(count);
+                            return cube("press", {{"E", count < 16 ? 5.5e13 : 5500}});
+                          }};
   find_remedies(problem, asked, failed, make);
   ASSERT_EQ(failed.remedies.size(), 1U);
   EXPECT_EQ(failed.remedies[0].change, "mend");
@@ -506,7 +521,9 @@ TEST(Remedies, MendElementsWhereThatMakesTheFastestModeSlower) {
 
 TEST(Remedies, ThatWereFoundStayWhenTheSearchIsInterrupted) {
   struct Enough {};
-  const auto make = [](const std::vector<std::pair<std::string, double>>& values) { return cube("press", values); };
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
   const Problem problem = make({});
   AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
   asked.budget = 1e-8;
@@ -546,7 +563,8 @@ TEST(Advise, LooksForLimitsOfSmallProblemsAllAlongTheMotion) {
   for (const AdviceRow& row : advice.rows) {
     const auto along = limit_along(row.candidate.method, problem, problem.t_end);
     EXPECT_NEAR(row.h_max, along->least, 1e-6 * along->least) << row.candidate.method.id;
-    EXPECT_LT(row.h_max, 0.8 * predict(row.candidate.method, advice.model->near).h_max.value()) << row.candidate.method.id;
+    EXPECT_LT(row.h_max, 0.8 * predict(row.candidate.method, advice.model->near).h_max.value())
+        << row.candidate.method.id;
   }
 }
 

@@ -45,7 +45,8 @@ TEST(UserMotion, PressesWithForcesOverTime) {
 
 TEST(UserMotion, MovesPoints) {
   const Scratch scratch;
-  UserMotion user = read_user_motion(written(scratch, "t [s],x [m],y [m]\n0,0,0\n0.1,0.002,0.001\n0.4,0.002,0\n"));
+  UserMotion user =
+      read_user_motion(written(scratch, "t [s],x [m],y [m]\n0,0,0\n0.1,0.002,0.001\n0.4,0.002,0\n"));
   EXPECT_EQ(user.kind, UserMotion::Kind::displacements);
   EXPECT_THROW(probing_motion(cube("press"), user), InputError);  // of no point
   user.points = {26};

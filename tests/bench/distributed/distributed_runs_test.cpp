@@ -56,12 +56,15 @@ class Rows final : public DistributedModel {
     const auto ranks = static_cast<Eigen::Index>(chain.sums.size()), own = static_cast<Eigen::Index>(rank);
     begin_ = chain.x.size() * own / ranks;
     count_ = chain.x.size() * (own + 1) / ranks - begin_;
-    for (Eigen::Index i = 0; i < count_; ++i) noise_.push_back(std::sin(3.0 * static_cast<double>((begin_ + i) * (begin_ + i) + 1)));
+    for (Eigen::Index i = 0; i < count_; ++i)
+      noise_.push_back(std::sin(3.0 * static_cast<double>((begin_ + i) * (begin_ + i) + 1)));
   }
 
   [[nodiscard]] const StructureEnds& ends() const override { return chain_.ends; }
   [[nodiscard]] std::size_t rows() const override { return noise_.size(); }
-  [[nodiscard]] std::span<const double> fastest_shape() const override { return {chain_.shape.data() + begin_, rows()}; }
+  [[nodiscard]] std::span<const double> fastest_shape() const override {
+    return {chain_.shape.data() + begin_, rows()};
+  }
   [[nodiscard]] std::span<const double> noise() const override { return noise_; }
   void stiffness_times(const double* x, double* out) override {
     std::copy_n(x, count_, chain_.x.data() + begin_);
@@ -81,7 +84,10 @@ class Rows final : public DistributedModel {
   SumEnd largest_of_sum(double a, double b, double /*tolerance*/) override {
     const Eigen::SelfAdjointEigenSolver<MatrixXd> all(a * chain_.C + b * chain_.K);
     const VectorXd u = all.eigenvectors().rightCols(1);
-    return {.value = all.eigenvalues()[u.size() - 1], .residual = 0, .gamma = u.dot(chain_.C * u), .kappa = u.dot(chain_.K * u),
+    return {.value = all.eigenvalues()[u.size() - 1],
+            .residual = 0,
+            .gamma = u.dot(chain_.C * u),
+            .kappa = u.dot(chain_.K * u),
             .converged = true};
   }
   std::vector<std::complex<double>> largest_damped(std::size_t most) override {
@@ -165,7 +171,8 @@ StructureEnds damped(double alpha, double beta) {
   return ends;
 }
 
-/// The row of a method as each of so many processes has it, with `share` of the predicted limit in place of it.
+/// The row of a method as each of so many processes has it, with `share` of the predicted limit in place of
+/// it.
 std::vector<Prediction> verified(const std::string& method, int ranks, const StructureEnds& of_damping = {},
                                  double share = 1, int breaks_at = 0, Eigen::Index unknowns = 40) {
   Chain chain(ranks, unknowns, of_damping);
@@ -187,7 +194,8 @@ std::vector<Prediction> verified(const std::string& method, int ranks, const Str
 }
 
 TEST(DistributedRuns, ShowTheLimitOnAnyNumberOfProcesses) {
-  for (const char* method : {"rk4", "symplectic_euler", "velocity_verlet", "central_difference", "adams_bashforth_2"})
+  for (const char* method :
+       {"rk4", "symplectic_euler", "velocity_verlet", "central_difference", "adams_bashforth_2"})
     for (const int ranks : {1, 3})
       for (const Prediction& row : verified(method, ranks, damped(0.1, 0))) {
         ASSERT_TRUE(row.observed) << method << row.note;
@@ -294,7 +302,8 @@ TEST(DistributedLimits, AreThoseOfAllModesWhereDampingCouplesThem) {
     chain.C = dampers(40, strength);
     Rows rows(chain, 0);
     const Linearised near = linearised(pair_with_ends("chain", chain.ends), rows);
-    for (const char* id : {"rk4", "rk2_heun", "symplectic_euler", "velocity_verlet", "explicit_newmark", "newmark"}) {
+    for (const char* id :
+         {"rk4", "rk2_heun", "symplectic_euler", "velocity_verlet", "explicit_newmark", "newmark"}) {
       const Method method = find_method(id);
       const Prediction row = predict(method, near), all = from_all_modes(method, chain.K, chain.C);
       ASSERT_TRUE(all.h_max) << id << all.note;

@@ -286,13 +286,16 @@ TEST(LargestStableStep, RefusesWrongInputInOneSentence) {
 }
 
 TEST(LargestStableStep, OfAModelThatGrowsNamesTheFastestGrowth) {
-  // C = -c K: lambda = (c kappa + sqrt(c^2 kappa^2 - 4 kappa)) / 2 of the largest kappa; all modes, and both ends alone.
+  // C = -c K: lambda = (c kappa + sqrt(c^2 kappa^2 - 4 kappa)) / 2 of the largest kappa; all modes, and both
+  // ends alone.
   for (const int n : {3, 30, 3000}) {
     const Sparse K = chain(n, 100), C = -0.01 * K;
-    const double root = 2 * std::sqrt(100.0) * std::cos(std::numbers::pi / (2 * (n + 1))), kappa = root * root;
+    const double root = 2 * std::sqrt(100.0) * std::cos(std::numbers::pi / (2 * (n + 1))),
+                 kappa = root * root;
     const StepAnswer answer = largest_stable_step("rk4", K, Eigen::VectorXd::Ones(n), C);
     EXPECT_EQ(answer.bound, Bound::model) << n;
-    const std::string growth = fmt::format("grows as exp({:.4g} t)", 0.005 * kappa);  // kappa < 400: oscillations
+    const std::string growth =
+        fmt::format("grows as exp({:.4g} t)", 0.005 * kappa);  // kappa < 400: oscillations
     EXPECT_NE(answer.status.find(growth), std::string::npos) << growth << " is not in: " << answer.status;
   }
 }

@@ -546,8 +546,9 @@ TEST(Linearised, RefusesAJacobianThatIsNoNumberAndAMassThatIsNone) {
 }
 
 TEST(Linearised, RefusesRatesThatAreNoNumbers) {
-  EXPECT_NE(refusal(problem_of(AnySystem(NoRate{}))).find("the rates of own in its initial state are not finite"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(problem_of(AnySystem(NoRate{}))).find("the rates of own in its initial state are not finite"),
+      std::string::npos);
 }
 
 TEST(Verification, EndsWhereTheWatcherThrows) {

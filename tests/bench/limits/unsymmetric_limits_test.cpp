@@ -15,7 +15,7 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-constexpr int pairs = 1002;  // 4008 states
+constexpr int pairs = 1002;    // 4008 states
 constexpr double turning = 3;  // [rad/s]
 double omega_of(int k) { return 100 * std::exp(-k / 50.0); }
 

@@ -115,8 +115,9 @@ TEST(MeshChoice, WhatModelsCannotUseIsRefused) {
   std::swap(mesh.tetrahedra(0, 3), mesh.tetrahedra(1, 3));
   write_text(folder / "a.msh", msh_text(mesh));
   for (const char* modifier : {"", ":mend=1"})
-    EXPECT_NE(refusal((folder / "a.msh").string() + modifier, 1).find("tetrahedron 4 is inverted; turn it with"),
-              std::string::npos);
+    EXPECT_NE(
+        refusal((folder / "a.msh").string() + modifier, 1).find("tetrahedron 4 is inverted; turn it with"),
+        std::string::npos);
 }
 
 TEST(MeshChoice, KnowsACoarserMesh) {
@@ -129,7 +130,8 @@ TEST(MeshChoice, KnowsACoarserMesh) {
   EXPECT_EQ(coarser_mesh("liver:mend=5:refine=1"), "liver:mend=5");
   EXPECT_EQ(coarser_mesh("ball:mend=5:n=6"), "ball:mend=5:n=3");
   EXPECT_EQ(coarser_mesh("cube:n=1"), "");
-  for (const char* text : {"ball:n=6,radius=0.04", "cube:n=8:refine=1"}) EXPECT_NO_THROW(load_mesh(coarser_mesh(text)));
+  for (const char* text : {"ball:n=6,radius=0.04", "cube:n=8:refine=1"})
+    EXPECT_NO_THROW(load_mesh(coarser_mesh(text)));
 }
 
 TEST(MeshChoice, UnitsAreNamesOrMetres) {

@@ -11,7 +11,8 @@
 namespace hmax {
 namespace {
 
-ProbedLimit probed(const std::string& entry, ProbeSettings settings, const std::string& file = TESTED_PLUGIN) {
+ProbedLimit probed(const std::string& entry, ProbeSettings settings,
+                   const std::string& file = TESTED_PLUGIN) {
   PluginStepper engine(parse_plugin(file + ":" + entry));
   settings.seconds_a_run = 0.3;
   return probe_steps(engine, settings);
@@ -71,7 +72,8 @@ TEST(ProbePlugin, TwelveHundredNumbersTakeProductsAlone) {
 /// Counts what an engine is asked to do.
 class Counted final : public ForeignStepper {
  public:
-  Counted(const std::string& entry, bool tells) : engine_(parse_plugin(std::string(TESTED_PLUGIN) + ":" + entry)), tells_(tells) {}
+  Counted(const std::string& entry, bool tells)
+      : engine_(parse_plugin(std::string(TESTED_PLUGIN) + ":" + entry)), tells_(tells) {}
   [[nodiscard]] std::string name() const override { return engine_.name(); }
   [[nodiscard]] Eigen::Index dim() const override { return engine_.dim(); }
   [[nodiscard]] bool has_hidden_state() const override { return engine_.has_hidden_state(); }
@@ -97,11 +99,15 @@ TEST(ProbePlugin, APatternSavesNineStepsOfTen) {
   const auto probed_with = [](const std::string& entry, bool tells) {
     Counted engine(entry, tells);
     // As large states are treated, above 1000 numbers.
-    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 0.05, .rows = 6, .observe = false,
+    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3,
+                                                   .h1 = 0.05,
+                                                   .rows = 6,
+                                                   .observe = false,
                                                    .spectrum = {.eigenvalues_to = 210, .matrix_to = 210}});
     return std::pair(found, engine.steps);
   };
-  // Of large states a pattern stands in for products with the derivative; of others, the first matrix tells it.
+  // Of large states a pattern stands in for products with the derivative; of others, the first matrix tells
+  // it.
   const auto [declared, few] = probed_with("coupled:150", true);
   const auto [products, many] = probed_with("coupled:150", false);
   EXPECT_NEAR(declared.h_max, limit_of_chain(150), 1e-3 * declared.h_max);
@@ -116,16 +122,23 @@ TEST(ProbePlugin, APatternSavesNineStepsOfTen) {
 
 TEST(ProbePlugin, AWrongPatternIsNamedAndNotUsed) {
   for (const std::string size : {"100", "150"}) {
-    const ProbedLimit found = probed("coupled:" + size + ":missing", {.h0 = 1e-3, .h1 = 0.05, .rows = 6, .observe = false,
-                                                                      .spectrum = {.eigenvalues_to = 210, .matrix_to = 210}});
+    const ProbedLimit found =
+        probed("coupled:" + size + ":missing", {.h0 = 1e-3,
+                                                .h1 = 0.05,
+                                                .rows = 6,
+                                                .observe = false,
+                                                .spectrum = {.eigenvalues_to = 210, .matrix_to = 210}});
     EXPECT_NEAR(found.h_max, limit_of_chain(std::stod(size)), 5e-3 * found.h_max);
-    EXPECT_NE(status_of(found).find("the declared pattern of the step is wrong and not used: number "), std::string::npos)
+    EXPECT_NE(status_of(found).find("the declared pattern of the step is wrong and not used: number "),
+              std::string::npos)
         << status_of(found);
   }
-  const ProbedLimit found = probed("coupled:100:missing", {.h0 = 1e-3, .h1 = 0.05, .rows = 6, .observe = false});
+  const ProbedLimit found =
+      probed("coupled:100:missing", {.h0 = 1e-3, .h1 = 0.05, .rows = 6, .observe = false});
   // The last two masses act on each other.
-  EXPECT_TRUE(status_of(found).find("number 199 after a step depends on number 98 before it") != std::string::npos ||
-              status_of(found).find("number 198 after a step depends on number 99 before it") != std::string::npos)
+  EXPECT_TRUE(
+      status_of(found).find("number 199 after a step depends on number 98 before it") != std::string::npos ||
+      status_of(found).find("number 198 after a step depends on number 99 before it") != std::string::npos)
       << status_of(found);
 }
 
@@ -133,7 +146,8 @@ TEST(ProbePlugin, AStepOfFourStagesReachesFourCouplings) {
   for (const std::string reach : {"1", "4"}) {
     const ProbedLimit found = probed("reaching:60:" + reach, {.h0 = 1e-3, .h1 = 0.05, .observe = false});
     EXPECT_NEAR(found.h_max, std::sqrt(2.0) * limit_of_chain(60), 1e-3 * found.h_max) << reach;
-    EXPECT_EQ(status_of(found).find("or a longer reach") == std::string::npos, reach == "4") << status_of(found);
+    EXPECT_EQ(status_of(found).find("or a longer reach") == std::string::npos, reach == "4")
+        << status_of(found);
   }
 }
 
@@ -173,7 +187,8 @@ TEST(ProbePlugin, HiddenStateIsNamed) {
 
 TEST(ProbePlugin, TheExampleHasItsKnownLimit) {
   // m = 0.01, k = 1000, c = 0.05; h = (gamma + sqrt(gamma^2 + 4 omega^2)) / omega^2 of the fastest mode.
-  const double part = 4 * std::pow(std::sin(20 * std::numbers::pi / 42), 2), omega2 = 1e5 * part, gamma = 5 * part;
+  const double part = 4 * std::pow(std::sin(20 * std::numbers::pi / 42), 2), omega2 = 1e5 * part,
+               gamma = 5 * part;
   const ProbedLimit found = probed("chain", {.h0 = 1e-4, .h1 = 0.1}, EXAMPLE_STEPPER);
   EXPECT_NEAR(found.h_max, (gamma + std::sqrt(gamma * gamma + 4 * omega2)) / omega2, 5e-4 * found.h_max);
   EXPECT_LT(std::abs(found.gap), 5e-3);
@@ -189,7 +204,8 @@ TEST(ProbePlugin, AStateOfRestThatDependsOnTheStepIsFollowed) {
   EXPECT_NEAR(found.h_max, h, 5e-4 * h);
   // Runs start at the rest of one step size near the limit, and swing about that of others.
   EXPECT_LT(std::abs(found.gap), 2e-2);
-  EXPECT_NE(status_of(found).find("each step size is probed at its own"), std::string::npos) << status_of(found);
+  EXPECT_NE(status_of(found).find("each step size is probed at its own"), std::string::npos)
+      << status_of(found);
 }
 
 TEST(ProbePlugin, ChangesThatDoNotAddUpAreNamed) {
@@ -199,7 +215,8 @@ TEST(ProbePlugin, ChangesThatDoNotAddUpAreNamed) {
 }
 
 TEST(ProbePlugin, FloatsFarFromZeroKeepTheirSprings) {
-  // At 1000 the last place is 6e-5: balanced scales without a floor moved the positions by less, and nothing grew.
+  // At 1000 the last place is 6e-5: balanced scales without a floor moved the positions by less, and nothing
+  // grew.
   const ProbedLimit found = probed("far_float", {.h0 = 1e-4, .h1 = 1});
   EXPECT_NEAR(found.h_max, 0.2, 5e-3 * 0.2);
   EXPECT_NEAR(found.observed, 0.2, 2e-2 * 0.2);

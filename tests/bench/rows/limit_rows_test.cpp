@@ -12,7 +12,8 @@ namespace hmax {
 namespace {
 
 TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
-  const Problem problem = make_problem("liver_benchmark", {.material = "male_slim", .parameters = {}, .y0 = {}});
+  const Problem problem =
+      make_problem("liver_benchmark", {.material = "male_slim", .parameters = {}, .y0 = {}});
   const Method method = find_method("rk4");
   const Linearised near = linearised(problem);
   Prediction prediction = predict(method, near);
@@ -37,7 +38,14 @@ TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
 
 TEST(LimitRows, SayFromWhereThePathGrows) {
   LimitRow row;
-  add_path(row, {.t = {0, 1, 2}, .h_max = {0.1, LimitRow::none, 0.2}, .least = 0.1, .t_least = 0, .y_least = {}, .growing = 1.0 / 3, .grows_from = 1},
+  add_path(row,
+           {.t = {0, 1, 2},
+            .h_max = {0.1, LimitRow::none, 0.2},
+            .least = 0.1,
+            .t_least = 0,
+            .y_least = {},
+            .growing = 1.0 / 3,
+            .grows_from = 1},
            "ends early");
   EXPECT_EQ(row.along_least, 0.1);
   EXPECT_EQ(row.along_grows_from, 1);

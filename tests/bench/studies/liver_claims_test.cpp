@@ -11,8 +11,8 @@ namespace hmax {
 namespace {
 
 const Claim& find(const std::vector<Claim>& claims, std::string_view words) {
-  const auto claim =
-      std::ranges::find_if(claims, [&](const Claim& each) { return each.printed.find(words) != std::string::npos; });
+  const auto claim = std::ranges::find_if(
+      claims, [&](const Claim& each) { return each.printed.find(words) != std::string::npos; });
   EXPECT_NE(claim, claims.end()) << words;
   return claim == claims.end() ? claims.front() : *claim;
 }
@@ -70,7 +70,8 @@ TEST(LiverClaims, OnSolversFollowTheRows) {
                                                                {"trapezoidal", 5e-3}};
   std::vector<std::pair<std::string, double>> otherwise = as_printed;
   otherwise[0].second = 1e-9;
-  const std::vector<Claim> first = claims_on_solvers(rows_of(as_printed)), second = claims_on_solvers(rows_of(otherwise));
+  const std::vector<Claim> first = claims_on_solvers(rows_of(as_printed)),
+                           second = claims_on_solvers(rows_of(otherwise));
   ASSERT_EQ(first.size(), second.size());
   constexpr std::string_view slower = "computational time is higher";
   EXPECT_EQ(find(first, slower).judgement, Judgement::holds);

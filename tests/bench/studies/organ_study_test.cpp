@@ -44,7 +44,8 @@ TEST(InnerTolerances, CostSweepsAndSaveIterationsOfNewtonsMethod) {
   ASSERT_EQ(rows.size(), 10U);
   for (const InnerTolerance& row : rows) EXPECT_TRUE(row.converged) << row.tolerance;
   const auto &modified = rows[1], &modified_tight = rows[4], &newton = rows[6], &newton_tight = rows[9];
-  EXPECT_GE(modified_tight.iterations + 2, modified.iterations);  // a solution that is far better saves next to none
+  EXPECT_GE(modified_tight.iterations + 2,
+            modified.iterations);  // a solution that is far better saves next to none
   EXPECT_GT(modified_tight.sweeps, 2 * modified.sweeps);
   EXPECT_LT(newton_tight.iterations, newton.iterations);
 }

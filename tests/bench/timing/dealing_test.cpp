@@ -65,7 +65,8 @@ TEST(Deck, HandsOfSeveralTasksAreShort) {
     (hand.size() > 1 ? several : single) = true;
     if (hand.size() == 1) continue;
     EXPECT_LE(cost_of(plan, hand), std::min(Deck::largest_hand, left / 8));
-    EXPECT_TRUE(std::ranges::all_of(hand, [&](const SweepTask& t) { return t.block->problem == hand[0].block->problem; }));
+    EXPECT_TRUE(std::ranges::all_of(
+        hand, [&](const SweepTask& t) { return t.block->problem == hand[0].block->problem; }));
   }
   EXPECT_TRUE(several && single);
 }

@@ -51,10 +51,13 @@ void expect_same_rows(const std::vector<Row>& rows, const std::vector<Row>& expe
   ASSERT_EQ(rows.size(), expected.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].key, expected[i].key);
-    for (const std::string& change : changes_between(expected[i], rows[i])) ADD_FAILURE() << rows[i].key.method << " " << change;
-    for (const auto member : {&Row::error_end, &Row::error_global, &Row::error_l2, &Row::reference_error, &Row::t_reached}) {
+    for (const std::string& change : changes_between(expected[i], rows[i]))
+      ADD_FAILURE() << rows[i].key.method << " " << change;
+    for (const auto member :
+         {&Row::error_end, &Row::error_global, &Row::error_l2, &Row::reference_error, &Row::t_reached}) {
       const double value = rows[i].*member, other = expected[i].*member;
-      EXPECT_TRUE(value == other || (std::isnan(value) && std::isnan(other))) << rows[i].key.method << " " << value << " " << other;
+      EXPECT_TRUE(value == other || (std::isnan(value) && std::isnan(other)))
+          << rows[i].key.method << " " << value << " " << other;
     }
     EXPECT_EQ(rows[i].cpu_s.size(), expected[i].cpu_s.size());
     EXPECT_EQ(rows[i].reference, expected[i].reference);
@@ -87,8 +90,11 @@ std::string unchanged(std::string_view bytes) { return std::string(bytes); }
 /// Helpers in threads of their own, one for each of the ranks but 0.
 class Helpers {
  public:
-  Helpers(ThreadRanks& ranks, int size, const std::function<SweepPlan(int rank)>& plan,
-          const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) { return unchanged(b); }) {
+  Helpers(
+      ThreadRanks& ranks, int size, const std::function<SweepPlan(int rank)>& plan,
+      const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) {
+        return unchanged(b);
+      }) {
     for (int rank = 1; rank < size; ++rank)
       threads_.emplace_back([&ranks, rank, plan, change] {
         Changed own(ranks[rank], [&](std::string_view bytes) { return change(rank, bytes); });
@@ -152,16 +158,20 @@ TEST(DealtSweep, ARankThatNeverAnswersCostsItsHand) {
   SweepSummary ended;
   {
     ThreadRanks ranks(3, 2);
-    const Helpers helpers(ranks, 3, [&](int) { return plan_sweep(quick()); }, [&](int rank, std::string_view bytes) {
-      const SweepMessage message = sweep_message(bytes);
-      const auto* rows = std::get_if<RankRows>(&message);
-      if (rank != 2 || !rows) return unchanged(bytes);
-      lost = rows->rows.size();
-      return std::string();
-    });
+    const Helpers helpers(
+        ranks, 3, [&](int) { return plan_sweep(quick()); },
+        [&](int rank, std::string_view bytes) {
+          const SweepMessage message = sweep_message(bytes);
+          const auto* rows = std::get_if<RankRows>(&message);
+          if (rank != 2 || !rows) return unchanged(bytes);
+          lost = rows->rows.size();
+          return std::string();
+        });
     SweepDealer dealer(ranks[0]);
     // When all others are back mpirun would long have ended the job.
-    ended = dealer.run(plan, store, {}, [&] { return lost > 0 && store.size() + static_cast<std::int64_t>(lost) == plan.rows(); });
+    ended = dealer.run(plan, store, {}, [&] {
+      return lost > 0 && store.size() + static_cast<std::int64_t>(lost) == plan.rows();
+    });
   }
   EXPECT_TRUE(ended.interrupted);
   EXPECT_GT(lost, 0U);
@@ -200,9 +210,13 @@ TEST(DealtSweep, ARankThatIsInterruptedEndsTheSweep) {
   Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
   ThreadRanks ranks(2, 1);
   std::atomic<bool> some = false;
-  std::jthread helper([&] { help_sweep(ranks[1], [] { return plan_sweep(quick()); }, [&] { return some.load(); }); });
+  std::jthread helper([&] {
+    help_sweep(
+        ranks[1], [] { return plan_sweep(quick()); }, [&] { return some.load(); });
+  });
   SweepDealer dealer(ranks[0]);
-  const SweepSummary summary = dealer.run(plan, store, [&](const SweepProgress& p) { some = p.rows_done > 0; });
+  const SweepSummary summary =
+      dealer.run(plan, store, [&](const SweepProgress& p) { some = p.rows_done > 0; });
   EXPECT_TRUE(summary.interrupted);
   EXPECT_LT(summary.measured, plan.rows());
 }
@@ -214,13 +228,15 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
   SweepSummary summary;
   {
     ThreadRanks ranks(4, 1);
-    const Helpers helpers(ranks, 4, [&](int) { return plan_sweep(quick()); }, [](int rank, std::string_view bytes) {
-      SweepMessage message = sweep_message(bytes);
-      auto* ready = std::get_if<RankReady>(&message);
-      if (rank == 1 || !ready) return unchanged(bytes);
-      ready->machine.cpu = "another";
-      return to_bytes(message);
-    });
+    const Helpers helpers(
+        ranks, 4, [&](int) { return plan_sweep(quick()); },
+        [](int rank, std::string_view bytes) {
+          SweepMessage message = sweep_message(bytes);
+          auto* ready = std::get_if<RankReady>(&message);
+          if (rank == 1 || !ready) return unchanged(bytes);
+          ready->machine.cpu = "another";
+          return to_bytes(message);
+        });
     SweepDealer dealer(ranks[0]);
     summary = dealer.run(plan, store);
   }
@@ -237,9 +253,11 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
 
 /// What a sweep on two ranks throws.
 template <class Error>
-std::string error_of(const std::function<SweepPlan(int rank)>& plan,
-                     const std::function<std::string(int rank, std::string_view)>& change = [](int, std::string_view b) { return unchanged(b); },
-                     int most_on_a_node = 1) {
+std::string error_of(
+    const std::function<SweepPlan(int rank)>& plan,
+    const std::function<std::string(int rank, std::string_view)>& change =
+        [](int, std::string_view b) { return unchanged(b); },
+    int most_on_a_node = 1) {
   const Scratch scratch;
   Store store = open_sweep_store(plan_sweep(quick()), scratch / "a.sqlite", false);
   ThreadRanks ranks(2, most_on_a_node);
@@ -255,8 +273,10 @@ std::string error_of(const std::function<SweepPlan(int rank)>& plan,
 }
 
 TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
-  EXPECT_EQ(error_of<InputError>([](int) -> SweepPlan { throw InputError("no file here"); }), "rank 1: no file here");
-  EXPECT_EQ(error_of<std::logic_error>([](int) -> SweepPlan { throw std::runtime_error("broken"); }), "rank 1: broken");
+  EXPECT_EQ(error_of<InputError>([](int) -> SweepPlan { throw InputError("no file here"); }),
+            "rank 1: no file here");
+  EXPECT_EQ(error_of<std::logic_error>([](int) -> SweepPlan { throw std::runtime_error("broken"); }),
+            "rank 1: broken");
   const auto other = [](int) {
     SweepSpec spec = quick();
     spec.h.back() = 0.001;
@@ -337,7 +357,8 @@ TEST(SweepMessages, KeepEveryBitOfARow) {
 }
 
 TEST(SweepMessages, OtherBytesAreRefused) {
-  for (const char* bytes : {"", "x", "\xa0", "\xa1\x61x\x01"}) EXPECT_ANY_THROW(sweep_message(bytes)) << bytes;
+  for (const char* bytes : {"", "x", "\xa0", "\xa1\x61x\x01"})
+    EXPECT_ANY_THROW(sweep_message(bytes)) << bytes;
 }
 
 }  // namespace

@@ -214,7 +214,8 @@ TEST(Mesh, PointsThatNearlyCoincideAreNamedAndNotMergedUnasked) {
   const Told said =
       shell.hmax("stability predict --mesh near.msh --unit m --set axis=1 --at rest --methods rk4");
   EXPECT_NE(
-      said.err.find("near.msh has 1 point within 0.001 of an edge from another point, not merged: point 190 beside"),
+      said.err.find(
+          "near.msh has 1 point within 0.001 of an edge from another point, not merged: point 190 beside"),
       std::string::npos)
       << said.err;
 }

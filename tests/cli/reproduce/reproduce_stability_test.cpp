@@ -71,7 +71,8 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
   EXPECT_EQ(all.left_out, 0U);
   const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch.folder(), all.link);
   EXPECT_EQ(report, scratch / "index.html");
-  EXPECT_NE(text_of(report).find("<a href=\"rows.html\">Every row, with figures to hover over</a>"), std::string::npos);
+  EXPECT_NE(text_of(report).find("<a href=\"rows.html\">Every row, with figures to hover over</a>"),
+            std::string::npos);
   expect_whole_pages(scratch.folder(), 5);
   EXPECT_NE(text_of(report).find("0 disagree"), std::string::npos);
   EXPECT_NE(text_of(scratch / "limits.csv").find("male_slim:light"), std::string::npos);
@@ -82,10 +83,12 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
 TEST(StabilityReport, IsMadeFromTheMergedStoresOfShards) {
   std::vector<LimitCase> cases = limit_cases();
   cases.resize(2);
-  const std::vector<Method> chosen = choose_methods({"rk4", "newmark", "implicit_euler", "rk2_heun", "central_difference"}, {});
+  const std::vector<Method> chosen =
+      choose_methods({"rk4", "newmark", "implicit_euler", "rk2_heun", "central_difference"}, {});
   const Scratch scratch;
   const auto study = [&](Store* store, Shard shard) {
-    return limit_study(cases, CaseKind::linear, chosen, store, [](double) {}, [] { return false; }, shard);
+    return limit_study(
+        cases, CaseKind::linear, chosen, store, [](double) {}, [] { return false; }, shard);
   };
   Store whole = Store::open_or_create(scratch / "whole.sqlite");
   Merger merger(whole);
@@ -101,7 +104,8 @@ TEST(StabilityReport, IsMadeFromTheMergedStoresOfShards) {
   EXPECT_EQ(all, serial.size());
   EXPECT_LE(3 * most, all + 2) << "shards are of one size";
   const auto merged = limit_study(
-      cases, CaseKind::linear, chosen, &whole, [](double) { ADD_FAILURE() << "computed again"; }, [] { return false; });
+      cases, CaseKind::linear, chosen, &whole, [](double) { ADD_FAILURE() << "computed again"; },
+      [] { return false; });
   ASSERT_EQ(merged.size(), serial.size());
   for (std::size_t i = 0; i < serial.size(); ++i) {
     EXPECT_EQ(merged[i].limit.method, serial[i].limit.method);

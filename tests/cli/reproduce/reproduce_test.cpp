@@ -10,8 +10,8 @@
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/source_items.hpp"
 #include "plots/gnuplot.hpp"
-#include "tests/cli/program.hpp"
 #include "tests/cli/html_links.hpp"
+#include "tests/cli/program.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -142,11 +142,13 @@ TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   EXPECT_EQ(parts[0].at("report"), "both/tissue/index.html");
   EXPECT_GT(parts[0].at("rows"), 0);
   EXPECT_NE(read_text(shell / "both/README.md").find("](tissue/README.md)"), std::string::npos);
-  const std::string first = read_text(shell / "both/tissue/README.md"), page = read_text(shell / "both/README.md");
+  const std::string first = read_text(shell / "both/tissue/README.md"),
+                    page = read_text(shell / "both/README.md");
   expect_sections(first, "tissue");
   EXPECT_NE(page.find("](tissue/README.md#two-meshes)"), std::string::npos);
   EXPECT_NE(page.find("| Slide 20 |"), std::string::npos);
-  EXPECT_NE(read_text(shell / "both/index.html").find("<a href=\"tissue/index.html#two-meshes\">"), std::string::npos);
+  EXPECT_NE(read_text(shell / "both/index.html").find("<a href=\"tissue/index.html#two-meshes\">"),
+            std::string::npos);
   expect_whole_pages(shell / "both", 50);
   const Told again = shell.hmax(all);
   EXPECT_EQ(again.json().at("parts"), parts);  // with its seconds: it was not made again

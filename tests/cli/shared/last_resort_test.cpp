@@ -31,7 +31,8 @@ TEST(LastResort, AnOptionIsNoValue) {
   const Shell shell;
   expect_refused(shell.hmax("sweep --out --json"), "--out is followed by the option --json");
   for (const char* empty : {"--out ''", "--out="})
-    expect_refused(shell.hmax(std::string("sweep ") + empty), "--out has an empty value; give it one, or leave it out");
+    expect_refused(shell.hmax(std::string("sweep ") + empty),
+                   "--out has an empty value; give it one, or leave it out");
   expect_refused(shell.hmax("stability predict --problem --methods=rk4"),
                  "--problem is followed by the option");
   EXPECT_FALSE(std::filesystem::exists(shell / "results"));

@@ -11,9 +11,11 @@ TEST(Mpirun, CopiesThatWouldWriteToOneStoreAreRefused) {
          {std::string("precision --methods rk4 --h 0.1 --t-end 1 --store two.sqlite"),
           std::string("merge two one"), std::string("advise --problem liver_forced --rate 100 --out two"),
           std::string("stability predict --problem liver_linear --methods rk4 --out two"),
-          std::string("reproduce all --quick --output two"), std::string("reproduce oscillators --output two"),
-          std::string("reproduce stability --output two"), std::string("reproduce tissue --quick --output two")}) {
-      expect_refused(shell.line(std::string("export ") + variable + " && hmax " + command), "mpirun started 2 copies");
+          std::string("reproduce all --quick --output two"),
+          std::string("reproduce oscillators --output two"), std::string("reproduce stability --output two"),
+          std::string("reproduce tissue --quick --output two")}) {
+      expect_refused(shell.line(std::string("export ") + variable + " && hmax " + command),
+                     "mpirun started 2 copies");
       EXPECT_FALSE(std::filesystem::exists(shell / "two")) << command;
       EXPECT_FALSE(std::filesystem::exists(shell / "results/runs/two.sqlite")) << command;
     }
@@ -21,13 +23,17 @@ TEST(Mpirun, CopiesThatWouldWriteToOneStoreAreRefused) {
 
 TEST(Mpirun, ProcessesWithShardsOrWithoutAStoreAreNotRefused) {
   const Shell shell;
-  for (const char* command :
-       {"sweep --methods rk4 --h 0.1 --fixed --t-end 1 --shard 1/2 --out part", "list methods",
-        "precision --methods rk4 --h 0.1 --t-end 1", "stability predict --problem liver_linear --methods rk4"})
-    EXPECT_EQ(shell.line(std::string("export OMPI_COMM_WORLD_SIZE=2 && hmax ") + command).exit_code, 0) << command;
+  for (const char* command : {"sweep --methods rk4 --h 0.1 --fixed --t-end 1 --shard 1/2 --out part",
+                              "list methods", "precision --methods rk4 --h 0.1 --t-end 1",
+                              "stability predict --problem liver_linear --methods rk4"})
+    EXPECT_EQ(shell.line(std::string("export OMPI_COMM_WORLD_SIZE=2 && hmax ") + command).exit_code, 0)
+        << command;
   // Not of several processes, and no number.
   for (const char* size : {"1", "", "two"})
-    EXPECT_EQ(shell.line(std::string("export PMI_SIZE=") + size + " && hmax merge all results/runs/part.sqlite").exit_code, 0)
+    EXPECT_EQ(
+        shell.line(std::string("export PMI_SIZE=") + size + " && hmax merge all results/runs/part.sqlite")
+            .exit_code,
+        0)
         << size;
 }
 

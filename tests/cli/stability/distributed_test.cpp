@@ -47,13 +47,15 @@ void write_market(const std::filesystem::path& file, const Entry& entry, int row
         text += fmt::format("{} {} {:.17g}\n", i + 1, j + 1, value);
         ++count;
       }
-  std::ofstream(file) << "%%MatrixMarket matrix coordinate real general\n" << fmt::format("{} {} {}\n", rows, rows, count) << text;
+  std::ofstream(file) << "%%MatrixMarket matrix coordinate real general\n"
+                      << fmt::format("{} {} {}\n", rows, rows, count) << text;
 }
 
 template <class T>
 void put(std::string& bytes, T value) {
   const auto bits = std::bit_cast<std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>>(value);
-  for (int shift = 8 * (static_cast<int>(sizeof(T)) - 1); shift >= 0; shift -= 8) bytes += static_cast<char>(bits >> shift);
+  for (int shift = 8 * (static_cast<int>(sizeof(T)) - 1); shift >= 0; shift -= 8)
+    bytes += static_cast<char>(bits >> shift);
 }
 
 void write_petsc(const std::filesystem::path& file, const Entry& entry) {
@@ -78,7 +80,8 @@ void write_petsc(const std::filesystem::path& file, const Entry& entry) {
 class Distributed : public testing::Test {
  protected:
   void SetUp() override {
-    if (!is_built_with("SLEPc")) GTEST_SKIP() << "this build has no engine petsc: petsc-dev or slepc-dev was missing";
+    if (!is_built_with("SLEPc"))
+      GTEST_SKIP() << "this build has no engine petsc: petsc-dev or slepc-dev was missing";
     const auto write = [&](const std::string& name, const Entry& entry) {
       write_market(shell / (name + ".mtx"), entry);
       write_petsc(shell / (name + ".bin"), entry);
@@ -101,11 +104,13 @@ class Distributed : public testing::Test {
   /// `--engine petsc` on so many processes.
   [[nodiscard]] Told petsc(int ranks, const std::string& rest) const {
     const std::string command = "stability predict --engine petsc " + rest;
-    return ranks == 1 ? shell.hmax(command) : shell.line(as_root + "timeout 180 " + mpirun_two + HMAX_PROGRAM " " + command);
+    return ranks == 1 ? shell.hmax(command)
+                      : shell.line(as_root + "timeout 180 " + mpirun_two + HMAX_PROGRAM " " + command);
   }
 
   void expect_as_built_in(int ranks, const std::string& rest) const {
-    const Told own = shell.hmax("stability predict " + rest + " --json"), told = petsc(ranks, rest + " --json");
+    const Told own = shell.hmax("stability predict " + rest + " --json"),
+               told = petsc(ranks, rest + " --json");
     ASSERT_EQ(told.exit_code, 0) << told.err;
     const json expected = own.json().at("rows"), rows = told.json().at("rows");
     ASSERT_EQ(rows.size(), expected.size());
@@ -120,22 +125,26 @@ class Distributed : public testing::Test {
         EXPECT_EQ(h, h_expected) << rows[i];
         continue;
       }
-      EXPECT_NEAR(h.get<double>(), h_expected.get<double>(), 1e-10 * h_expected.get<double>()) << rest << rows[i].at("method");
+      EXPECT_NEAR(h.get<double>(), h_expected.get<double>(), 1e-10 * h_expected.get<double>())
+          << rest << rows[i].at("method");
     }
     EXPECT_EQ(told.json().at("models").at(0).at("ranks"), ranks);
   }
 
   void expect_all_as_built_in(int ranks) const {
-    const std::string methods = "--methods rk4,symplectic_euler,newmark,rkc_2,explicit_newmark --matrices stiffness=";
-    for (const char* rest : {"K.bin,mass=L.bin,damping=R.bin", "K.bin,mass=M.bin --alpha 2 --beta 0.001", "K.mtx,mass=M.mtx",
-                             "K.mtx,mass=lumped:M.mtx"})
+    const std::string methods =
+        "--methods rk4,symplectic_euler,newmark,rkc_2,explicit_newmark --matrices stiffness=";
+    for (const char* rest : {"K.bin,mass=L.bin,damping=R.bin", "K.bin,mass=M.bin --alpha 2 --beta 0.001",
+                             "K.mtx,mass=M.mtx", "K.mtx,mass=lumped:M.mtx"})
       expect_as_built_in(ranks, methods + rest);
   }
 
   /// Where damping couples the modes: limits of all modes, or between a bound and what is unstable.
   void expect_damped_as_built_in(int ranks) const {
-    for (const char* matrices : {"K.bin,mass=L.bin,damping=weak.bin", "K.mtx,mass=M.mtx,damping=strong.mtx --alpha 1 --beta 1e-4"}) {
-      const std::string rest = std::string("--json --methods rk4,symplectic_euler,newmark --matrices stiffness=") + matrices;
+    for (const char* matrices :
+         {"K.bin,mass=L.bin,damping=weak.bin", "K.mtx,mass=M.mtx,damping=strong.mtx --alpha 1 --beta 1e-4"}) {
+      const std::string rest =
+          std::string("--json --methods rk4,symplectic_euler,newmark --matrices stiffness=") + matrices;
       const Told own = shell.hmax("stability predict " + rest), told = petsc(ranks, rest);
       ASSERT_EQ(told.exit_code, 0) << told.err;
       EXPECT_EQ(told.json().at("models").at(0).at("damping"), "general");
@@ -183,7 +192,8 @@ class Distributed : public testing::Test {
 
 TEST_F(Distributed, FastestModeOfABarIsThatOfTheClosedForm) {
   for (const bool is_consistent : {false, true}) {
-    const Told told = petsc(1, fmt::format("--methods rk4 --matrices stiffness=K.bin,mass={}.bin --json", is_consistent ? "M" : "L"));
+    const Told told = petsc(1, fmt::format("--methods rk4 --matrices stiffness=K.bin,mass={}.bin --json",
+                                           is_consistent ? "M" : "L"));
     ASSERT_EQ(told.exit_code, 0) << told.err;
     const double omega = fastest_omega(is_consistent);
     EXPECT_NEAR(std::sqrt(told.json().at("models").at(0).at("kappa_max").get<double>()) / omega, 1, 1e-10);
@@ -227,17 +237,22 @@ TEST_F(Distributed, MassesMayBeAColumn) {
   for (int i = 0; i < nodes; ++i) column += fmt::format("{:.17g}\n", lumped(i, i));
   std::ofstream(shell / "column.mtx") << column;
   expect_as_built_in(1, "--methods rk4 --matrices stiffness=K.mtx,mass=column.mtx");
-  expect_refused(petsc(1, "--methods rk4 --matrices stiffness=column.mtx,mass=column.mtx"), "a matrix of a structure is square");
+  expect_refused(petsc(1, "--methods rk4 --matrices stiffness=column.mtx,mass=column.mtx"),
+                 "a matrix of a structure is square");
 }
 
 TEST_F(Distributed, DampingOfAFileIsTakenApart) {
-  const json model = petsc(1, "--methods rk4 --matrices stiffness=K.bin,mass=L.bin,damping=R.bin --json").json().at("models").at(0);
+  const json model = petsc(1, "--methods rk4 --matrices stiffness=K.bin,mass=L.bin,damping=R.bin --json")
+                         .json()
+                         .at("models")
+                         .at(0);
   EXPECT_NEAR(model.at("alpha").get<double>(), 0.3, 1e-9);
   EXPECT_NEAR(model.at("beta").get<double>(), 1e-3, 1e-12);
 }
 
 TEST_F(Distributed, NegativeStiffnessIsSeen) {
-  const json row = petsc(1, "--methods rk4 --matrices stiffness=buckled.bin,mass=L.bin --json").json().at("rows").at(0);
+  const json row =
+      petsc(1, "--methods rk4 --matrices stiffness=buckled.bin,mass=L.bin --json").json().at("rows").at(0);
   EXPECT_EQ(row.at("bound"), "stability") << "of the modes that do not grow";
   EXPECT_NE(row.at("status").get<std::string>().find("the model itself grows"), std::string::npos) << row;
 }
@@ -303,7 +318,8 @@ TEST_F(Distributed, RefusesWhatItCannotTakeInOneSentence) {
 
 TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
   if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
-  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx", "stiffness=K.bin,mass=L.bin --out here"}) {
+  for (const char* files : {"stiffness=skewed.bin,mass=L.bin", "stiffness=none.mtx,mass=L.mtx",
+                            "stiffness=K.bin,mass=L.bin --out here"}) {
     const Told told = petsc(2, fmt::format("--methods rk4 --matrices {}", files));
     EXPECT_EQ(told.exit_code, 2);
     EXPECT_EQ(told.out, "");
@@ -314,12 +330,16 @@ TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
 }
 
 TEST(DistributedEngine, UnknownNamesAreRefused) {
-  expect_refused(Shell().hmax("stability predict --engine slepc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"), "'slepc'");
+  expect_refused(
+      Shell().hmax("stability predict --engine slepc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"),
+      "'slepc'");
 }
 
 TEST(DistributedEngine, ABuildWithoutItSaysSo) {
   if (is_built_with("SLEPc")) GTEST_SKIP() << "this build has the engine";
-  expect_refused(Shell().hmax("stability predict --engine petsc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"), "built without");
+  expect_refused(
+      Shell().hmax("stability predict --engine petsc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"),
+      "built without");
 }
 
 }  // namespace

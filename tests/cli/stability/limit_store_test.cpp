@@ -20,8 +20,10 @@ TEST(LimitStore, LooksUpWhatWasComputedBefore) {
   EXPECT_EQ(second.at("looked_up"), 4);
   EXPECT_EQ(second.at("rows"), first.at("rows"));
   EXPECT_EQ(second.at("models"), first.at("models"));
-  const Told words = shell.hmax(command),
-             without = shell.hmax("stability predict --problem liver_benchmark --materials male_slim,female_fat --methods rk4,newmark");
+  const Told
+      words = shell.hmax(command),
+      without = shell.hmax(
+          "stability predict --problem liver_benchmark --materials male_slim,female_fat --methods rk4,newmark");
   EXPECT_EQ(words.out, without.out + "4 limits in results/runs/livers.sqlite: 0 computed, 4 looked up\n");
 
   // Only what is missing is computed: another method, and runs that nobody asked for before.
@@ -63,7 +65,8 @@ TEST(LimitStore, ComputesAgainWhereTheModelOrTheQuestionIsAnother) {
 
 TEST(LimitStore, IsExportedAndCompared) {
   const Shell shell;
-  const std::string predict = "stability predict --problem liver_forced --along none --methods rk4,newmark --out ";
+  const std::string predict =
+      "stability predict --problem liver_forced --along none --methods rk4,newmark --out ";
   ASSERT_EQ(shell.hmax(predict + "a").exit_code, 0);
   ASSERT_EQ(shell.hmax(predict + "b").exit_code, 0);
   const Told same = shell.hmax("compare a b");
@@ -71,14 +74,16 @@ TEST(LimitStore, IsExportedAndCompared) {
   EXPECT_NE(same.out.find("2 limits in both: 2 the same, 0 changed\n"), std::string::npos) << same.out;
   const Told csv = shell.hmax("export a --of limits");
   EXPECT_EQ(csv.exit_code, 0);
-  EXPECT_EQ(csv.out.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U) << csv.out;
+  EXPECT_EQ(csv.out.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U)
+      << csv.out;
   EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 3);
   expect_refused(shell.hmax("export a --of limits --format gbench"), "csv or jsonl");
   expect_refused(shell.hmax("export a --of tables"), "known are runs, limits");
   const Told runs = shell.hmax("export a");
   EXPECT_EQ(runs.exit_code, 0);
   EXPECT_NE(runs.err.find("holds no runs; --of limits"), std::string::npos) << runs.err;
-  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --out a/b"), "--out is 'a/b'");
+  expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --out a/b"),
+                 "--out is 'a/b'");
 }
 
 }  // namespace

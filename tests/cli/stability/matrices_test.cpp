@@ -15,12 +15,15 @@ namespace {
 
 using nlohmann::json;
 
-void write(const Shell& shell, const std::string& name, const std::string& text) { std::ofstream(shell / name) << text; }
+void write(const Shell& shell, const std::string& name, const std::string& text) {
+  std::ofstream(shell / name) << text;
+}
 
 /// A chain of three points.
 void write_chain(const Shell& shell) {
-  write(shell, "K.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 200\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
+  write(
+      shell, "K.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 200\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
   write(shell, "M.mtx", "%%MatrixMarket matrix coordinate real general\n3 3 3\n1 1 1\n2 2 1\n3 3 0.5\n");
 }
 const std::string chain = "--matrices stiffness=K.mtx,mass=M.mtx";
@@ -69,16 +72,19 @@ TEST(MatricesOfAUser, ExportedWithoutAnEquilibriumTheyAreThoseOfRestAndTheCodeSa
 TEST(MatricesOfAUser, ExportedFromAMeshTheyHaveTheLimitsOfItsBody) {
   const Shell shell;
   // Every kind of element and of damping; free, and held.
-  for (const std::string body :
-       {"--model fem_corotational --set beta=1e-4", "--model fem_neo_hookean --set alpha=2 --support=-1,0.001,-1,1,-1,1",
-        "--model mass_spring --set damper=0.1", "--model fem_green --gravity 0,0,-0.1 --support=-1,0.001,-1,1,-1,1"}) {
+  for (const std::string body : {"--model fem_corotational --set beta=1e-4",
+                                 "--model fem_neo_hookean --set alpha=2 --support=-1,0.001,-1,1,-1,1",
+                                 "--model mass_spring --set damper=0.1",
+                                 "--model fem_green --gravity 0,0,-0.1 --support=-1,0.001,-1,1,-1,1"}) {
     SCOPED_TRACE(body);
     const Told told = shell.hmax("mesh convert cube:n=2 --json --force --matrices out " + body);
     ASSERT_EQ(told.exit_code, 0) << told.err;
     const std::string own = "--matrices " + told.json().at("matrices").get<std::string>();
-    const std::string free = " --set g=0" + std::string(body.find("--support") == std::string::npos ? " --set support=0" : "");
+    const std::string free =
+        " --set g=0" + std::string(body.find("--support") == std::string::npos ? " --set support=0" : "");
     const bool loaded = body.find("--gravity") != std::string::npos;
-    const std::string methods = "rk4,symplectic_euler,central_difference,linearly_implicit_euler,adams_bashforth_2";
+    const std::string methods =
+        "rk4,symplectic_euler,central_difference,linearly_implicit_euler,adams_bashforth_2";
     const json of_body = rows_of(shell, "--mesh cube:n=2 " + body + (loaded ? "" : free), methods);
     const json of_files = rows_of(shell, own, methods);
     for (std::size_t i = 0; i < of_body.size(); ++i) {
@@ -89,15 +95,17 @@ TEST(MatricesOfAUser, ExportedFromAMeshTheyHaveTheLimitsOfItsBody) {
         EXPECT_EQ(x, y) << of_body[i] << of_files[i];
     }
   }
-  expect_refused(shell.hmax("mesh convert cube:n=2 a.vtu --matrices out"), "are both given; remove one of them");
+  expect_refused(shell.hmax("mesh convert cube:n=2 a.vtu --matrices out"),
+                 "are both given; remove one of them");
   expect_refused(shell.hmax("mesh convert cube:n=2"), "no output is given");
 }
 
 TEST(MatricesOfAUser, ThatChangeWithTimeHaveTheLeastLimitOfAllTimes) {
   const Shell shell;
   write_chain(shell);
-  write(shell, "stiffer.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 800\n2 1 -400\n2 2 800\n3 2 -400\n3 3 400\n");
+  write(
+      shell, "stiffer.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 800\n2 1 -400\n2 2 800\n3 2 -400\n3 3 400\n");
   write(shell, "K.txt", "0 K.mtx\n1 stiffer.mtx\n2 K.mtx\n");
   const std::string series = "--matrices stiffness=series:K.txt,mass=M.mtx";
   const json still = rows_of(shell, chain, "rk4,symplectic_euler");
@@ -125,10 +133,12 @@ TEST(MatricesOfAUser, ThatChangeWithTimeMayHaveACoupledMass) {
   const Shell shell;
   write_chain(shell);
   // Consistent masses of a bar.
-  write(shell, "M.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 0.6\n2 1 0.15\n2 2 0.6\n3 2 0.15\n3 3 0.3\n");
-  write(shell, "stiffer.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 800\n2 1 -400\n2 2 800\n3 2 -400\n3 3 400\n");
+  write(
+      shell, "M.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 0.6\n2 1 0.15\n2 2 0.6\n3 2 0.15\n3 3 0.3\n");
+  write(
+      shell, "stiffer.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 800\n2 1 -400\n2 2 800\n3 2 -400\n3 3 400\n");
   write(shell, "K.txt", "0 K.mtx\n1 stiffer.mtx\n2 K.mtx\n");
   const json still = rows_of(shell, chain, "rk4,newmark");
   const json rows = rows_of(shell, "--matrices stiffness=series:K.txt,mass=M.mtx --verify", "rk4,newmark");
@@ -144,10 +154,12 @@ TEST(MatricesOfAUser, ThatChangeWithTimeMayHaveACoupledMass) {
 TEST(MatricesOfAUser, WithLagrangeMultipliersHaveLimitsThatRunsShow) {
   const Shell shell;
   write_chain(shell);
-  // The second and the third point are tied: masses 1 and 1.5 on springs of 100 N/m to the wall and between them.
-  write(shell, "K.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n4 4 7\n1 1 200\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n4 2 "
-        "1\n4 3 -1\n");
+  // The second and the third point are tied: masses 1 and 1.5 on springs of 100 N/m to the wall and between
+  // them.
+  write(
+      shell, "K.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n4 4 7\n1 1 200\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n4 2 "
+      "1\n4 3 -1\n");
   write(shell, "M.mtx", "%%MatrixMarket matrix array real general\n4 1\n1\n1\n0.5\n0\n");
   const json row = rows_of(shell, chain + " --verify", "symplectic_euler")[0];
   // kappa^2 - (200 + 100 / 1.5) kappa + (200 * 100 - 100^2) / 1.5 = 0.
@@ -159,8 +171,9 @@ TEST(MatricesOfAUser, WithLagrangeMultipliersHaveLimitsThatRunsShow) {
 TEST(MatricesOfAUser, OfFreeBodiesAreVerifiedBesideTheirRigidMotions) {
   const Shell shell;
   write_chain(shell);
-  write(shell, "K.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 100\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
+  write(
+      shell, "K.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n3 3 5\n1 1 100\n2 1 -100\n2 2 200\n3 2 -100\n3 3 100\n");
   for (const json& row : rows_of(shell, chain + " --verify", "rk4,symplectic_euler,newmark")) {
     EXPECT_EQ(row.at("agrees"), true) << row;
     if (!row.at("h_max").is_number()) continue;
@@ -172,7 +185,8 @@ TEST(MatricesOfAUser, HaveLimitsThatRunsShow) {
   const Shell shell;
   write_chain(shell);
   for (const std::string damping : {"", " --alpha 0.2 --beta 1e-3"})
-    for (const json& row : rows_of(shell, chain + damping + " --verify", "rk4,symplectic_euler,generalized_alpha")) {
+    for (const json& row :
+         rows_of(shell, chain + damping + " --verify", "rk4,symplectic_euler,generalized_alpha")) {
       if (!row.at("h_max").is_number()) continue;
       EXPECT_LT(std::abs(row.at("gap").get<double>()), 1e-3) << row;
     }
@@ -181,8 +195,10 @@ TEST(MatricesOfAUser, HaveLimitsThatRunsShow) {
 TEST(MatricesOfAUser, AreRunByEveryKindOfMethod) {
   const Shell shell;
   write_chain(shell);
-  for (const std::string method : {"rk4", "newmark", "explicit_newmark", "central_difference", "radau_iia_5", "rosenbrock_23"}) {
-    const Told told = shell.hmax("run " + chain + " --json --h 0.01 --y0 1,0,0 --t-end 0.5 --method " + method);
+  for (const std::string method :
+       {"rk4", "newmark", "explicit_newmark", "central_difference", "radau_iia_5", "rosenbrock_23"}) {
+    const Told told =
+        shell.hmax("run " + chain + " --json --h 0.01 --y0 1,0,0 --t-end 0.5 --method " + method);
     EXPECT_EQ(told.exit_code, 0) << method << ": " << told.err;
   }
   const Told told = shell.hmax("order " + chain + " --method rk4 --json");
@@ -200,12 +216,15 @@ TEST(MatricesOfAUser, OfFirstOrderHaveTheirLimit) {
 
 TEST(MatricesOfAUser, PenaltyRowsAreNamedAndLeftOutWhenTold) {
   const Shell shell;
-  write(shell, "K.mtx",
-        "%%MatrixMarket matrix coordinate real symmetric\n4 4 7\n1 1 1e10\n2 1 -100\n2 2 200\n3 2 -100\n3 3 200\n4 3 "
-        "-100\n4 4 100\n");
+  write(
+      shell, "K.mtx",
+      "%%MatrixMarket matrix coordinate real symmetric\n4 4 7\n1 1 1e10\n2 1 -100\n2 2 200\n3 2 -100\n3 3 200\n4 3 "
+      "-100\n4 4 100\n");
   write(shell, "M.mtx", "%%MatrixMarket matrix array real general\n4 1\n1\n1\n1\n1\n");
   const Told kept = shell.hmax("stability predict " + chain + " --methods rk4 --json");
-  EXPECT_NE(kept.err.find("the fastest mode, 100000 rad/s, is that of 1 penalty row (unknown 1)"), std::string::npos) << kept.err;
+  EXPECT_NE(kept.err.find("the fastest mode, 100000 rad/s, is that of 1 penalty row (unknown 1)"),
+            std::string::npos)
+      << kept.err;
   const Told left = shell.hmax("stability predict " + chain + ",drop=constraints --methods rk4 --json");
   EXPECT_EQ(left.err, "");
   EXPECT_GT(left.json().at("rows")[0].at("h_max").get<double>(),
@@ -220,7 +239,8 @@ TEST(MatricesOfAUser, HaveModesAndMaps) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const double omega = told.json().at("modes")[0].at("omega").get<double>();
   EXPECT_NEAR(rows_of(shell, chain, "symplectic_euler")[0].at("h_max").get<double>() * omega, 2, 1e-9);
-  const Told map = shell.hmax("stability map " + chain + " --method rk4 --x alpha=0:2:3 --y beta=0:0.01:3 --json");
+  const Told map =
+      shell.hmax("stability map " + chain + " --method rk4 --x alpha=0:2:3 --y beta=0:0.01:3 --json");
   ASSERT_EQ(map.exit_code, 0) << map.err;
   EXPECT_EQ(map.json().at("h_max").size(), 3U);
 }
@@ -228,8 +248,12 @@ TEST(MatricesOfAUser, HaveModesAndMaps) {
 TEST(MatricesOfAUser, AreRunWithARemarkOnTheirStartAndTheirGrowth) {
   const Shell shell;
   write_chain(shell);
-  const auto told = [&](const std::string& options) { return shell.hmax("run --method rk4 " + chain + options).err; };
-  EXPECT_NE(told(" --h 0.01 --t-end 1").find("starts from pseudo-random displacements at rest of up to 0.001"), std::string::npos);
+  const auto told = [&](const std::string& options) {
+    return shell.hmax("run --method rk4 " + chain + options).err;
+  };
+  EXPECT_NE(
+      told(" --h 0.01 --t-end 1").find("starts from pseudo-random displacements at rest of up to 0.001"),
+      std::string::npos);
   EXPECT_EQ(told(" --h 0.01 --t-end 1 --y0 1,0,0"), "");
   const std::string unstable = told(" --h 0.2 --t-end 8 --y0 1,0,0");
   EXPECT_NE(unstable.find("times as large as it began"), std::string::npos) << unstable;
@@ -256,8 +280,9 @@ TEST(MatricesOfAUser, ThatNeedAFullMatrixTooLargeAreRefused) {
   write(shell, "K.mtx", K);
   write(shell, "M.mtx", M);
   // The remark on symmetry may stand before the sentence.
-  for (const auto& [command, part] : {std::pair("stability predict --methods rk4 ", "the mass couples 1600 unknowns"),
-                                      {"run --method odeint_rosenbrock4 --h 1e-3 --t-end 0.01 ", "takes M^-1 K as one matrix"}}) {
+  for (const auto& [command, part] :
+       {std::pair("stability predict --methods rk4 ", "the mass couples 1600 unknowns"),
+        {"run --method odeint_rosenbrock4 --h 1e-3 --t-end 0.01 ", "takes M^-1 K as one matrix"}}) {
     const Told told = shell.hmax(command + chain);
     EXPECT_EQ(told.exit_code, 2) << command;
     EXPECT_NE(told.err.find(part), std::string::npos) << told.err;

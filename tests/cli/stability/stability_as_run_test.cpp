@@ -10,25 +10,30 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string pressed = "stability predict --mesh phantom --load press --set force=2 --set alpha=4 --methods ";
+const std::string pressed =
+    "stability predict --mesh phantom --load press --set force=2 --set alpha=4 --methods ";
 
 TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
-  const Json rows = Shell().hmax(pressed + "rosenbrock_23,rodas_4 --jacobian frozen --verify --json").json().at("rows");
+  const Json rows =
+      Shell().hmax(pressed + "rosenbrock_23,rodas_4 --jacobian frozen --verify --json").json().at("rows");
   ASSERT_EQ(rows.size(), 2U);
   for (const Json& row : rows) {
     EXPECT_EQ(row.at("options"), Json({{"jacobian", "frozen"}, {"linear", "direct"}})) << row.dump();
     EXPECT_EQ(row.at("bound"), "stability");
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
     EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
-    EXPECT_NE(row.at("status").get<std::string>().find("initial state, not of this state"), std::string::npos);
+    EXPECT_NE(row.at("status").get<std::string>().find("initial state, not of this state"),
+              std::string::npos);
   }
   EXPECT_EQ(rows[0].at("method"), "rosenbrock_23");
   // At rest the Jacobian of the start is the exact one.
-  const Json resting = Shell()
-                           .hmax("stability predict --mesh phantom --set g=0 --methods rosenbrock_23,rk4 --jacobian "
-                                 "frozen --verify --json")
-                           .json()
-                           .at("rows");
+  const Json resting =
+      Shell()
+          .hmax(
+              "stability predict --mesh phantom --set g=0 --methods rosenbrock_23,rk4 --jacobian "
+              "frozen --verify --json")
+          .json()
+          .at("rows");
   EXPECT_EQ(resting[0].at("h_max"), "unbounded");
   EXPECT_EQ(resting[0].at("observed"), "unbounded");
   EXPECT_TRUE(resting[1].at("options").is_null());
@@ -36,10 +41,12 @@ TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
 }
 
 TEST(StabilityAsRun, SeesSlowGrowthOfUndampedBodies) {
-  const Json rows = Shell()
-                        .hmax("stability predict --mesh phantom --methods rodas_4,rodas_5p --jacobian frozen --verify --json")
-                        .json()
-                        .at("rows");
+  const Json rows =
+      Shell()
+          .hmax(
+              "stability predict --mesh phantom --methods rodas_4,rodas_5p --jacobian frozen --verify --json")
+          .json()
+          .at("rows");
   for (const Json& row : rows) {
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
     EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
@@ -70,7 +77,9 @@ TEST(StabilityAsRun, HasLimitsOfImplicitExplicitMethodsOnLoadedBodies) {
 TEST(StabilityAsRun, KeepsRowsOfOtherOptionsApartInAStore) {
   const Shell shell;
   const auto looked_up = [&](const std::string& options) {
-    return shell.hmax(pressed + "linearly_implicit_euler --out s.sqlite --json" + options).json().at("looked_up");
+    return shell.hmax(pressed + "linearly_implicit_euler --out s.sqlite --json" + options)
+        .json()
+        .at("looked_up");
   };
   EXPECT_EQ(looked_up(""), 0);
   EXPECT_EQ(looked_up(" --jacobian frozen"), 0);

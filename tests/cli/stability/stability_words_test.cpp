@@ -77,7 +77,8 @@ TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
     const Json mode = Shell{}.hmax(line + " --json").json().at("models").at(0).at("fastest_mode");
     const std::vector<std::int64_t> corners = mode.at("points");
     ASSERT_EQ(corners.size(), 4);
-    for (const auto corner : corners) EXPECT_TRUE(has(mode.at("element").get<Eigen::Index>() - 1, corner)) << mode;
+    for (const auto corner : corners)
+      EXPECT_TRUE(has(mode.at("element").get<Eigen::Index>() - 1, corner)) << mode;
 
     const std::string springs = line + " --model mass_spring";
     const std::vector<std::int64_t> ends =
@@ -87,8 +88,9 @@ TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
     for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
       is_edge = is_edge || (has(t, ends[0]) && has(t, ends[1]));
     EXPECT_TRUE(is_edge) << name << ", points " << ends[0] << " and " << ends[1];
-    EXPECT_NE(Shell{}.hmax(springs).out.find(fmt::format("the spring of points {}, {} has", ends[0], ends[1])),
-              std::string::npos);
+    EXPECT_NE(
+        Shell{}.hmax(springs).out.find(fmt::format("the spring of points {}, {} has", ends[0], ends[1])),
+        std::string::npos);
   }
 }
 
@@ -96,9 +98,11 @@ TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
 std::string vtk_of_a_misplaced_point() {
   TetMesh mesh = mesh_by_name("cube:n=2");
   mesh.points.col(13) += Eigen::Vector3d(0.038, 0.004, 0.002);
-  std::string text = fmt::format("# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
-                                 mesh.point_count());
-  for (const auto& point : mesh.points.colwise()) text += fmt::format("{} {} {}\n", point[0], point[1], point[2]);
+  std::string text =
+      fmt::format("# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {} double\n",
+                  mesh.point_count());
+  for (const auto& point : mesh.points.colwise())
+    text += fmt::format("{} {} {}\n", point[0], point[1], point[2]);
   const auto count = mesh.tetrahedron_count();
   text += fmt::format("CELLS {} {}\n", count, 5 * count);
   for (const auto& corners : mesh.tetrahedra.colwise())
@@ -111,7 +115,8 @@ std::string vtk_of_a_misplaced_point() {
 TEST(StabilityPredict, NamesAMisplacedPointByTheNumberOfItsFile) {
   const Shell shell;
   write_text(shell / "cube.vtk", vtk_of_a_misplaced_point());
-  const std::string line = "stability predict --at rest --methods rk4 --mesh cube.vtk --unit m --model fem_cauchy";
+  const std::string line =
+      "stability predict --at rest --methods rk4 --mesh cube.vtk --unit m --model fem_cauchy";
   const Json mode = shell.hmax(line + " --json").json().at("models").at(0).at("fastest_mode");
   EXPECT_EQ(mode.at("gain").at("moved_point"), 13) << mode;
   EXPECT_EQ(std::ranges::count(mode.at("points"), Json(13)), 1) << mode;
@@ -119,7 +124,8 @@ TEST(StabilityPredict, NamesAMisplacedPointByTheNumberOfItsFile) {
 }
 
 TEST(StabilityModes, NameSpringsByTheirPoints) {
-  const std::string line = "stability modes --mesh ball:n=7 --model mass_spring --at rest --fastest --count 1";
+  const std::string line =
+      "stability modes --mesh ball:n=7 --model mass_spring --at rest --fastest --count 1";
   const std::vector<std::int64_t> ends = Shell{}.hmax(line + " --json").json().at("modes").at(0).at("points");
   ASSERT_EQ(ends.size(), 2);
   EXPECT_NE(Shell{}.hmax(line).out.find(fmt::format("the spring of points {}, {} with", ends[0], ends[1])),

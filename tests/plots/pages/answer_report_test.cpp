@@ -10,9 +10,10 @@ namespace hmax {
 namespace {
 
 ReportedStore an_answer() {
-  ReportedStore answer{.name = "this answer",
-                       .advice = {made_advice("rk4", "recommended", 0.01), made_advice("newmark", "tie", 0.02)},
-                       .sessions = made_store("a.sqlite", 1).sessions};
+  ReportedStore answer{
+      .name = "this answer",
+      .advice = {made_advice("rk4", "recommended", 0.01), made_advice("newmark", "tie", 0.02)},
+      .sessions = made_store("a.sqlite", 1).sessions};
   BodyScene bar = made_bar(2);
   bar.modes.push_back({.words = "fastest mode", .frequency = 5, .shape = made_shape(bar.points, 1, 1)});
   answer.scenes.push_back({.key = answer.advice.front().key, .scene = scene_text(bar), .session = 1});
@@ -31,9 +32,10 @@ TEST(AnswerReport, HasWordsBodyRowsAndMachineInThisOrder) {
   const std::string page = answer_report(an_answer(), words(), "1.2.3").html;
   EXPECT_NE(page.find("<title>liver &lt;1&gt;</title>"), std::string::npos);
   std::size_t last = 0;
-  for (const char* place : {"Which &amp; how?", "<h2 id=\"s0\">Answer</h2>", "take rk4", "<h2 id=\"bodies\">The body</h2>",
-                            "id=\"body-1\"", "<h2 id=\"advice-section\">All methods</h2>", "<td>10</td>",
-                            "<h2 id=\"s1\">Model</h2>", "<h2 id=\"machines\">Machine</h2>", "id=\"data\""}) {
+  for (const char* place :
+       {"Which &amp; how?", "<h2 id=\"s0\">Answer</h2>", "take rk4", "<h2 id=\"bodies\">The body</h2>",
+        "id=\"body-1\"", "<h2 id=\"advice-section\">All methods</h2>", "<td>10</td>",
+        "<h2 id=\"s1\">Model</h2>", "<h2 id=\"machines\">Machine</h2>", "id=\"data\""}) {
     const std::size_t at = page.find(place, last);
     ASSERT_NE(at, std::string::npos) << place;
     last = at;
@@ -62,7 +64,8 @@ TEST(StoreReport, ShowsEachBodyOnceAndSaysWhichCannotBeRead) {
 TEST(AnswerReportInABrowser, ShowsFiguresAndTheBodyWithoutErrors) {
   if (browser().empty())
     GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
-  const auto findings = findings_on(answer_report(an_answer(), words(), "1.2.3").html, "answer_report_actions.js", browser());
+  const auto findings =
+      findings_on(answer_report(an_answer(), words(), "1.2.3").html, "answer_report_actions.js", browser());
   const std::map<std::string, std::string> expected{{"figures", "4"},
                                                     {"rows", "2"},
                                                     {"body", "1"},

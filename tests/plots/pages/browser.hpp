@@ -29,7 +29,8 @@ inline std::map<std::string, std::string> findings_on(std::string page, const st
   const auto insert_before = [&](const std::string& place, const std::string& text) {
     page.insert(page.rfind(place), text);
   };
-  insert_before("</body>", "<script>\n" + read_text(HMAX_SOURCE_DIR "/tests/plots/pages/" + script) + "</script>\n");
+  insert_before("</body>",
+                "<script>\n" + read_text(HMAX_SOURCE_DIR "/tests/plots/pages/" + script) + "</script>\n");
   page.insert(page.find("<style>"),
               "<script>window.page_errors = [];\n"
               "addEventListener('error', event => page_errors.push(event.message));\n"
@@ -39,10 +40,9 @@ inline std::map<std::string, std::string> findings_on(std::string page, const st
   write_text(folder / "page.html", page);
   const std::string command =
       "timeout 120 " + program +
-      " --headless --no-sandbox --disable-dev-shm-usage --virtual-time-budget=5000 --window-size=1280,900 " + options +
-      " --user-data-dir='" +
-      (folder / "profile").string() + "' --dump-dom 'file://" + (folder / "page.html").string() + "' >'" +
-      (folder / "dom").string() + "' 2>/dev/null </dev/null";
+      " --headless --no-sandbox --disable-dev-shm-usage --virtual-time-budget=5000 --window-size=1280,900 " +
+      options + " --user-data-dir='" + (folder / "profile").string() + "' --dump-dom 'file://" +
+      (folder / "page.html").string() + "' >'" + (folder / "dom").string() + "' 2>/dev/null </dev/null";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   const std::string dom = read_text(folder / "dom"), opening = "<pre id=\"findings\">";
   const std::size_t begin = dom.rfind(opening);

@@ -11,7 +11,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 /// An SVG of about `size` bytes that is hard to make smaller.
 std::string large_svg(std::size_t size) {
@@ -22,10 +24,12 @@ std::string large_svg(std::size_t size) {
 
 TEST(MarkdownPage, HasTitleNavigationAndIds) {
   const std::string page = markdown_page(
-      "<!-- written by hmax -->\n\n# The *title*\n\nFirst words.\n\n## Figure 1: `x''` & more\n\ntext\n\n## Same\n\n## Same\n", ".");
+      "<!-- written by hmax -->\n\n# The *title*\n\nFirst words.\n\n## Figure 1: `x''` & more\n\ntext\n\n## Same\n\n## Same\n",
+      ".");
   EXPECT_TRUE(contains(page, "<h1>The title</h1>"));
   EXPECT_EQ(page.find("<h1"), page.rfind("<h1"));
-  EXPECT_TRUE(contains(page, "<h2 id=\"figure-1-x--more\">Figure 1: <code>x''</code> &amp; more</h2>")) << page;
+  EXPECT_TRUE(contains(page, "<h2 id=\"figure-1-x--more\">Figure 1: <code>x''</code> &amp; more</h2>"))
+      << page;
   EXPECT_TRUE(contains(page, "<a href=\"#figure-1-x--more\">Figure 1: x'' &amp; more</a>"));
   EXPECT_TRUE(contains(page, "<h2 id=\"same\">") && contains(page, "<h2 id=\"same-1\">"));
   EXPECT_LT(page.find("First words."), page.find("<nav")) << "the introduction is above the navigation";
@@ -50,7 +54,8 @@ TEST(MarkdownPage, TextIsNeverMarkup) {
     EXPECT_FALSE(contains(page, markup)) << markup;
   EXPECT_TRUE(contains(page, "1 &lt; 2 &amp; &lt;b onclick"));
   EXPECT_TRUE(contains(page, "&lt;script&gt;alert(1)"));
-  EXPECT_TRUE(contains(page, "<a href=\"gone.svg\">&lt;u&gt;</a>")) << "a picture that is not there is a link";
+  EXPECT_TRUE(contains(page, "<a href=\"gone.svg\">&lt;u&gt;</a>"))
+      << "a picture that is not there is a link";
 }
 
 TEST(MarkdownPage, EmbedsPicturesAsSvg) {
@@ -58,8 +63,12 @@ TEST(MarkdownPage, EmbedsPicturesAsSvg) {
   write_text(folder / "a.svg", "<svg id=\"a\"/>");
   write_text(folder / "a.png", "png");
   write_text(folder / "b.png", "png");
-  const std::string page = markdown_page("# t\n\n[![seen](a.png)](a.svg)\n\n![other](b.png)\n\nin ![x](a.svg) text\n", folder.folder());
-  EXPECT_TRUE(contains(page, "<figure><a href=\"a.svg\"><img alt=\"seen\" src='data:image/svg+xml,<svg id=\"a\"/>'></a></figure>")) << page;
+  const std::string page = markdown_page(
+      "# t\n\n[![seen](a.png)](a.svg)\n\n![other](b.png)\n\nin ![x](a.svg) text\n", folder.folder());
+  EXPECT_TRUE(contains(
+      page,
+      "<figure><a href=\"a.svg\"><img alt=\"seen\" src='data:image/svg+xml,<svg id=\"a\"/>'></a></figure>"))
+      << page;
   EXPECT_TRUE(contains(page, "<figure><a href=\"b.png\"><img alt=\"other\" src=\"data:image/png;base64,"));
   EXPECT_TRUE(contains(page, "<p>in <a href=\"a.svg\"><img"));
   EXPECT_FALSE(contains(page, "because it would be larger"));
@@ -67,7 +76,8 @@ TEST(MarkdownPage, EmbedsPicturesAsSvg) {
 
 TEST(MarkdownPage, MakesTheLargestPicturesSmaller) {
   const Scratch folder;
-  for (const char* name : {"a", "b", "c"}) write_text(folder / (std::string(name) + ".svg"), large_svg(300'000));
+  for (const char* name : {"a", "b", "c"})
+    write_text(folder / (std::string(name) + ".svg"), large_svg(300'000));
   write_text(folder / "a.png", std::string(3000, 'p'));
   write_text(folder / "small.svg", "<svg id=\"small\"/>");
   const std::string text = "# t\n\n![a](a.svg)\n\n![b](b.svg)\n\n![c](c.svg)\n\n![small](small.svg)\n";
@@ -83,7 +93,8 @@ TEST(MarkdownPage, MakesTheLargestPicturesSmaller) {
   EXPECT_EQ(contains(packed, "data-packed=\""), packs);
   EXPECT_EQ(contains(packed, " JavaScript; without it"), packs);
   const std::string linked = markdown_page(text, folder.folder(), 50'000);
-  EXPECT_TRUE(contains(linked, "1 figure as PNG and 2 figures as a link, because it would be larger than 5 MB."));
+  EXPECT_TRUE(
+      contains(linked, "1 figure as PNG and 2 figures as a link, because it would be larger than 5 MB."));
   EXPECT_TRUE(contains(linked, "<figure><a href=\"b.svg\">b</a></figure>"));
 }
 
@@ -91,7 +102,8 @@ TEST(MarkdownPage, LeadsToThePagesOfOtherReports) {
   const Scratch folder;
   for (const char* part : {"made", "other"}) fs::create_directory(folder / part);
   write_text(folder / "made/index.html", "");
-  const std::string page = markdown_page("# t\n\n[a](made/README.md#x) [b](other/README.md#y) [c](README.md)\n", folder.folder());
+  const std::string page =
+      markdown_page("# t\n\n[a](made/README.md#x) [b](other/README.md#y) [c](README.md)\n", folder.folder());
   EXPECT_TRUE(contains(page, "<a href=\"made/index.html#x\">")) << page;
   EXPECT_TRUE(contains(page, "<a href=\"other/README.md#y\">"));
 }

@@ -22,13 +22,15 @@ TEST(PageInABrowser, SortsTablesUnpacksFiguresAndFitsAPhone) {
       {.title = "numbers",
        .facts = {{"one", "1"}, {"two", "2"}},
        .pictures = {{.svg = svg, .caption = "5 % of \"it\""}},
-       .table = {{"name", "count", "time", "size of a very long heading that no phone has room for, and more of it"},
+       .table = {{"name", "count", "time",
+                  "size of a very long heading that no phone has room for, and more of it"},
                  {"b10", "1,151", "2.5e-3", "9 ms"},
                  {"b9", "\u2013", "\u22121", "2 s"},
                  {"a", "unbounded", "it grows", "10 ms"},
                  {"b1", "299", "0.01", "4 ms"}}}};
   const std::string small = deflated(svg);
-  PageFrame frame{.title = "t", .main = sections_html(sections), .script = std::string(page_script("packed_figures"))};
+  PageFrame frame{
+      .title = "t", .main = sections_html(sections), .script = std::string(page_script("packed_figures"))};
   if (!small.empty()) frame.main += packed_svg(small, "packed");
   const std::map<std::string, std::string> expected{{"name up", "a b1 b9 b10"},
                                                     {"count up", "299 1,151 unbounded \u2013"},

@@ -12,11 +12,15 @@ TEST(Page, HoldsItsPicturesInItself) {
   const std::pair<std::string, std::string> known[] = {
       {"f", "Zg=="}, {"fo", "Zm8="}, {"foo", "Zm9v"}, {"foob", "Zm9vYg=="}, {"foobar", "Zm9vYmFy"}};
   for (const auto& [png, encoded] : known)
-    EXPECT_EQ(embedded_png(png, "\"a\""), "<img alt=\"&quot;a&quot;\" src=\"data:image/png;base64," + encoded + "\">");
-  const std::string page = page_text("t", "", {{.title = "s", .pictures = {{.svg = "<svg fill='#fff'>\n5 % & \"q\"</svg>"}}}});
-  EXPECT_NE(page.find("src='data:image/svg+xml,<svg fill=&#39;%23fff&#39;> 5 %25 &amp; \"q\"</svg>'"), std::string::npos)
+    EXPECT_EQ(embedded_png(png, "\"a\""),
+              "<img alt=\"&quot;a&quot;\" src=\"data:image/png;base64," + encoded + "\">");
+  const std::string page =
+      page_text("t", "", {{.title = "s", .pictures = {{.svg = "<svg fill='#fff'>\n5 % & \"q\"</svg>"}}}});
+  EXPECT_NE(page.find("src='data:image/svg+xml,<svg fill=&#39;%23fff&#39;> 5 %25 &amp; \"q\"</svg>'"),
+            std::string::npos)
       << page;
-  EXPECT_NE(embedded_svg("<svg a='' b='' c=\"\"/>", "").find("src=\"data:image/svg+xml,<svg a='' b='' c=&quot;&quot;/>\""),
+  EXPECT_NE(embedded_svg("<svg a='' b='' c=\"\"/>", "")
+                .find("src=\"data:image/svg+xml,<svg a='' b='' c=&quot;&quot;/>\""),
             std::string::npos);
 }
 
@@ -26,8 +30,10 @@ TEST(Page, HasNavigationThemesAndTablesThatSort) {
   EXPECT_NE(page.find("<a href=\"#s0\">a &amp; b</a>\n<a href=\"#s1\">c</a>"), std::string::npos) << page;
   EXPECT_NE(page.find(sections_html(sections)), std::string::npos);
   EXPECT_NE(page.find("<h2 id=\"s0\">a &amp; b</h2>"), std::string::npos);
-  EXPECT_NE(page.find("aria-label=\"a &amp; b\"><table>\n<thead>\n<tr><th scope=\"col\">x</th></tr>\n</thead>\n<tbody>\n<tr><td>1<"),
-            std::string::npos);
+  EXPECT_NE(
+      page.find(
+          "aria-label=\"a &amp; b\"><table>\n<thead>\n<tr><th scope=\"col\">x</th></tr>\n</thead>\n<tbody>\n<tr><td>1<"),
+      std::string::npos);
   for (const char* part : {"prefers-color-scheme:dark", "id=\"theme\"", "aria-sort", "@media print"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
 }
@@ -65,15 +71,16 @@ TEST(Page, HasFactsAndLists) {
 }
 
 TEST(Page, ColumnsWithoutADigitAreWords) {
-  const std::string page = page_text(
-      "t", "", {{.title = "s", .table = {{"a", "b", "c"}, {"x", "1 %", "yes"}, {"y", "-", "no"}}}});
-  EXPECT_NE(page.find("<th scope=\"col\">b</th><th scope=\"col\" class=\"words\">c</th>"), std::string::npos) << page;
+  const std::string page =
+      page_text("t", "", {{.title = "s", .table = {{"a", "b", "c"}, {"x", "1 %", "yes"}, {"y", "-", "no"}}}});
+  EXPECT_NE(page.find("<th scope=\"col\">b</th><th scope=\"col\" class=\"words\">c</th>"), std::string::npos)
+      << page;
   EXPECT_NE(page.find("<td>-</td><td class=\"words\">no</td>"), std::string::npos) << page;
 }
 
 TEST(Page, HasMoreWordsForThoseWhoCannotSeeAPicture) {
-  const std::string page =
-      page_text("t", "", {{.title = "s", .pictures = {{.svg = "x", .caption = "short", .alt = "at length"}}}});
+  const std::string page = page_text(
+      "t", "", {{.title = "s", .pictures = {{.svg = "x", .caption = "short", .alt = "at length"}}}});
   EXPECT_NE(page.find("<img alt=\"at length\" "), std::string::npos);
   EXPECT_NE(page.find("<figcaption>short</figcaption>"), std::string::npos);
 }

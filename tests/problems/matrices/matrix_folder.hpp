@@ -38,7 +38,8 @@ class MatrixFolder : public ::testing::Test {
     return {};
   }
   static void expect_refusal(const MatrixFiles& files, const std::string& part) {
-    EXPECT_NE(refusal(files).find(part), std::string::npos) << "'" << part << "' is not in: " << refusal(files);
+    EXPECT_NE(refusal(files).find(part), std::string::npos)
+        << "'" << part << "' is not in: " << refusal(files);
   }
 
   Scratch scratch_;
@@ -59,7 +60,8 @@ inline Eigen::VectorXd stiffnesses(const AnySystem& system) {
   AnySystem::DofMatrix K;
   system.stiffness(0, zero, zero, K);
   const Eigen::MatrixXd full = K.index() == 0 ? std::get<0>(K) : Eigen::MatrixXd(std::get<1>(K));
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(full, Eigen::MatrixXd(system.mass_matrix().matrix()))
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(
+             full, Eigen::MatrixXd(system.mass_matrix().matrix()))
       .eigenvalues();
 }
 

@@ -56,7 +56,8 @@ TEST(DamagedMatrixFiles, WithWordsPutInOrBytesLostTheyAreRefusedOrValid) {
   for (const MatrixSample& sample : matrix_samples()) {
     SCOPED_TRACE(sample.name);
     for (std::size_t i = 0; i < sample.bytes.size(); ++i) {
-      for (const char* words : {"99999999", "-1 ", " nan ", " 4000000000 ", "1e300", "9999999999999999999999"}) {
+      for (const char* words :
+           {"99999999", "-1 ", " nan ", " 4000000000 ", "1e300", "9999999999999999999999"}) {
         std::string damaged = sample.bytes;
         refused(sample.name, damaged.insert(i, words));
       }

@@ -1,5 +1,5 @@
-/// Models of matrices that were damaged anywhere, through constraint rows, Lagrange multipliers, condensation and
-/// series: every one is refused in a sentence, or a model of finite numbers.
+/// Models of matrices that were damaged anywhere, through constraint rows, Lagrange multipliers, condensation
+/// and series: every one is refused in a sentence, or a model of finite numbers.
 #include <cmath>
 
 #include "tests/problems/matrices/matrix_folder.hpp"
@@ -13,8 +13,9 @@ class DamagedModels : public MatrixFolder {
  protected:
   DamagedModels() {
     // A penalty row, a row of its own, a point without mass, two multipliers that hold and tie, two masses.
-    stiffness_ = "%%MatrixMarket matrix coordinate real symmetric\n8 8 11\n1 1 1e9\n2 1 -1\n2 2 7\n3 3 1\n4 2 -2\n4 4 4\n"
-                 "5 4 -2\n5 5 9\n7 5 1\n7 6 -1\n8 6 2\n";
+    stiffness_ =
+        "%%MatrixMarket matrix coordinate real symmetric\n8 8 11\n1 1 1e9\n2 1 -1\n2 2 7\n3 3 1\n4 2 -2\n4 4 4\n"
+        "5 4 -2\n5 5 9\n7 5 1\n7 6 -1\n8 6 2\n";
     mass_ = "%%MatrixMarket matrix array real general\n8 1\n1\n1\n1\n0\n1\n2\n0\n0\n";
     damping_ = "%%MatrixMarket matrix coordinate real general\n8 8 4\n1 1 0.1\n2 2 0.2\n2 5 0.1\n5 2 -0.1\n";
     series_ = "0 K.mtx\n0.5 K.mtx\n2 K.mtx\n";
@@ -69,8 +70,9 @@ class DamagedModels : public MatrixFolder {
 };
 
 TEST_F(DamagedModels, TheWholeOneHasAllKindsOfRows) {
-  const MatrixModel model = read_matrix_model(
-      {.stiffness = (scratch_ / "K.mtx").string(), .mass = (scratch_ / "M.mtx").string(), .drop_constraints = true});
+  const MatrixModel model = read_matrix_model({.stiffness = (scratch_ / "K.mtx").string(),
+                                               .mass = (scratch_ / "M.mtx").string(),
+                                               .drop_constraints = true});
   EXPECT_EQ(model.facts.constraints.penalties.size(), 1U);
   EXPECT_EQ(model.facts.constraints.decoupled.size(), 1U);
   EXPECT_EQ(model.facts.multipliers, 2);
@@ -80,12 +82,14 @@ TEST_F(DamagedModels, TheWholeOneHasAllKindsOfRows) {
 
 TEST_F(DamagedModels, WithAWrongByteAnywhereAreRefusedOrFinite) {
   for (const char byte : {'0', '9', '-', '\n', 'e'})
-    for (const auto& [name, text] : {std::pair("K.mtx", stiffness_), {"M.mtx", mass_}, {"C.mtx", damping_}, {"K.txt", series_}})
+    for (const auto& [name, text] :
+         {std::pair("K.mtx", stiffness_), {"M.mtx", mass_}, {"C.mtx", damping_}, {"K.txt", series_}})
       damage(name, text, [byte](std::string& damaged, std::size_t i) { damaged[i] = byte; });
 }
 
 TEST_F(DamagedModels, WithWordsPutInOrCutOffAreRefusedOrFinite) {
-  for (const auto& [name, text] : {std::pair("K.mtx", stiffness_), {"M.mtx", mass_}, {"C.mtx", damping_}, {"K.txt", series_}}) {
+  for (const auto& [name, text] :
+       {std::pair("K.mtx", stiffness_), {"M.mtx", mass_}, {"C.mtx", damping_}, {"K.txt", series_}}) {
     for (const char* words : {"1e300", " nan ", "-1 ", "99999999"})
       damage(name, text, [words](std::string& damaged, std::size_t i) { damaged.insert(i, words); });
     damage(name, text, [](std::string& damaged, std::size_t i) { damaged.resize(i); });

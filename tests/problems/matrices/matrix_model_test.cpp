@@ -23,7 +23,8 @@ TEST_F(Matrices, MakeTheStructureWithRayleighDamping) {
   const VectorXd q = VectorXd::LinSpaced(3, 1, 2), v = VectorXd::LinSpaced(3, -1, 3);
   VectorXd f(3);
   system.force(0, q, v, f);
-  EXPECT_NEAR((f + chain(3) * q + (0.5 * 2 * MatrixXd::Identity(3, 3) + 0.25 * chain(3)) * v).norm(), 0, 1e-14);
+  EXPECT_NEAR((f + chain(3) * q + (0.5 * 2 * MatrixXd::Identity(3, 3) + 0.25 * chain(3)) * v).norm(), 0,
+              1e-14);
 }
 
 TEST_F(Matrices, MassesAreAColumnADiagonalOrTheSumsOfRows) {
@@ -48,7 +49,8 @@ TEST_F(Matrices, ACoupledMassHasTheModesOfThePencilAndTheStartOfTheUser) {
   AnySystem::DofMatrix C;
   system_of(model, 0.5, 0).damping(0, q, q, C);
   EXPECT_EQ(MatrixXd(std::get<1>(C)), MatrixXd(0.5 * M));
-  expect_refusal(files(chain(3), MatrixXd{{2, 3, 0}, {3, 2, 0}, {0, 0, 1}}), "M.mtx: the mass matrix M is not positive definite");
+  expect_refusal(files(chain(3), MatrixXd{{2, 3, 0}, {3, 2, 0}, {0, 0, 1}}),
+                 "M.mtx: the mass matrix M is not positive definite");
 }
 
 TEST_F(Matrices, UnknownsWithoutMassAreCondensed) {
@@ -61,12 +63,13 @@ TEST_F(Matrices, UnknownsWithoutMassAreCondensed) {
   EXPECT_NEAR((MatrixXd(model.K) - MatrixXd{{4, -1}, {-1, 4}}).norm(), 0, 1e-14);
   K.row(1).setZero();
   K.col(1).setZero();
-  expect_refusal(files(K, MatrixXd(Eigen::Vector3d(1, 0, 1).asDiagonal())), "is singular, for instance at unknown 2");
+  expect_refusal(files(K, MatrixXd(Eigen::Vector3d(1, 0, 1).asDiagonal())),
+                 "is singular, for instance at unknown 2");
 }
 
 TEST_F(Matrices, ConstraintRowsAreFoundAndLeftOutWhenTold) {
   MatrixXd K = chain(5);
-  K(0, 0) += 1e10;                       // a penalty
+  K(0, 0) += 1e10;                         // a penalty
   K.row(4).setZero(), K.col(4).setZero();  // a row of the unit matrix
   K(4, 4) = 1;
   MatrixFiles given = files(K, MatrixXd::Identity(5, 5));
@@ -91,13 +94,15 @@ TEST_F(Matrices, AStiffPartOrALightUnknownIsNoConstraint) {
   VectorXd masses = VectorXd::Ones(4);
   masses[2] = 1e-12;
   EXPECT_TRUE(read_matrix_model(files(chain(4), MatrixXd(masses.asDiagonal()))).facts.constraints.none());
-  EXPECT_TRUE(read_matrix_model(files(MatrixXd::Identity(4, 4), MatrixXd::Identity(4, 4))).facts.constraints.none());
+  EXPECT_TRUE(
+      read_matrix_model(files(MatrixXd::Identity(4, 4), MatrixXd::Identity(4, 4))).facts.constraints.none());
 }
 
 TEST_F(Matrices, OneTriangleIsMirroredOnlyWhenTold) {
   MatrixFiles given = files(chain(3), MatrixXd::Identity(3, 3));
   given.stiffness =
-      write("half.mtx", "%%MatrixMarket matrix coordinate real general\n3 3 5\n1 1 2\n2 1 -1\n2 2 2\n3 2 -1\n3 3 2\n");
+      write("half.mtx",
+            "%%MatrixMarket matrix coordinate real general\n3 3 5\n1 1 2\n2 1 -1\n2 2 2\n3 2 -1\n3 3 2\n");
   expect_refusal(given, "add storage=triangle to --matrices");
   given.one_triangle = true;
   EXPECT_EQ(MatrixXd(read_matrix_model(given).K), chain(3));
@@ -131,7 +136,8 @@ TEST_F(Matrices, OfCalculixAreOfOneModel) {
 }
 
 TEST_F(Matrices, LookSwappedOnlyWhereTheMassIsAStiffness) {
-  const MatrixXd K = chain(6), lumped = 0.5 * MatrixXd::Identity(6, 6), consistent = 0.5 * (6 * lumped - chain(6)) + lumped;
+  const MatrixXd K = chain(6), lumped = 0.5 * MatrixXd::Identity(6, 6),
+                 consistent = 0.5 * (6 * lumped - chain(6)) + lumped;
   const auto looks = [&](const MatrixXd& stiffness, const MatrixXd& mass) {
     return read_matrix_model(files(stiffness, mass)).facts.look_swapped;
   };
@@ -146,7 +152,8 @@ TEST_F(Matrices, AreRefusedWithFileAndRemedy) {
   const MatrixXd one = MatrixXd::Identity(3, 3);
   expect_refusal(files(chain(3), MatrixXd::Identity(2, 2)), "has the shape 2 x 2 but must have 3 x 3");
   expect_refusal(files(MatrixXd::Ones(2, 3), one), "must be square");
-  expect_refusal(files(chain(3), MatrixXd(Eigen::Vector3d(1, -1, 1).asDiagonal())), "the mass of unknown 2 is -1");
+  expect_refusal(files(chain(3), MatrixXd(Eigen::Vector3d(1, -1, 1).asDiagonal())),
+                 "the mass of unknown 2 is -1");
   MatrixXd M = one;
   M(0, 1) = 0.5, M(1, 2) = 0.1, M(2, 1) = 0.1;
   expect_refusal(files(chain(3), M), "the mass matrix is not symmetric at row");
@@ -157,8 +164,10 @@ TEST_F(Matrices, AreRefusedWithFileAndRemedy) {
   M(1, 1) = 0, M(0, 1) = M(1, 0) = 0.5;
   expect_refusal(files(chain(3), M), "unknown 2 has no mass on the diagonal and is coupled to others");
   MatrixFiles huge = files(chain(3), one);
-  huge.stiffness = write("huge.mtx", "%%MatrixMarket matrix coordinate real general\n2000000000 2000000000 1\n1 1 1\n");
-  huge.mass = write("huge_mass.mtx", "%%MatrixMarket matrix coordinate real general\n2000000000 2000000000 1\n1 1 1\n");
+  huge.stiffness =
+      write("huge.mtx", "%%MatrixMarket matrix coordinate real general\n2000000000 2000000000 1\n1 1 1\n");
+  huge.mass = write("huge_mass.mtx",
+                    "%%MatrixMarket matrix coordinate real general\n2000000000 2000000000 1\n1 1 1\n");
   expect_refusal(huge, "some unknowns have neither stiffness nor mass");
   expect_refusal({.jacobian = huge.stiffness}, "check the number of rows");
   MatrixFiles damped = files(chain(3), MatrixXd(Eigen::Vector3d(1, 0, 1).asDiagonal()));

@@ -22,7 +22,8 @@ struct MatrixSample {
 template <class T>
 void append_bytes(std::string& bytes, T value) {
   const auto bits = std::bit_cast<std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>>(value);
-  for (int k = static_cast<int>(sizeof(T)) - 1; k >= 0; --k) bytes += static_cast<char>((bits >> (8 * k)) & 0xff);
+  for (int k = static_cast<int>(sizeof(T)) - 1; k >= 0; --k)
+    bytes += static_cast<char>((bits >> (8 * k)) & 0xff);
 }
 
 /// As MatView of PETSc writes it. @tparam Index  std::int32_t or std::int64_t
@@ -34,7 +35,8 @@ std::string petsc_bytes(const Eigen::MatrixXd& matrix) {
   append_bytes(bytes, of(matrix.rows()));
   append_bytes(bytes, of(matrix.cols()));
   append_bytes(bytes, of((matrix.array() != 0).count()));
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) append_bytes(bytes, of((matrix.row(i).array() != 0).count()));
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    append_bytes(bytes, of((matrix.row(i).array() != 0).count()));
   for (Eigen::Index i = 0; i < matrix.rows(); ++i)
     for (Eigen::Index j = 0; j < matrix.cols(); ++j)
       if (matrix(i, j) != 0) append_bytes(bytes, of(j));
@@ -62,7 +64,8 @@ inline std::vector<MatrixSample> matrix_samples() {
        "2 0.25\n 2 3 -0.15+001\n 3 3 1.0D-03\n",
        general},
       {"skew.mtx", "%%MatrixMarket matrix coordinate integer skew-symmetric\n3 3 2\n2 1 2\n3 2 3\n", skew},
-      {"array.mtx", "%%MatrixMarket matrix array real general\n3 3\n3\n2\n0\n-1\n2.5\n0.25\n0\n-1.5\n1e-3\n", general},
+      {"array.mtx", "%%MatrixMarket matrix array real general\n3 3\n3\n2\n0\n-1\n2.5\n0.25\n0\n-1.5\n1e-3\n",
+       general},
       {"packed.mtx", "%%MatrixMarket matrix array real symmetric\n3 3\n3\n-1\n0\n2.5\n-1.5\n1.5\n", chain},
       {"job.sti", "1 1 3.0e0\n1 2 -1.0e0\n2 2 2.5\n2 3 -1.5\n3 3 1.5\n", chain},
       {"unsymmetric.sti", "1 1 3\n1 2 -1\n2 1 2\n2 2 2.5\n2 3 -1.5\n3 2 0.25\n3 3 1e-3\n", general},

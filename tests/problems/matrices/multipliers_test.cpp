@@ -136,7 +136,9 @@ TEST_F(Multipliers, OfThousandsOfTiesAreFast) {
     for (Index i = 0; i < n; ++i) {
       K.emplace_back(at(part + i), at(part + i), 2.0);
       M.emplace_back(at(part + i), at(part + i), 1.0);
-      if (i > 0) K.emplace_back(at(part + i), at(part + i - 1), -1.0), K.emplace_back(at(part + i - 1), at(part + i), -1.0);
+      if (i > 0)
+        K.emplace_back(at(part + i), at(part + i - 1), -1.0),
+            K.emplace_back(at(part + i - 1), at(part + i), -1.0);
     }
   for (Index i = 0; i < n; ++i)
     for (const auto& [j, value] : {std::pair(i, 1.0), {n + i, -1.0}})
@@ -144,8 +146,9 @@ TEST_F(Multipliers, OfThousandsOfTiesAreFast) {
   Eigen::SparseMatrix<double> stiffness(3 * n, 3 * n), mass(3 * n, 3 * n);
   stiffness.setFromTriplets(K.begin(), K.end());
   mass.setFromTriplets(M.begin(), M.end());
-  const MatrixModel model = read_matrix_model({.stiffness = write("K.mtx", matrix_market_text(stiffness, "ties")),
-                                               .mass = write("M.mtx", matrix_market_text(mass, "ties"))});
+  const MatrixModel model =
+      read_matrix_model({.stiffness = write("K.mtx", matrix_market_text(stiffness, "ties")),
+                         .mass = write("M.mtx", matrix_market_text(mass, "ties"))});
   EXPECT_EQ(model.size(), n);
   EXPECT_EQ(model.mass, VectorXd::Constant(n, 2.0));
   EXPECT_EQ(model.K.coeff(5, 5), 4);

@@ -38,12 +38,19 @@ TEST_F(MatricesInTime, AreLinearBetweenTheirTimesAndStayBeyond) {
   write("K1.mtx", second);
   MatrixFiles given = files(chain(4), 2 * MatrixXd::Identity(4, 4));
   given.stiffness = write("K.txt", "# tangents\n1 K0.mtx\n\n3 K1.mtx # the last one\n");
-  expect_refusal([&] { auto wrong = given; wrong.stiffness_series = true; return wrong; }(), "line 4: the line has");
+  expect_refusal(
+      [&] {
+        auto wrong = given;
+        wrong.stiffness_series = true;
+        return wrong;
+      }(),
+      "line 4: the line has");
   given.stiffness = write("K.txt", "# tangents\n1 K0.mtx\n\n3 K1.mtx\n");
   given.stiffness_series = true;
   const MatrixModel model = read_matrix_model(given);
   const AnySystem system = system_of(model, 0.5, 0.25);
-  for (const auto& [t, share] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.5, 0.25}, {2.9, 0.95}, {3.0, 1.0}, {9.0, 1.0}}) {
+  for (const auto& [t, share] :
+       {std::pair(0.0, 0.0), {1.0, 0.0}, {1.5, 0.25}, {2.9, 0.95}, {3.0, 1.0}, {9.0, 1.0}}) {
     const MatrixXd K = (1 - share) * chain(4) + share * second;
     EXPECT_NEAR((stiffness_of(system, t) - K).norm(), 0, 1e-14) << t;
     const MatrixXd C = 0.5 * 2 * MatrixXd::Identity(4, 4) + 0.25 * K;
@@ -141,7 +148,8 @@ TEST_F(MatricesInTime, OfACoupledMassMoveAsTheirModesDo) {
       const MatrixXd kappa = MatrixXd::Constant(1, 1, modes.eigenvalues()[i]);
       write("k0.mtx", kappa);
       write("k1.mtx", 3 * kappa);
-      MatrixFiles one{.stiffness = write("k.txt", "0 k0.mtx\n2 k1.mtx\n"), .mass = write("m.mtx", MatrixXd::Ones(1, 1))};
+      MatrixFiles one{.stiffness = write("k.txt", "0 k0.mtx\n2 k1.mtx\n"),
+                      .mass = write("m.mtx", MatrixXd::Ones(1, 1))};
       one.stiffness_series = true;
       const VectorXd shape = modes.eigenvectors().col(i), y = end_of(given, shape, stepper),
                      alone = end_of(one, VectorXd::Ones(1), stepper);

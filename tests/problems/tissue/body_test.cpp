@@ -238,7 +238,9 @@ TEST(TissueBody, RaisedMassesAllowTheStepAndHaveNoWeight) {
   const auto largest_step = [&](const TissueBody& body) {
     const VectorXd roots = body.mass().cwiseSqrt().cwiseInverse();
     const MatrixXd scaled = roots.asDiagonal() * stiffness(body, 0, rest, rest) * roots.asDiagonal();
-    return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+    return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly)
+                             .eigenvalues()
+                             .maxCoeff());
   };
   settings.mass_step = 2 * largest_step(before);
   const TissueBody after(mesh, settings);

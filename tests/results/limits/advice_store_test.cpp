@@ -44,7 +44,8 @@ TEST(AdviceStore, KeepsEveryColumn) {
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].key, a_question());
   for (std::size_t i = 0; i < 2; ++i) {
-    for (const auto& column : advice_texts) EXPECT_EQ(kept[i].*column.member, records[i].*column.member) << column.name;
+    for (const auto& column : advice_texts)
+      EXPECT_EQ(kept[i].*column.member, records[i].*column.member) << column.name;
     for (const auto& column : advice_numbers) {
       const double before = records[i].*column.member, after = kept[i].*column.member;
       EXPECT_TRUE(before == after || (std::isnan(before) && std::isnan(after))) << column.name;

@@ -63,7 +63,8 @@ TEST(LimitExports, HaveOneColumnForEachNumberAndWordsForInfinity) {
   const LimitRow row = a_limit("newmark", INFINITY);
   const std::string csv = limits_to_csv(std::span(&row, 1));
   const std::string header = csv.substr(0, csv.find('\n'));
-  EXPECT_EQ(header.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U) << header;
+  EXPECT_EQ(header.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U)
+      << header;
   const std::string line = csv.substr(header.size() + 1);
   EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',') + 1)
       << "the start has a comma of its own, in quotes: " << line;

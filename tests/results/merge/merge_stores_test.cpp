@@ -75,7 +75,8 @@ TEST(Merge, HasEveryRowWithItsMachineAndTheTimeOfItsSession) {
     EXPECT_TRUE(row.error_end == 0 && std::signbit(row.error_end));
     EXPECT_TRUE(std::isnan(row.error_global));
     EXPECT_EQ(row.cpu_s, (std::vector<double>{1e-3, 2e-3}));
-    EXPECT_EQ(sessions.at(static_cast<std::size_t>(row.session) - 1).fingerprint.cpu, number < 3 ? "first" : "second");
+    EXPECT_EQ(sessions.at(static_cast<std::size_t>(row.session) - 1).fingerprint.cpu,
+              number < 3 ? "first" : "second");
   }
   EXPECT_EQ(out.notes().at("sweep"), "one");
 }
@@ -103,7 +104,8 @@ TEST(Merge, CountsWhatIsDoubledAndNamesWhatDiffers) {
   EXPECT_EQ(summary.conflicts[0].file.filename(), "b.sqlite");
   EXPECT_EQ(summary.conflicts[0].changes, (std::vector<std::string>{"steps: 20 -> 21"}));
   ASSERT_EQ(out.size(), 4);
-  for (const Row& row : out.rows()) EXPECT_EQ(row.steps, 10 * (static_cast<int>(row.key.h) - 1)) << "the first one counts";
+  for (const Row& row : out.rows())
+    EXPECT_EQ(row.steps, 10 * (static_cast<int>(row.key.h) - 1)) << "the first one counts";
   EXPECT_FALSE(out.notes().contains("sweep")) << "one of the stores is of no sweep";
 }
 

@@ -188,7 +188,8 @@ TEST(SofaScenes, HaveEverySpring) {
   settings.springs.damper = 0.5;
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
   // Six edges: three of length 1, three of sqrt 2.
-  for (const char* part : {"Sofa.Component.SolidMechanics.Spring", "spring=\"0 1 12 0.5 1 ", "2 3 12 0.5 1.414213562373095"})
+  for (const char* part :
+       {"Sofa.Component.SolidMechanics.Spring", "spring=\"0 1 12 0.5 1 ", "2 3 12 0.5 1.414213562373095"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_EQ(text.find("FEM"), std::string::npos);
 }
