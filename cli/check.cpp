@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/tableau_file.hpp"
 #include "bench/timing/accuracy_suite.hpp"
+#include "catalogue/methods/tableau_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

@@ -7,9 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/models/tissue_choice.hpp"
 #include "bench/timing/sweep_file.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_choice.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "problems/mesh/files/mesh_names.hpp"

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/distributed/distributed_engine.hpp"
-#include "bench/ranks/module.hpp"
-#include "bench/ranks/ranks.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "core/instruction_set.hpp"
+#include "core/ranks/module.hpp"
+#include "core/ranks/ranks.hpp"
+#include "limits/distributed/distributed_engine.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/build_info.hpp"
 #include "results/fingerprint.hpp"

@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/documents/method_json.hpp"
-#include "bench/documents/number_json.hpp"
+#include "advice/documents/method_json.hpp"
+#include "advice/documents/number_json.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "core/errors.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

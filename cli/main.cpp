@@ -8,15 +8,15 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/input/suggest.hpp"
+#include "catalogue/input/suggest.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/last_resort.hpp"
 #include "cli/shared/mpirun.hpp"
+#include "core/errors.hpp"
 #include "core/heap.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
 #include "results/build_info.hpp"
-#include "results/errors.hpp"
 #include "results/patience.hpp"
 
 namespace hmax {

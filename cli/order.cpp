@@ -9,14 +9,14 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/limits/linearised_problem.hpp"
+#include "bench/timing/reference.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "limits/linearised_problem.hpp"
 
 namespace hmax {
 

@@ -17,9 +17,9 @@
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "cli/shared/temporary_folder.hpp"
+#include "core/errors.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {

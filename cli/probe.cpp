@@ -6,16 +6,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "advice/documents/probe_json.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
-#include "bench/documents/probe_json.hpp"
-#include "bench/plugin/plugin_sources.hpp"
-#include "bench/plugin/plugin_stepper.hpp"
+#include "catalogue/plugin/plugin_sources.hpp"
+#include "catalogue/plugin/plugin_stepper.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/work_limit.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

@@ -7,10 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/tissue_problem.hpp"
-#include "bench/ranks/ranks.hpp"
 #include "bench/timing/dealt_sweep.hpp"
 #include "bench/timing/sweep_file.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
@@ -18,9 +17,10 @@
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "core/errors.hpp"
+#include "core/ranks/ranks.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {

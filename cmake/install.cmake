@@ -5,12 +5,12 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/hmax")
 set_target_properties(hmax_flags PROPERTIES EXPORT_NAME flags)
-install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_bench hmax_plots hmax_umbrella hmax_plugin
+install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_catalogue hmax_limits hmax_bench hmax_advice hmax_studies hmax_plots hmax_umbrella hmax_plugin
         EXPORT hmax_targets
         ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax"
         INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(FILES "${PROJECT_SOURCE_DIR}/bench/hmax.hpp" "${PROJECT_SOURCE_DIR}/bench/plugin/plugin.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+install(FILES "${PROJECT_SOURCE_DIR}/limits/hmax.hpp" "${PROJECT_SOURCE_DIR}/catalogue/plugin/plugin.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
 foreach(optional elementary integrators_sundials integrators_odeint)
   if(TARGET hmax_${optional})
     install(TARGETS hmax_${optional} EXPORT hmax_targets

@@ -12,7 +12,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS
   list(APPEND HMAX_PRECOMPILE_OPTIONS -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 
-# hmax_precompile(TARGET header...): call it after the properties of the sources are set. Sources with compile options of
+# hmax_precompile(TARGET header...), or with REUSE_FROM OTHER_TARGET what was parsed for a target of the same options: call it after the properties of the sources are set. Sources with compile options of
 # their own cannot share what was parsed with others, and are left out.
 function(hmax_precompile target)
   if(NOT TARGET ${target})

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 namespace {

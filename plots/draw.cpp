@@ -12,11 +12,11 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/alt_text.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/tics.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

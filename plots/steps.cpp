@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "results/numbers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

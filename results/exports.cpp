@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "results/numbers.hpp"
+#include "core/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

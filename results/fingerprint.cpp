@@ -12,10 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/digest.hpp"
+#include "core/errors.hpp"
 #include "core/instruction_set.hpp"
+#include "core/numbers.hpp"
 #include "results/build_info.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>

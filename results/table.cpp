@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/own_files.hpp"
 #include "core/part_file.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

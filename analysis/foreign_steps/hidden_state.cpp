@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "analysis/spectrum/lanczos.hpp"
-#include "results/numbers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

@@ -10,8 +10,8 @@
 #include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/step_derivative.hpp"
 #include "core/dense_solvers.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {

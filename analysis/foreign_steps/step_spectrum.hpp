@@ -14,8 +14,8 @@ namespace hmax {
 struct StepSpectrumSettings {
   Eigen::Index eigenvalues_to = 300;  ///< up to so many coordinates all eigenvalues of the matrix
   Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi
-                                  ///< iteration; above that products alone, or the matrix by a pattern
-  std::function<void()> watch = {};  ///< called now and then; may throw
+                                      ///< iteration; above that products alone, or the matrix by a pattern
+  std::function<void()> watch = {};   ///< called now and then; may throw
 };
 
 /// What a step of size h makes of small differences of states.

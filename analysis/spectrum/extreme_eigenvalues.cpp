@@ -18,9 +18,9 @@
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "core/dense_solvers.hpp"
+#include "core/errors.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/panel_factor.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

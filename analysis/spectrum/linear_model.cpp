@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/lanczos.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "problems/matrix_entries.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 namespace {

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/dense_solvers.hpp"
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -12,8 +12,8 @@
 #include <Eigen/SparseLU>
 #include <fmt/format.h>
 
+#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 namespace {

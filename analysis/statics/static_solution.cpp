@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/sparse_solver.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 namespace {

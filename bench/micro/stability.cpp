@@ -8,8 +8,8 @@
 #include "analysis/spectrum/block_product.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/spectrum.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/limits/predict.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "limits/predict.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/tissue/body.hpp"
 

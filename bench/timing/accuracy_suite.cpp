@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

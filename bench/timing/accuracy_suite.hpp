@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/choice/chosen_methods.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "results/baseline.hpp"
 
 namespace hmax {

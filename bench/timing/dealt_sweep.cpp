@@ -14,14 +14,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/ranks/thread_ranks.hpp"
 #include "bench/timing/dealing.hpp"
 #include "bench/timing/row_meter.hpp"
 #include "bench/timing/sweep_messages.hpp"
 #include "bench/timing/sweeper.hpp"
 #include "core/digest.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
-#include "results/errors.hpp"
+#include "core/ranks/thread_ranks.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {

@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "bench/ranks/ranks.hpp"
 #include "bench/timing/sweep.hpp"
+#include "core/ranks/ranks.hpp"
 
 namespace hmax {
 

@@ -1,4 +1,6 @@
 /// References: solutions that errors are measured against, made by engines that take no part.
+#include "bench/timing/reference.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
 #include "bench/timing/extrapolation_reference.hpp"
 #include "bench/timing/formula_reference.hpp"
 #include "problems/oscillator/oscillator_reference.hpp"

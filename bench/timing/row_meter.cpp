@@ -12,10 +12,10 @@
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "core/pinned_thread.hpp"
 #include "integrators/control.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/kept_sink.hpp"
 #include "bench/timing/timing.hpp"
-#include "results/errors.hpp"
+#include "catalogue/methods/kept_sink.hpp"
+#include "core/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/catalogue/run.hpp"
+#include "catalogue/methods/run.hpp"
 #include "core/checkpoint_file.hpp"
 #include "integrators/saved_state.hpp"
 
@@ -58,7 +58,7 @@ class RunCheckpoint {
   explicit RunCheckpoint(CheckpointOptions options);
 
   /// Runs, goes on with, or recalls the run `name`. The record must not outlive this object.
-  /// @throws InterruptedRun  where it was stopped;  StateNotSaved  (bench/catalogue/kept_sink.hpp)
+  /// @throws InterruptedRun  where it was stopped;  StateNotSaved  (catalogue/methods/kept_sink.hpp)
   CountedRun run(const std::string& name, const Runner& runner, const RunSpec& spec,
                  const KeptOutput& output = {});
 

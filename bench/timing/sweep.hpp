@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/choice/chosen_methods.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "problems/oscillator/liver_problems.hpp"
 #include "results/store.hpp"
 

@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "bench/input/suggest.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/mesh_choice.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "catalogue/input/suggest.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
 #include "problems/oscillator/liver_materials.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/input/toml_file.hpp"
 #include "bench/timing/sweep.hpp"
+#include "catalogue/input/toml_file.hpp"
 
 namespace hmax {
 

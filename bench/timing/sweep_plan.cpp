@@ -12,13 +12,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/catalogue/tableau_file.hpp"
-#include "bench/models/tissue_problem.hpp"
 #include "bench/timing/sweep.hpp"
+#include "catalogue/methods/tableau_file.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

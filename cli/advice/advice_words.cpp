@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/advice/advice_records.hpp"
-#include "bench/models/body_summary.hpp"
+#include "advice/advice_records.hpp"
+#include "catalogue/models/body_summary.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/advice/advise.hpp"
+#include "advice/advise.hpp"
 #include "cli/shared/console.hpp"
 
 namespace hmax {

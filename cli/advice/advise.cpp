@@ -1,5 +1,5 @@
 /// hmax advise: which integrator, and how large a step, for a model and a frame rate.
-#include "bench/advice/advise.hpp"
+#include "advice/advise.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/advice/advice_records.hpp"
-#include "bench/advice/remaking.hpp"
-#include "bench/documents/advice_json.hpp"
-#include "bench/models/support_sets.hpp"
+#include "advice/advice_records.hpp"
+#include "advice/documents/advice_json.hpp"
+#include "advice/remaking.hpp"
+#include "catalogue/models/support_sets.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
 #include "cli/bodies/body_scene.hpp"
@@ -24,10 +24,10 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "plots/pages/answer_words.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
-#include "results/numbers.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
 

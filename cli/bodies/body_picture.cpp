@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "cli/shared/options.hpp"
+#include "core/errors.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

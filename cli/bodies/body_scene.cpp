@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
-#include "bench/limits/fastest_mode.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
+#include "core/errors.hpp"
+#include "limits/modes/fastest_mode.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

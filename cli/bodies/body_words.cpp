@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/free_parts.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/mesh_choice.hpp"
+#include "catalogue/models/free_parts.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/mesh_choice.hpp"
 
 namespace hmax {
 

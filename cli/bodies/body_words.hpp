@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/models/body_summary.hpp"
+#include "catalogue/methods/method.hpp"
+#include "catalogue/models/body_summary.hpp"
 #include "cli/shared/console.hpp"
 
 namespace hmax {

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "cli/shared/outputs.hpp"
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "problems/matrices/matrix_writers.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

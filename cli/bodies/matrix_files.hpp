@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "bench/catalogue/method.hpp"
-#include "bench/limits/operating_point.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
+#include "limits/operating_point.hpp"
 
 namespace hmax {
 

@@ -10,20 +10,20 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/mesh_choice.hpp"
-#include "bench/models/support_sets.hpp"
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/support_sets.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "bench/models/mesh_choice.hpp"
+#include "catalogue/models/mesh_choice.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/shared/options.hpp"
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/limits/linearised_problem.hpp"
-#include "bench/models/tissue_choice.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/bodies/mesh.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "limits/linearised_problem.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"

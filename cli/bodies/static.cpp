@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/equilibria/support_advice.hpp"
-#include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/support_advice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/static_comparison.hpp"
@@ -19,10 +19,10 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

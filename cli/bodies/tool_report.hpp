@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
 #include "problems/tissue/contact.hpp"
 

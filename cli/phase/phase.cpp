@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/planar.hpp"
+#include "catalogue/models/planar.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "plots/draw.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

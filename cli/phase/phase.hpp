@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/console.hpp"
 #include "plots/curves.hpp"

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/basins.hpp"
-#include "bench/models/planar.hpp"
+#include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/dynamics.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
-#include "bench/models/planar.hpp"
-#include "bench/step_maps/one_step_map.hpp"
+#include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "limits/by_steps/one_step_map.hpp"
 #include "plots/dynamics.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

@@ -6,15 +6,15 @@
 
 #include "analysis/dynamics/fixed_point_search.hpp"
 #include "analysis/dynamics/poincare.hpp"
-#include "bench/models/parameter_units.hpp"
-#include "bench/models/planar.hpp"
-#include "bench/step_maps/period_maps.hpp"
+#include "catalogue/models/parameter_units.hpp"
+#include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/by_steps/period_maps.hpp"
 #include "plots/dynamics.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

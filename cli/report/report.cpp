@@ -10,9 +10,9 @@
 #include "cli/shared/named_stores.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/errors.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/studies/liver_claims.hpp"
+#include "studies/liver_claims.hpp"
 
 namespace hmax {
 

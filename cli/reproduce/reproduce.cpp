@@ -18,9 +18,9 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/shard_option.hpp"
+#include "core/errors.hpp"
 #include "plots/figure.hpp"
 #include "plots/pages/report.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
 #include "results/store.hpp"
 

@@ -8,9 +8,10 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/phase_plane.hpp"
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/models/series.hpp"
 #include "bench/timing/sweep.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/series.hpp"
 #include "cli/reproduce/oscillator_claims.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"

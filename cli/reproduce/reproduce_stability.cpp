@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/families.hpp"
-#include "bench/limits/prediction.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/families.hpp"
+#include "limits/prediction.hpp"
 #include "plots/draw.hpp"
 #include "plots/pages/report.hpp"
 #include "results/limits/limit_exports.hpp"

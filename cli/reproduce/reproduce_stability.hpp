@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/limit_study.hpp"
+#include "studies/limit_study.hpp"
 
 namespace hmax {
 

@@ -9,18 +9,18 @@
 
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/spectrum.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/tissue_choice.hpp"
-#include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/static_comparison.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "core/errors.hpp"
 #include "plots/draw.hpp"
 #include "plots/pages/report.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

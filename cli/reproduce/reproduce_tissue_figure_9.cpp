@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "core/errors.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/sofa_scene.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "bench/limits/trajectory_limit.hpp"
-#include "bench/studies/particle_limits.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "limits/along/trajectory_limit.hpp"
 #include "plots/draw.hpp"
+#include "studies/particle_limits.hpp"
 
 namespace hmax {
 

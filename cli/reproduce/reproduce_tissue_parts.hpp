@@ -5,7 +5,7 @@
 #include <string>
 
 #include "analysis/statics/static_solution.hpp"
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/reproduce/tissue_study.hpp"
 #include "plots/pages/report.hpp"
 

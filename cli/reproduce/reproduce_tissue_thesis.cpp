@@ -7,17 +7,17 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/limits.hpp"
-#include "bench/limits/linearised_problem.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/studies/local_model.hpp"
-#include "bench/studies/organ_rates.hpp"
-#include "bench/studies/organ_study.hpp"
-#include "bench/studies/particle_limits.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
 #include "cli/shared/region_shape.hpp"
+#include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
 #include "plots/stability.hpp"
+#include "studies/local_model.hpp"
+#include "studies/organ_rates.hpp"
+#include "studies/organ_study.hpp"
+#include "studies/particle_limits.hpp"
 
 namespace hmax {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/studies/scale_study.hpp"
-#include "bench/studies/thigh_study.hpp"
+#include "studies/scale_study.hpp"
+#include "studies/thigh_study.hpp"
 
 namespace hmax {
 

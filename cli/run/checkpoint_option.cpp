@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include "bench/rows/model_digest.hpp"
 #include "cli/shared/options.hpp"
 #include "core/digest.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "limits/rows/model_digest.hpp"
 #include "results/build_info.hpp"
-#include "results/errors.hpp"
 #include "results/fingerprint.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

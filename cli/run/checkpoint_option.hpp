@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/catalogue/method.hpp"
 #include "bench/timing/run_checkpoint.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/stop_flag.hpp"

@@ -7,16 +7,16 @@
 
 #include <fmt/format.h>
 
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/run/checkpoint_option.hpp"
 #include "cli/shared/outputs.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "plots/curves.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

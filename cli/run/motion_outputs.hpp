@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "bench/catalogue/method.hpp"
 #include "bench/timing/run_checkpoint.hpp"
+#include "catalogue/methods/method.hpp"
 #include "plots/figure.hpp"
 #include "results/table.hpp"
 

@@ -7,14 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/kept_sink.hpp"
-#include "bench/limits/trajectory_limit.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/equilibria/inversion.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/tissue_problem.hpp"
 #include "bench/timing/timing.hpp"
+#include "catalogue/methods/kept_sink.hpp"
+#include "catalogue/methods/method.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
@@ -27,14 +26,15 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "integrators/run_end.hpp"
+#include "limits/along/trajectory_limit.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

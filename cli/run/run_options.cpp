@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "cli/shared/options.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

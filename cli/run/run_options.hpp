@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "bench/catalogue/method.hpp"
-#include "bench/catalogue/run.hpp"
+#include "catalogue/methods/method.hpp"
+#include "catalogue/methods/run.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/run/checkpoint_option.hpp"
 #include "cli/shared/choices.hpp"

@@ -6,16 +6,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/tableau_file.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/mesh_choice.hpp"
-#include "bench/models/tissue_choice.hpp"
-#include "bench/models/tissue_problem.hpp"
-#include "bench/plugin/plugin_model.hpp"
+#include "catalogue/methods/tableau_file.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/tissue_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "catalogue/plugin/plugin_model.hpp"
 #include "cli/shared/options.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "problems/formula_parser.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

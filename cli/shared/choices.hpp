@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/catalogue/choice/chosen_methods.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
+#include "catalogue/models/problems.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "integrators/tolerances.hpp"
@@ -25,11 +25,11 @@ struct MeshOptions {
   [[nodiscard]] std::string problem_id() const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
-  /// What the options say as parameters of bench/models/tissue_parameters.hpp.
+  /// What the options say as parameters of catalogue/models/tissue_parameters.hpp.
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --support, sets of points as of bench/models/support_sets.hpp
+/// --support, sets of points as of catalogue/models/support_sets.hpp
 /// @param otherwise  what holds where there is no such option
 void add_support(CLI::App& command, std::vector<std::string>& sets,
                  std::string_view otherwise = "instead of one end");

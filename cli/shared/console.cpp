@@ -13,12 +13,12 @@
 
 #include <fmt/format.h>
 
-#include "bench/input/suggest.hpp"
+#include "catalogue/input/suggest.hpp"
 #include "cli/shared/last_resort.hpp"
 #include "cli/shared/stop_flag.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/part_file.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

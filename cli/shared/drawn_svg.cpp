@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "cli/shared/temporary_folder.hpp"
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

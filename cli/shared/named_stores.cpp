@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "bench/input/suggest.hpp"
-#include "results/errors.hpp"
+#include "catalogue/input/suggest.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

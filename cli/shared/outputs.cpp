@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "cli/shared/console.hpp"
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/figure.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

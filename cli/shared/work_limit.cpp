@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "cli/shared/console.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

@@ -11,20 +11,20 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "bench/distributed/body_structure.hpp"
-#include "bench/distributed/distributed_runs.hpp"
-#include "bench/distributed/limits_from_ends.hpp"
-#include "bench/limits/predict.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/tissue_problem.hpp"
-#include "bench/rows/limit_rows.hpp"
-#include "bench/step_maps/predict_by_steps.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/stability/limit_json.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/predicted_rows.hpp"
+#include "core/errors.hpp"
+#include "limits/by_steps/predict_by_steps.hpp"
+#include "limits/distributed/body_structure.hpp"
+#include "limits/distributed/distributed_runs.hpp"
+#include "limits/distributed/limits_from_ends.hpp"
+#include "limits/predict.hpp"
+#include "limits/rows/limit_rows.hpp"
 #include "problems/matrices/exchanged.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

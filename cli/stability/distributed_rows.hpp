@@ -5,9 +5,9 @@
 #include <array>
 #include <string_view>
 
-#include "bench/distributed/distributed_engine.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/stability.hpp"
+#include "limits/distributed/distributed_engine.hpp"
 
 namespace hmax {
 

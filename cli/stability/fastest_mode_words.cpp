@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "bench/limits/fastest_mode.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/shared/console.hpp"
 #include "core/size_limits.hpp"
+#include "limits/modes/fastest_mode.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

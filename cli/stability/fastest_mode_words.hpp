@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bench/limits/predict.hpp"
+#include "limits/predict.hpp"
 
 namespace hmax {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"

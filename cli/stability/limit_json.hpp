@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "bench/limits/prediction.hpp"
-#include "bench/limits/trajectory_limit.hpp"
-#include "bench/step_maps/step_map.hpp"
 #include "cli/shared/console.hpp"
+#include "limits/along/trajectory_limit.hpp"
+#include "limits/by_steps/step_map.hpp"
+#include "limits/prediction.hpp"
 #include "results/limit_row.hpp"
 
 namespace hmax {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/limits/prediction.hpp"
+#include "limits/prediction.hpp"
 namespace hmax {
 
 namespace {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "results/errors.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "core/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

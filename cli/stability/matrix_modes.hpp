@@ -1,9 +1,9 @@
 /// The modes of matrices of a user, as text and JSON.
 #pragma once
 
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/limits/operating_point.hpp"
+#include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
+#include "limits/operating_point.hpp"
 
 namespace hmax {
 

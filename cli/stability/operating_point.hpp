@@ -4,10 +4,10 @@
 #include <atomic>
 #include <string>
 
-#include "bench/limits/predict.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/stability/row_progress.hpp"
+#include "limits/predict.hpp"
 
 namespace CLI {
 class App;

@@ -7,14 +7,10 @@
 #include <fmt/format.h>
 
 #include "analysis/step_limits/non_normality.hpp"
-#include "bench/limits/predict.hpp"
-#include "bench/limits/problem_linearity.hpp"
-#include "bench/limits/verification.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/equilibria/support_advice.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/tissue_problem.hpp"
-#include "bench/rows/limit_rows.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/support_advice.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/tool_report.hpp"
 #include "cli/stability/fastest_mode_words.hpp"
@@ -22,10 +18,14 @@
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/row_progress.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
+#include "limits/predict.hpp"
+#include "limits/problem_linearity.hpp"
+#include "limits/rows/limit_rows.hpp"
+#include "limits/verification.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

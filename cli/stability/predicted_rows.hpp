@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/limits/linearised_problem.hpp"
-#include "bench/limits/trajectory_limit.hpp"
-#include "bench/step_maps/predict_by_steps.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/along/trajectory_limit.hpp"
+#include "limits/by_steps/predict_by_steps.hpp"
+#include "limits/linearised_problem.hpp"
 #include "results/limit_row.hpp"
 #include "results/store.hpp"
 

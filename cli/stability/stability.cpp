@@ -7,16 +7,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "advice/documents/stability_json.hpp"
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/numerical_damping.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/catalogue/tableau_file.hpp"
-#include "bench/documents/stability_json.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/methods/tableau_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

@@ -1,8 +1,8 @@
 /// What the subcommands of `hmax stability` share.
 #pragma once
 
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/documents/number_json.hpp"
+#include "advice/documents/number_json.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 

@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/limits/steps/linearly_implicit.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/stability/stability.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "limits/steps/linearly_implicit.hpp"
 
 namespace hmax {
 

@@ -10,20 +10,20 @@
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/limits/predict.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
 #include "cli/stability/stability_pictures.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/predict.hpp"
 #include "plots/draw.hpp"
 #include "plots/drawn/sliding.hpp"
 #include "plots/pages/page.hpp"
 #include "problems/oscillator/liver_materials.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

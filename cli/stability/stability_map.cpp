@@ -1,5 +1,5 @@
 /// hmax stability map
-#include "bench/studies/stability_map.hpp"
+#include "studies/stability_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,20 +10,20 @@
 #include <fmt/ranges.h>
 
 #include "analysis/dynamics/phase_plane.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/limits/linearised_problem.hpp"
-#include "bench/limits/predict.hpp"
-#include "bench/models/parameter_units.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/models/parameter_units.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/linearised_problem.hpp"
+#include "limits/predict.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

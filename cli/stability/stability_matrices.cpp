@@ -1,14 +1,14 @@
 /// hmax stability matrices
 #include <memory>
 
-#include "bench/limits/linearised_problem.hpp"
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
-#include "results/errors.hpp"
+#include "core/errors.hpp"
+#include "limits/linearised_problem.hpp"
 
 namespace hmax {
 

@@ -6,10 +6,8 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
-#include "bench/limits/fastest_mode.hpp"
-#include "bench/limits/predict.hpp"
-#include "bench/models/equilibria/body_balance.hpp"
-#include "bench/models/matrix_problem.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
@@ -17,10 +15,12 @@
 #include "cli/stability/matrix_modes.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/errors.hpp"
+#include "limits/modes/fastest_mode.hpp"
+#include "limits/predict.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

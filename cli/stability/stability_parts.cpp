@@ -10,8 +10,8 @@
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/region_shape.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 

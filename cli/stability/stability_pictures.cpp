@@ -9,8 +9,8 @@
 #include "analysis/amplification/limits.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/region_shape.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/amplification/region.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 #include "plots/stability.hpp"
 
 namespace hmax {

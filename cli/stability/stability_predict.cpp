@@ -6,10 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/limits/problem_linearity.hpp"
-#include "bench/models/matrix_problem.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
@@ -17,8 +16,9 @@
 #include "cli/stability/distributed_rows.hpp"
 #include "cli/stability/predicted_rows.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/errors.hpp"
+#include "limits/problem_linearity.hpp"
 #include "problems/oscillator/liver_materials.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

@@ -5,16 +5,16 @@
 
 #include <fmt/format.h>
 
-#include "bench/documents/stability_json.hpp"
+#include "advice/documents/stability_json.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
 #include "cli/stability/stability_parts.hpp"
 #include "cli/stability/stability_pictures.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/draw.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/svg.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

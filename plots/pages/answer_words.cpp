@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 

@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/errors.hpp"
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/encodings/base64.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

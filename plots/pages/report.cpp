@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/pages/markdown_page.hpp"
-#include "results/errors.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "plots/figure.hpp"
 #include "plots/pages/answer_words.hpp"
 #include "plots/pages/html_text.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

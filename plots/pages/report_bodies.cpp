@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
 #include "plots/pages/body_scene.hpp"
 #include "plots/pages/html_text.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 

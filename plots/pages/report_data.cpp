@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/numbers.hpp"
 #include "plots/figure.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

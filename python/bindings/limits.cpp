@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
-#include "bench/limits/largest_stable_step.hpp"
+#include "core/errors.hpp"
+#include "limits/largest_stable_step.hpp"
 #include "problems/matrices/linear_first_order.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
-#include "results/errors.hpp"
 
 namespace hmax::python {
 

@@ -1,7 +1,7 @@
 /// The catalogue of methods, and their stability.
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/documents/method_json.hpp"
-#include "bench/documents/stability_json.hpp"
+#include "advice/documents/method_json.hpp"
+#include "advice/documents/stability_json.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 

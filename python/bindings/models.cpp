@@ -7,18 +7,19 @@
 
 #include <fmt/format.h>
 
-#include "bench/advice/advise.hpp"
-#include "bench/advice/remaking.hpp"
-#include "bench/catalogue/catalogue.hpp"
-#include "bench/documents/advice_json.hpp"
-#include "bench/models/mesh_choice.hpp"
-#include "bench/models/tissue_parameters.hpp"
-#include "bench/models/tissue_problem.hpp"
+#include "advice/advise.hpp"
+#include "advice/documents/advice_json.hpp"
+#include "advice/remaking.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_parameters.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
 #include "problems/tissue/body.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 #include "python/bindings/runs.hpp"
-#include "results/errors.hpp"
 
 namespace hmax::python {
 

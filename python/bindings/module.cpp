@@ -3,8 +3,8 @@
 #include <pybind11/pybind11.h>
 #include <string>
 
+#include "core/errors.hpp"
 #include "python/bindings/groups.hpp"
-#include "results/errors.hpp"
 
 namespace {
 

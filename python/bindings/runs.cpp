@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "problems/linear_structure.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"

@@ -5,7 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <string>
 
-#include "bench/catalogue/method.hpp"
+#include "catalogue/methods/method.hpp"
 #include "problems/linear_structure.hpp"
 
 namespace hmax::python {

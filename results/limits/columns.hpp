@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "results/numbers.hpp"
+#include "core/numbers.hpp"
 #include "results/table.hpp"
 
 namespace hmax {

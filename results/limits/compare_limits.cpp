@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "core/numbers.hpp"
 #include "results/limits/limit_exports.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "results/compare.hpp"
-#include "results/errors.hpp"
 #include "results/exports.hpp"
 #include "results/limits/advice_columns.hpp"
 #include "results/limits/compare_limits.hpp"
 #include "results/limits/limit_columns.hpp"
 #include "results/limits/limit_exports.hpp"
-#include "results/numbers.hpp"
 
 namespace hmax {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 #include "results/published/published_texts.hpp"
 
 namespace hmax {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "results/patience.hpp"
 #include "results/sqlite/schema.hpp"
 #include "results/sqlite/sqlite.hpp"

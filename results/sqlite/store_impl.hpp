@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "results/sqlite/sqlite.hpp"
 #include "results/store.hpp"
 

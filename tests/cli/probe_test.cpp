@@ -136,7 +136,7 @@ TEST(ProbeCommand, ItsExamplesAreThoseThatTheTestsRun) {
   const Shell shell;
   const Told told = shell.hmax("probe --example a");
   EXPECT_EQ(told.out, "a/hmax/plugin.h\na/plugin_stepper.cpp\na/plugin_model.c\n");
-  EXPECT_EQ(read_text(shell / "a/hmax/plugin.h"), read_text(HMAX_SOURCE_DIR "/bench/plugin/plugin.h"));
+  EXPECT_EQ(read_text(shell / "a/hmax/plugin.h"), read_text(HMAX_SOURCE_DIR "/catalogue/plugin/plugin.h"));
   EXPECT_EQ(read_text(shell / "a/plugin_stepper.cpp"),
             read_text(HMAX_SOURCE_DIR "/examples/plugin_stepper.cpp"));
   EXPECT_EQ(shell.hmax("probe --example a").exit_code, 0);

@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "results/numbers.hpp"
+#include "core/numbers.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/errors.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
 #include "plots/pages/report.hpp"
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

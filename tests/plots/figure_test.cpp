@@ -11,11 +11,11 @@
 
 #include <gtest/gtest.h>
 
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/alt_text.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

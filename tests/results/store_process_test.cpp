@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 #include "results/patience.hpp"
 #include "results/store.hpp"
 #include "tests/results/scratch.hpp"

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

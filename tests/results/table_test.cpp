@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/part_file.hpp"
-#include "results/errors.hpp"
-#include "results/numbers.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "analysis/step_limits/stable_step.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/catalogue/measured_amplification.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/methods/measured_amplification.hpp"
 
 namespace hmax {
 namespace {

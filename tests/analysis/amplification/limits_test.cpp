@@ -8,8 +8,8 @@
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/one_step_amplification.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
-#include "bench/catalogue/measured_amplification.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/methods/measured_amplification.hpp"
 #include "integrators/multistep/adams_coefficients.hpp"
 #include "tests/analysis/amplification/published_limits.hpp"
 

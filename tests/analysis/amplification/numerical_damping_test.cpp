@@ -12,7 +12,7 @@
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "analysis/amplification/principal_root.hpp"
 #include "analysis/amplification/structural_amplification.hpp"
-#include "bench/catalogue/choice/formulas.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 
 namespace hmax {
 namespace {

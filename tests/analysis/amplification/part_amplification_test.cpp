@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
 
 namespace hmax {
 namespace {

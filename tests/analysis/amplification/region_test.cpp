@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/choice/formulas.hpp"
+#include "catalogue/methods/choice/formulas.hpp"
 
 namespace hmax {
 namespace {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "analysis/spectrum/spectrum.hpp"
+#include "core/errors.hpp"
 #include "problems/test_set/brusselator.hpp"
 #include "problems/test_set/spring_chain.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -7,12 +7,12 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
 #include "problems/oscillator/oscillator.hpp"
 #include "problems/test_set/arenstorf.hpp"
 #include "problems/test_set/brusselator.hpp"
 #include "problems/test_set/spring_chain.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

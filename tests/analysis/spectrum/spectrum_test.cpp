@@ -10,11 +10,11 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "core/errors.hpp"
 #include "problems/oscillator/oscillator.hpp"
 #include "problems/test_set/arenstorf.hpp"
 #include "problems/test_set/lorenz.hpp"
 #include "problems/test_set/spring_chain.hpp"
-#include "results/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "problems/oscillator/oscillator.hpp"
 #include "problems/test_set/arenstorf.hpp"
 #include "problems/test_set/robertson.hpp"

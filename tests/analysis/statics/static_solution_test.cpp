@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 #include "tests/integrators/motion.hpp"
 
 namespace hmax {

@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "analysis/amplification/one_step_amplification.hpp"
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "integrators/implicit/rosenbrock.hpp"
 #include "integrators/implicit/rosenbrock_tableaux.hpp"
 #include "problems/oscillator/oscillator.hpp"

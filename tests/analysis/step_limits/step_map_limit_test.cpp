@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/step_limits/frozen_jacobian.hpp"
-#include "bench/limits/steps/linearly_implicit.hpp"
+#include "limits/steps/linearly_implicit.hpp"
 
 namespace hmax {
 namespace {

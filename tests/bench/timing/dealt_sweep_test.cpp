@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/ranks/thread_ranks.hpp"
 #include "bench/timing/sweep_messages.hpp"
+#include "core/errors.hpp"
+#include "core/ranks/thread_ranks.hpp"
 #include "results/compare.hpp"
-#include "results/errors.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

@@ -7,8 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
-#include "results/errors.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {

@@ -19,9 +19,10 @@
 #include <nlohmann/json.hpp>
 #include <sqlite3.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
 #include "core/parallel_for.hpp"
-#include "results/errors.hpp"
 #include "results/exports.hpp"
 #include "results/merge/merge_stores.hpp"
 #include "tests/results/scratch.hpp"

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 
 namespace hmax {
 namespace {

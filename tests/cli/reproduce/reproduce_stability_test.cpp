@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/rows_page.hpp"
 #include "plots/gnuplot.hpp"
 #include "results/merge/merge_stores.hpp"

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <sundials/sundials_config.h>
 
-#include "bench/catalogue/catalogue.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "integrators/sundials/solver.hpp"
 
 namespace hmax::sundials {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/errors.hpp"
 #include "plots/pages/encodings/base64.hpp"
-#include "results/errors.hpp"
 #include "tests/plots/pages/made_scenes.hpp"
 
 namespace hmax {

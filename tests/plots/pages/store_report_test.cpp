@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/pages/answer_words.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_data.hpp"
-#include "results/errors.hpp"
 #include "tests/plots/pages/reported_stores.hpp"
 
 namespace hmax {

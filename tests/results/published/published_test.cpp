@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "results/errors.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -1,0 +1,174 @@
+/// Which integrator, and how large a step: the question of the whole program, answered for one model and
+/// frame rate.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "advice/candidate.hpp"
+#include "advice/load_margin.hpp"
+#include "advice/motion_limits.hpp"
+#include "advice/motion_run.hpp"
+#include "advice/probing_motion.hpp"
+#include "advice/proof.hpp"
+#include "advice/stable_step.hpp"
+#include "advice/uncertainty.hpp"
+#include "advice/user_motion.hpp"
+
+namespace hmax {
+
+struct AdviceQuestion {
+  double rate = 0;               ///< frames a second [Hz]
+  double tolerance = 0.01;       ///< error of the motion, relative to its largest displacement
+  std::optional<double> budget;  ///< CPU time of a frame [s]; the whole frame where there is none
+  bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
+  std::size_t frames = 1000;     ///< that the best methods are timed for
+  double proof = 60;  ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
+  std::vector<Method> methods;       ///< to choose from
+  std::optional<UserMotion> motion;  ///< in place of the probing motion
+
+  [[nodiscard]] double frame() const { return 1 / rate; }
+  [[nodiscard]] double frame_budget() const { return budget.value_or(frame()); }
+};
+
+/// What keeps the step of a row from being longer: the words of `hmax advise --json`.
+enum class AdviceBound {
+  stability,  ///< the next longer step is unstable
+  accuracy,   ///< it misses the tolerance; where errors are ranked: one of half its length is no better
+  newton,     ///< its equations are not solved
+  budget,     ///< even this one takes more than the budget; where errors are ranked: one of half its length
+              ///< would
+  rate        ///< the step is a whole frame
+};
+enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too_slow };
+std::string_view name_of(AdviceBound bound);
+std::string_view name_of(AdviceVerdict verdict);
+
+/// What errors are relative to, in words.
+std::string error_scale(const Problem& problem);
+
+/// A candidate at the longest of its steps that holds and meets the tolerance; at the last one that was tried
+/// where none does.
+struct AdviceRow {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  Candidate candidate;
+  double h = none;                   ///< [s]
+  std::int64_t steps_per_frame = 0;  ///< a frame is a whole number of steps
+  std::int64_t least_steps = 0;      ///< the fewest of them that were seen to suffice
+  double h_max = none;           ///< predicted, the least along the motion [s]; infinity: no step is unstable
+  bool h_max_of_start = false;   ///< that of the start alone: none is known along the motion
+  double h_max_observed = none;  ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
+  std::string unobserved;        ///< why runs beside a predicted limit show none
+  double h_accurate = none;      ///< the longest step tried that meets the tolerance [s]
+  AdviceBound bound = AdviceBound::rate;
+  double error = none;        ///< relative to the largest displacement, no less than that of the reference
+  FrameTimes frame;           ///< CPU time of a frame on one thread [s]
+  double first_frame = none;  ///< with what is done once, such as the first factors [s]
+  std::size_t frames = 0, missed = 0;  ///< frames that were timed, and those over the budget
+  std::size_t disturbed = 0;           ///< frames over it in one run of three alone, as MotionRun::disturbed
+  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
+  double linear_per_frame = none;  ///< the same of conjugate gradients
+  std::optional<std::int64_t> memory;   ///< peak of the process while the row was tried [bytes]
+  std::vector<double> damping_added;    ///< to the damping ratio of each of Advice::modes
+  std::vector<double> frequency_shift;  ///< relative, of each of them
+  double stiffening = none;             ///< how many times stiffer the model may become before h is unstable
+  AdviceVerdict verdict = AdviceVerdict::unstable;
+  std::string status;  ///< what the verdict rests on, or why a number is missing
+
+  /// Simulated time per CPU time.
+  [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
+};
+
+/// About what a frame takes with as many steps as meet a tolerance, from the order of the method [s].
+double time_to_meet(const AdviceRow& row, double tolerance);
+
+/// A change of the model or the question under which a row becomes suitable; it was run.
+struct Remedy {
+  std::string change;  ///< "budget_ms", "rate", "mend", "tetrahedra", or a parameter such as "rho"
+  double from = 0, to = 0;
+  std::string cost = {};    ///< what it brings about besides, in words; may be empty
+  std::string method = {};  ///< as Candidate::words()
+  double h = 0;             ///< [s]
+};
+
+/// How far a search is; each stage has what those before it find.
+enum class AdviceStage {
+  searching,  ///< the steps of the candidates
+  timing,     ///< frames of the best rows
+  proving,    ///< long runs of the best row
+  observing,  ///< runs beside the limits of the rows that suit
+  remedies,   ///< changes under which something would suit, where nothing does
+  done
+};
+/// "searching", ...
+std::string_view name_of(AdviceStage stage);
+
+struct Advice {
+  AdviceStage stage = AdviceStage::searching;
+  std::string motion;                        ///< in words: what the probing motion is
+  double load_share = 1, gravity_share = 1;  ///< that the probing motion has, as ProbingMotion
+  double scale = 0;                          ///< its largest displacement [m], or largest |y_i|
+  double reference_error = 0;                ///< bound, relative to the scale
+  std::optional<Inversion> inversion;        ///< the first element that the motion itself inverts
+  double t_end = 0;                          ///< of the motion [s]
+  double stiffened = 1;          ///< how many times stiffer than at its start the motion makes the body
+  std::vector<double> modes;     ///< the slowest oscillations at the start, at most 3 [rad/s]
+  std::vector<AdviceRow> rows;   ///< best first
+  std::vector<ProofRun> proof;   ///< long runs of the recommended row
+  std::vector<LimitBand> bands;  ///< of its limit
+  LoadMargin load_margin;        ///< of the recommended row
+  std::vector<Remedy> remedies;  ///< where nothing is recommended
+  bool all_tried = true;         ///< false: the search for them ended before the last change
+  std::shared_ptr<const AnalysedModel> model;  ///< its motion and limits; null before they are known
+
+  /// The first row, if it is recommended.
+  [[nodiscard]] const AdviceRow* recommended() const {
+    return !rows.empty() && rows.front().verdict == AdviceVerdict::recommended ? &rows.front() : nullptr;
+  }
+};
+
+/// Called with what is being decided; what it throws ends the search.
+using AdviceWatcher = std::function<void(double share, const std::string& what)>;
+
+/// Tries every candidate on the probing motion of a problem.
+///
+/// The step of a candidate is a whole part of a frame. The search begins with the longest one below 0.95 of
+/// the predicted limit and takes shorter ones until the motion holds and meets the tolerance. The best rows
+/// are then timed over `frames` frames, in turn; the best must hold for `proof` simulated seconds, as far as
+/// they take no more than 20 s of CPU time. Rows within 10 % of the best are ties.
+/// @throws InputError  as probing_motion() and reference_motion()
+/// @param make  for the bands of the limit; without it there are none
+Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},
+              const ProblemWith& make = {});
+
+/// The same into `advice`. What the watcher throws leaves the rows that are finished, best first, none of
+/// them recommended, and says in Advice::stage what is missing.
+void advise(const Problem& problem, const AdviceQuestion& question, Advice& advice,
+            const AdviceWatcher& watcher = {}, const ProblemWith& make = {});
+
+/// How a model can be made again.
+struct Remaking {
+  ProblemWith with;                       ///< other parameters
+  std::function<Problem()> coarser = {};  ///< on a coarser mesh; empty where there is none
+  /// On a mesh where as many of the tetrahedra that limit explicit steps most are mended; may be empty.
+  std::function<Problem(int count)> mended = {};
+};
+
+/// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first,
+/// in this order: a larger budget, a coarser mesh, the tetrahedra mended that limit explicit steps most, more
+/// mass where elements are fast, a lower rate, and of a body more density or mass, a softer material, a
+/// softer or thinner skin, less damping by stiffness.
+/// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when
+/// the
+///                watcher throws. No change is tried after two minutes of CPU time.
+void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed,
+                   const Remaking& make, const AdviceWatcher& watcher = {});
+
+}  // namespace hmax

@@ -1,0 +1,149 @@
+#include "advice/documents/advice_json.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "advice/documents/number_json.hpp"
+#include "results/fingerprint.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// An inverted element; null where there is none.
+Json to_json(const std::optional<Inversion>& inversion) {
+  if (!inversion) return nullptr;
+  return {{"tetrahedron", inversion->tetrahedron}, {"t", inversion->t}, {"volume", inversion->volume}};
+}
+
+/// @param load  of the recommended row; else empty
+Json margin_json(double stiffening, const LoadMargin* load) {
+  Json margin{{"stiffening", number_or_word(stiffening)}};
+  if (!load) return margin;
+  margin["load"] = number_or_word(load->holds);
+  margin["load_fails"] = number_or_word(load->fails);
+  margin["displacement"] = number_or_word(load->displacement);
+  margin["load_limited_by"] = load->of_model ? Json(*load->of_model ? "model" : "step") : Json();
+  margin["inverted"] = to_json(load->inversion);
+  return margin;
+}
+
+Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::string& error_of,
+             const LoadMargin* load = nullptr) {
+  const auto numbers = [](const std::vector<double>& values) {
+    Json list = Json::array();
+    for (const double value : values) list.push_back(number_or_word(value));
+    return list;
+  };
+  Json options = Json::object();
+  if (row.candidate.method.needs_jacobian) {
+    options["jacobian"] = to_string(row.candidate.jacobian);
+    options["linear"] = to_string(row.candidate.linear_solve);
+  }
+  if (!std::isnan(row.newton_per_frame)) options["iterations"] = row.newton_per_frame;
+  if (!std::isnan(row.linear_per_frame)) options["linear_iterations"] = row.linear_per_frame;
+  return {{"method", row.candidate.method.id},
+          {"options", std::move(options)},
+          {"h", number_or_word(row.h)},
+          {"steps_per_frame", row.steps_per_frame},
+          {"h_max", number_or_word(row.h_max)},
+          {"h_max_observed", number_or_word(row.h_max_observed)},
+          {"h_accurate", number_or_word(row.h_accurate)},
+          {"bound", name_of(row.bound)},
+          {"error", number_or_word(row.error)},
+          {"error_of", error_of},
+          {"frame_ms",
+           {{"p50", number_or_word(1e3 * row.frame.p50)},
+            {"p99", number_or_word(1e3 * row.frame.p99)},
+            {"max", number_or_word(1e3 * row.frame.max)},
+            {"first", number_or_word(1e3 * row.first_frame)}}},
+          {"missed", row.missed},
+          {"frames", row.frames},
+          {"disturbed", row.disturbed},
+          {"realtime_factor", number_or_word(row.realtime_factor(question.rate))},
+          {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
+          {"damping_added", numbers(row.damping_added)},
+          {"frequency_shift", numbers(row.frequency_shift)},
+          {"margin", margin_json(row.stiffening, load)},
+          {"verdict", name_of(row.verdict)},
+          {"status", row.status}};
+}
+
+Json to_json(const std::vector<ProofRun>& proof) {
+  Json list = Json::array();
+  for (const ProofRun& run : proof)
+    list.push_back({{"motion", run.motion},
+                    {"seconds", run.seconds},
+                    {"stable", run.stable},
+                    {"neighbours_part", run.parts},
+                    {"inverted", to_json(run.inversion)},
+                    {"frames", run.frames},
+                    {"missed", run.missed},
+                    {"disturbed", run.disturbed},
+                    {"frame_ms_p999", number_or_word(1e3 * run.frame_p999)}});
+  return list;
+}
+
+/// @param h_max  that the bands are of [s]
+Json to_json(const std::vector<LimitBand>& bands, double h_max) {
+  Json list = Json::array();
+  for (const LimitBand& band : bands)
+    list.push_back({{"quantity", band.quantity},
+                    {"spread", band.spread},
+                    {"h_max_low", band.low * h_max},
+                    {"h_max_high", band.high * h_max},
+                    {"exponent", band.exponent}});
+  return list;
+}
+
+}  // namespace
+
+nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion& question,
+                                   const Advice& advice, bool interrupted) {
+  Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
+  const AdviceRow* best = advice.recommended();
+  for (const AdviceRow& row : advice.rows) {
+    rows.push_back(
+        to_json(row, question, error_scale(problem), &row == best ? &advice.load_margin : nullptr));
+    if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
+  }
+  for (const Remedy& remedy : advice.remedies)
+    remedies.push_back({{"change", remedy.change},
+                        {"from", remedy.from},
+                        {"to", remedy.to},
+                        {"cost", remedy.cost},
+                        {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
+  Json document{
+      {"model", problem.id},
+      {"material", problem.material},
+      {"parameters", parameters_json(problem.parameters)},
+      {"motion", advice.motion},
+      {"load_share", advice.load_share},
+      {"gravity_share", advice.gravity_share},
+      {"scale", advice.scale},
+      {"reference_error", advice.reference_error},
+      {"inverted", to_json(advice.inversion)},
+      {"modes", advice.modes},
+      {"rate", question.rate},
+      {"tolerance", question.tolerance},
+      {"budget_ms", 1e3 * question.frame_budget()},
+      {"machine", summary(fingerprint())},
+      {"rows", std::move(rows)},
+      {"proof", to_json(advice.proof)},
+      {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
+      {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
+      {"ties", std::move(ties)},
+      {"remedies", std::move(remedies)},
+      {"all_tried", advice.all_tried}};
+  if (interrupted) {
+    document["interrupted"] = true;
+    document["stage"] = name_of(advice.stage);
+  }
+  return document;
+}
+
+}  // namespace hmax

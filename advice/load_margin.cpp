@@ -1,0 +1,98 @@
+#include "advice/load_margin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/timing/timing.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double largest = 8;    // times the loads
+constexpr double most_cpu = 10;  // [s]
+
+/// The largest displacement of a run [m], or |y_i - y_i(0)|.
+double displacement_of(const Candidate& candidate, double h, const ProbingMotion& motion) {
+  double farthest = 0;
+  const Eigen::VectorXd& y0 = motion.problem.y0;
+  const bool of_body = motion.problem.body != nullptr;
+  (void)candidate.method.bind(motion.problem)
+      .run(candidate.spec(h, motion.t_end), [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        const Eigen::VectorXd moved = y - y0;
+        farthest = std::max(farthest, of_body ? largest_displacement(moved.head(moved.size() / 2))
+                                              : moved.cwiseAbs().maxCoeff());
+      });
+  return farthest;
+}
+
+/// A tool that went further and faster would touch for another time and elsewhere.
+bool can_be_larger(const TissueSettings& settings) {
+  return settings.tools.empty() &&
+         (!settings.forces.empty() || std::ranges::any_of(settings.supports, [](const Support& support) {
+           return !support.travel.isZero();
+         }));
+}
+
+}  // namespace
+
+ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make) {
+  ProbingMotion larger = motion;
+  if (motion.problem.body) {
+    TissueSettings settings = motion.problem.body->settings();
+    for (PressingForce& force : settings.forces) force.force *= factor;
+    for (Support& support : settings.supports) support.travel *= factor;
+    larger.problem = with_settings(motion.problem, std::move(settings));
+    return larger;
+  }
+  const auto P = std::ranges::find(motion.problem.parameters, "P", &std::pair<std::string, double>::first);
+  if (make && P != motion.problem.parameters.end()) larger.problem = make({{"P", factor * P->second}});
+  larger.problem.y0 = factor * motion.problem.y0;
+  return larger;
+}
+
+LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
+                       const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher) {
+  LoadMargin margin;
+  if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
+  if ((margin.inversion = first_inversion(motion, reference))) {
+    margin.fails = 1;
+    margin.of_model = true;
+    return margin;
+  }
+  const CpuClock clock = cpu_clock();
+  const double begun = clock();
+  const auto is_late = [&] { return clock() - begun > most_cpu; };
+  const auto judged = [&](double factor, double step) {
+    return judged_step(candidate, larger_motion(motion, factor, make), reference, step, watcher);
+  };
+  double low = 1, high = infinity;
+  const auto try_factor = [&](double factor) {
+    const StepVerdict verdict = judged(factor, h);
+    if (verdict.stable && !verdict.inversion) {
+      low = factor;
+      return;
+    }
+    high = factor;
+    margin.inversion = verdict.inversion;
+  };
+  for (double factor = 2; factor <= largest && std::isinf(high) && !is_late(); factor *= 2)
+    try_factor(factor);
+  for (int i = 0; i < 2 && std::isfinite(high) && !is_late(); ++i) try_factor(std::sqrt(low * high));
+  margin.holds = low;
+  margin.fails = low < largest && std::isinf(high) ? LoadMargin::none : high;
+  if (std::isfinite(high) && !is_late()) {
+    const StepVerdict quarter = judged(high, h / 4);
+    margin.of_model = !quarter.stable || quarter.inversion.has_value();
+    // What a shorter step does not invert, the step does.
+    if (!quarter.inversion) margin.inversion.reset();
+  }
+  margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make));
+  return margin;
+}
+
+}  // namespace hmax

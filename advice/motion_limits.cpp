@@ -1,0 +1,186 @@
+#include "advice/motion_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/matrix_problem.hpp"
+#include "core/errors.hpp"
+#include "limits/by_steps/predict_by_steps.hpp"
+#include "limits/predict.hpp"
+#include "limits/steps/linearly_implicit.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+/// Of so many states at most the maps of steps are looked at: seconds for each candidate.
+constexpr Eigen::Index most_states_stepped = 2000;
+
+/// Of so few states limits are looked for all along the motion.
+constexpr Eigen::Index small = 20;
+
+/// At most so many states of a path, the first among them.
+Path thinned(const Path& path, std::size_t most) {
+  Path few;
+  const std::size_t stride = std::max<std::size_t>(1, (path.at.size() + most - 1) / most);
+  for (std::size_t i = 0; i < path.at.size(); i += stride) {
+    few.at.push_back(path.at[i]);
+    few.y.push_back(path.y[i]);
+  }
+  return few;
+}
+
+/// The states at which limits are looked for: of bodies and of large problems ten of the reference, of small
+/// ones four hundred of the motion, which may be fast between two instants of the reference.
+Path path_of(const AnalysedModel& model, const Watcher& watcher) {
+  const Problem& problem = model.motion.problem;
+  const ReferenceMotion& reference = model.reference;
+  if (auto path = path_of_matrices(problem, model.motion.t_end)) return *std::move(path);
+  if (!problem.body && !problem.stiff && problem.y0.size() <= small) try {
+      return motion_path(problem, model.motion.t_end, 400, watcher);
+    } catch (const InputError&) {  // what the explicit method of the path does not follow
+    }
+  return thinned({.at = reference.t, .y = reference.y, .note = {}}, problem.body ? 10 : reference.t.size());
+}
+
+/// The smaller of two limits of which either may be missing.
+double lesser(double a, double b) { return std::isnan(a) || b < a ? b : a; }
+
+/// How many times the square of the fastest frequency grows along the motion, from the limits of the central
+/// difference, 2 / omega.
+double stiffening_along(const TrajectoryLimit& along) {
+  const double start = along.h_max.front();
+  return along.least > 0 && std::isfinite(along.least) && std::isfinite(start)
+             ? std::pow(start / along.least, 2)
+             : 1;
+}
+
+bool is_truncated(const Candidate& candidate) { return candidate.linear_solve.iterations > 0; }
+bool is_frozen(const Candidate& candidate) { return candidate.jacobian.every == JacobianUpdate::frozen; }
+
+StepChoices choices_of(const Candidate& candidate) {
+  return {.jacobian = candidate.jacobian, .linear = candidate.linear_solve};
+}
+
+/// The least limit of the maps of steps at all places; NaN where none has one.
+/// @param at_start  that of the method itself there
+CandidateLimit limit_by_steps(const Candidate& candidate, const CandidateLimit& at_start,
+                              const AnalysedModel& model, const Watcher& watcher) {
+  StepQuestion question{.options = std::nullopt, .watch = watcher};
+  if (takes_step_options(candidate.method)) question.options = choices_of(candidate);
+  CandidateLimit limit;
+  const auto look = [&](const Linearised& place) {
+    const Problem still = with_frozen_matrices(model.motion.problem, place.point.model.t);
+    const Prediction here = predict_by_steps(candidate.method, still, place, question);
+    if (here.h_max) limit.h_max = lesser(limit.h_max, *here.h_max);
+    if (!here.h_max && limit.status.empty()) limit.status = here.note;
+  };
+  // A frozen Jacobian is that of the start: there the method steps as it is.
+  if (is_frozen(candidate) && !is_truncated(candidate))
+    limit = at_start;
+  else
+    look(model.near);
+  std::ranges::for_each(model.elsewhere, look);
+  if (!std::isnan(limit.h_max)) limit.status.clear();
+  return limit;
+}
+
+/// The limit of the largest bodies where the Jacobian is that of the start, as of an undamped spring that
+/// stiffens as much as the motion makes the fastest mode stiffen.
+CandidateLimit limit_of_frozen_spring(const Candidate& candidate, const AnalysedModel& model) {
+  const auto method = linearly_implicit_method(candidate.method.id);
+  if (!method) return {};
+  const double exit = frozen_spring_exit(*method, model.stiffened);
+  return {.h_max = std::isinf(exit)    ? infinity
+                   : model.fastest > 0 ? exit / model.fastest
+                                       : unknown,
+          .status = {}};
+}
+
+/// @param at_start, along  of the method as it is: at the start, and the least of all places
+CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_start,
+                        const CandidateLimit& along, const AnalysedModel& model, const Watcher& watcher) {
+  const bool is_of_modes = !is_frozen(candidate) && !is_truncated(candidate) &&
+                           !(candidate.method.needs_split && std::isnan(along.h_max));
+  if (is_of_modes) return along;
+  if (model.motion.problem.y0.size() <= most_states_stepped)
+    return limit_by_steps(candidate, at_start, model, watcher);
+  return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model)
+                                                          : CandidateLimit{};
+}
+
+/// Where the maps of steps are looked at besides the start: of a body where it is stiffest.
+std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
+                                  const std::optional<TrajectoryLimit>& central) {
+  const Problem& problem = model.motion.problem;
+  std::vector<Linearised> places;
+  if (problem.body) {
+    const bool stiffens = central && central->least < central->h_max.front();
+    if (stiffens && problem.y0.size() <= most_states_stepped)
+      places.push_back(linearised(problem, central->t_least, central->y_least));
+  } else if (problem.y0.size() <= small) {
+    const Path few = thinned(path, 10);
+    for (std::size_t i = 1; i < few.at.size(); ++i)
+      places.push_back(linearised(problem, few.at[i], few.y[i]));
+    if (central && central->y_least.size() > 0)
+      places.push_back(linearised(problem, central->t_least, central->y_least));
+  }
+  return places;
+}
+
+}  // namespace
+
+void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
+                    const std::function<void(std::size_t)>& progress) {
+  const Problem& problem = model.motion.problem;
+  const Path path = path_of(model, watcher);
+  std::vector<Method> asked;
+  for (const Candidate& candidate : all) asked.push_back(candidate.method);
+  asked.push_back(find_method("central_difference"));
+  const auto along = limits_along(asked, problem, path, watcher);
+  if (problem.body && along.back()) model.stiffened = stiffening_along(*along.back());
+  for (const MechanicalMode& mode : model.near.modes.spectrum.mechanical)
+    model.fastest = std::max(model.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
+  model.elsewhere = places_of(model, path, along.back());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (progress) progress(i);
+    const Prediction start = predict(all[i].method, model.near);
+    CandidateLimit of_modes{
+        .h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown), .status = {}};
+    if (std::isnan(of_modes.h_max)) of_modes.status = start.note;
+    of_modes.of_start = start.h_max && !(along[i] && !std::isnan(along[i]->least));
+    if (of_modes.of_start)
+      of_modes.status =
+          fmt::format("h_max is that of the start; along the motion no limit is known{}{}",
+                      along[i] && !along[i]->note.empty() ? ": " : "", along[i] ? along[i]->note : "");
+    model.limits.push_back(
+        limit_of(all[i], {start.h_max.value_or(unknown), start.note}, of_modes, model, watcher));
+  }
+}
+
+double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
+                         const Watcher& watcher) {
+  if (!(h > 0) || is_truncated(candidate) || candidate.jacobian.every > 1 || candidate.method.needs_split)
+    return unknown;
+  if (!is_frozen(candidate)) return std::isfinite(h_max) ? std::pow(h_max / h, 2) : h_max;
+  const Problem& problem = model.motion.problem;
+  if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method)) {
+    const auto tolerated = [&](const Linearised& place) {
+      return tolerated_stiffening(candidate.method, problem, place, choices_of(candidate), h, watcher);
+    };
+    if (model.elsewhere.empty()) return tolerated(model.near);
+    double least = unknown;
+    for (const Linearised& place : model.elsewhere) least = lesser(least, tolerated(place));
+    return least;
+  }
+  const auto method = linearly_implicit_method(candidate.method.id);
+  if (!method || !(model.fastest > 0)) return unknown;
+  return tolerated_stiffness(*method, h * model.fastest).most / model.stiffened;
+}
+
+}  // namespace hmax

@@ -1,0 +1,353 @@
+#include "advice/probing_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "bench/timing/reference.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "integrators/linear/sparse_solver.hpp"
+#include "limits/linearised_problem.hpp"
+#include "problems/mesh/topology.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+
+constexpr double rise = 0.1, hold = 0.2, after = 0.2;  // [s]
+
+double size_of(const TetMesh& mesh) {
+  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+}
+
+bool is_driven_by_time(const TissueBody& body) { return body.steady_from() > 0; }
+
+/// The largest displacement K^-1 f [m]; 0 where K has no inverse.
+double linear_displacement(const TissueBody::DofMatrix& K, Eigen::VectorXd f) {
+  SparseSolver<double> solver;
+  solver.set({.by = LinearSolve::By::direct});
+  if (!solver.factor(K)) return 0;
+  solver.solve(f);
+  return largest_displacement(f);
+}
+
+/// The forces times this move the body by 2 % of its size, by its stiffness at `q`.
+double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
+  const TissueBody& body = *pressed.body;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  TissueSettings without = body.settings();
+  without.forces.clear();
+  const Problem free = with_settings(pressed, without);
+  Eigen::VectorXd with_force(body.dofs()), without_force(body.dofs());
+  body.force(0, q, zero, with_force);
+  free.body->force(0, q, zero, without_force);
+  TissueBody::DofMatrix K;
+  body.stiffness(0, q, zero, K);
+  const double given = linear_displacement(K, with_force - without_force);
+  return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
+}
+
+/// F that comes from `start` on and goes again: one force that stays and one against it.
+void come_and_go(std::vector<PressingForce>& forces) {
+  std::vector<PressingForce> both;
+  for (PressingForce& force : forces) {
+    force.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = rise};
+    both.push_back(force);
+    force.force = -force.force;
+    force.profile.start = rise + hold;
+    both.push_back(std::move(force));
+  }
+  forces = std::move(both);
+}
+
+/// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of
+/// the degrees of freedom, have fewer iterations, and none is begun with a load under which they are likely
+/// to fail: a smaller one serves as well.
+bool is_large(const TissueBody& body) { return body.dofs() > 5000; }
+
+StaticSettings settings_for(const TissueBody& body, double tolerance) {
+  StaticSettings settings{.tolerance = tolerance};
+  if (!is_large(body)) return settings;
+  settings.iterations = 50;
+  settings.load_steps = 1;
+  return settings;
+}
+
+/// The first of 1, 1/2, ..., 1/64 that is tried: of a large body one that would move it by at most 2 % of its
+/// size, if its stiffness stayed that at rest.
+double first_share(const Problem& problem) {
+  const TissueBody& body = *problem.body;
+  if (!is_large(body)) return 1;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd f(body.dofs());
+  TissueBody::DofMatrix K;
+  body.force(0, zero, zero, f);
+  body.stiffness(0, zero, zero, K);
+  const double most = 0.02 * size_of(body.mesh()), moved = linear_displacement(K, std::move(f));
+  double share = 1;
+  while (share > 1.0 / 64 && share * moved > most) share /= 2;
+  return share;
+}
+
+std::string_view words_of_share(const TissueBody& body) {
+  return is_large(body) ? "under which it has an equilibrium"
+                        : "the most of 1, 1/2, 1/4, ... with an equilibrium";
+}
+
+/// The largest share of the load, 1, 1/2, ..., 1/64, that has an equilibrium; nothing where none has one.
+std::optional<double> share_with_equilibrium(const Problem& problem, const Watcher& watcher) {
+  const StaticSettings settings = settings_for(*problem.body, 1e-6);
+  for (double share = first_share(problem); share >= 1.0 / 64; share /= 2) {
+    if (watcher) watcher();
+    if (found_equilibrium(problem, share, settings, [] { return 0.0; }).converged) return share;
+  }
+  return std::nullopt;
+}
+
+/// The share of its forces that a body is probed with, and what is said of it.
+std::pair<double, std::string> probing_share(const Problem& problem, const Watcher& watcher) {
+  if (const auto share = share_with_equilibrium(problem, watcher))
+    return {*share, *share == 1
+                        ? "the load"
+                        : fmt::format("{:.3g} of the load, {}", *share, words_of_share(*problem.body))};
+  const double share = force_for_2_percent(problem, Eigen::VectorXd::Zero(problem.body->dofs()));
+  return {share,
+          fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
+                      "equilibrium",
+                      share)};
+}
+
+ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
+  const TissueBody& body = *problem.body;
+  if (is_driven_by_time(body)) {
+    const double t_end = end_of_motion(problem);
+    return {.problem = problem, .t_end = t_end, .words = "its own load"};
+  }
+  const RestingBody resting = resting_under_gravity(problem, watcher);
+  TissueSettings settings = resting.problem.body->settings();
+  std::string words;
+  double share = 1;
+  if (settings.forces.empty()) {
+    settings.forces = {far_press(body)};
+    const double force =
+        force_for_2_percent(with_settings(resting.problem, settings), resting.problem.y0.head(body.dofs()));
+    settings.forces.front().force *= force;
+    words = fmt::format("a press of {:.3g} N at the far end{}", force, resting.words);
+  } else {
+    std::tie(share, words) = probing_share(problem, watcher);
+    for (PressingForce& force : settings.forces) force.force *= share;
+  }
+  come_and_go(settings.forces);
+  const double t_end = rise + hold + rise + after;
+  return {.problem = with_settings(resting.problem, std::move(settings)),
+          .t_end = t_end,
+          .words = fmt::format("{}; it rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s",
+                               words, rise, hold, rise),
+          .load_share = share,
+          .gravity_share = resting.share};
+}
+
+/// The state at each of some instants, by a method at h; nothing where a step is not solved.
+std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, const char* method, double h,
+                                                    const std::vector<double>& at, const Watcher& watcher) {
+  std::vector<Eigen::VectorXd> states;
+  const RunSpec spec{.t_end = motion.t_end, .h = h, .max_steps = 100'000'000};
+  const RunRecord record = find_method(method)
+                               .bind(motion.problem)
+                               .run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                 if (watcher) watcher();
+                                 if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h)
+                                   states.emplace_back(y);
+                               });
+  if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
+  return states;
+}
+
+/// The largest distance of a point between two states of a body.
+double distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<const Eigen::VectorXd>& b) {
+  const Eigen::VectorXd difference = a - b;
+  return largest_displacement(difference.head(difference.size() / 2));
+}
+
+/// The largest excursion from the start.
+double scale_of(const std::vector<Eigen::VectorXd>& y) {
+  double scale = 0;
+  for (const Eigen::VectorXd& state : y) scale = std::max(scale, distance(state, y.front()));
+  return scale;
+}
+
+/// What integrates the reference of a body, and its first step, which divides a frame [s].
+struct ReferenceMethod {
+  const char* method;
+  double h;
+};
+
+/// Newmark from a step that simulators take; rk4 from half of its limit where that costs less. A step of
+/// newmark takes as long as hundreds of evaluations of the force of a body, and needs some dozen times
+/// shorter steps than this.
+ReferenceMethod reference_method(double frame, double rk4_limit) {
+  constexpr double longest = 0.01, most_explicit_steps = 200;
+  const auto part_of_frame = [&](double most) { return frame / std::ceil(frame / most); };
+  const double h = std::min(longest, rk4_limit / 2);
+  if (h >= longest / most_explicit_steps) return {"rk4", part_of_frame(h)};
+  return {"newmark", part_of_frame(longest)};
+}
+
+ReferenceMotion halved_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
+                                    ReferenceMotion reference, const Watcher& watcher) {
+  constexpr int most_halvings = 12;
+  std::optional<std::vector<Eigen::VectorXd>> coarse;
+  double h = by.h;
+  for (int halving = 0; halving <= most_halvings; ++halving, h /= 2) {
+    auto fine = sampled(motion, by.method, h, reference.t, watcher);
+    if (fine && coarse) {
+      reference.scale = scale_of(*fine);
+      double change = 0;
+      for (std::size_t i = 0; i < fine->size(); ++i)
+        change = std::max(change, distance((*fine)[i], (*coarse)[i]));
+      reference.error_bound = reference.scale > 0 ? change / reference.scale : 0;
+      if (reference.error_bound <= tolerance / 10) {
+        reference.y = std::move(*fine);
+        return reference;
+      }
+    }
+    coarse = std::move(fine);
+  }
+  throw InputError(fmt::format(
+      "no reference of {} to {:.2g} is found: {} still changes by {:.2g} at h = {:.3g} s; give a larger --tolerance, "
+      "a smaller load or a model that holds it",
+      motion.problem.id, tolerance, by.method, reference.error_bound, 2 * h));
+}
+
+}  // namespace
+
+PressingForce far_press(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  Eigen::Vector3d held = mesh.points.rowwise().mean();
+  std::size_t count = 0;
+  for (const Support& support : body.settings().supports) count += support.points.size();
+  if (count > 0) {
+    held.setZero();
+    for (const Support& support : body.settings().supports)
+      for (const TetMesh::Index i : support.points) held += mesh.points.col(i) / static_cast<double>(count);
+  }
+  const auto surface = surface_of(mesh).points;
+  const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
+  const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);
+  PressingForce press{.points = {}, .force = (held - mesh.points.col(tip)).normalized()};
+  const double radius = 0.15 * size_of(mesh);
+  for (const TetMesh::Index i : surface)
+    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) press.points.push_back(i);
+  return press;
+}
+
+RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher) {
+  const TissueSettings& settings = problem.body->settings();
+  if (settings.gravity.norm() == 0) return {problem, ""};
+  TissueSettings weighted = settings, alone = settings;
+  alone.forces.clear();
+  for (double share = first_share(with_settings(problem, alone)); share >= 1.0 / 64; share /= 2) {
+    if (watcher) watcher();
+    weighted.gravity = alone.gravity = share * settings.gravity;
+    const StaticSolution resting = found_equilibrium(with_settings(problem, alone), 1,
+                                                     settings_for(*problem.body, 1e-10), [] { return 0.0; });
+    if (!resting.converged) continue;
+    RestingBody found{
+        share == 1 ? problem : with_settings(problem, std::move(weighted)),
+        share == 1 ? " beside gravity"
+                   : fmt::format(" beside {:.3g} of gravity, {}", share, words_of_share(*problem.body)),
+        share};
+    found.problem.y0.head(resting.q.size()) = resting.q;
+    return found;
+  }
+  weighted.gravity.setZero();
+  return {with_settings(problem, std::move(weighted)),
+          " without gravity, under which there is no equilibrium", 0};
+}
+
+ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
+  if (problem.body) return of_body(problem, watcher);
+  return {.problem = problem, .t_end = problem.t_end, .words = "its own motion"};
+}
+
+ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slowest) {
+  ProbingMotion other = motion;
+  other.t_end = t_end;
+  if (!motion.problem.body) {
+    other.problem.y0 /= 2;
+    other.words = "its own motion from half of its initial state";
+    return other;
+  }
+  const TissueBody& body = *motion.problem.body;
+  TissueSettings settings = body.settings();
+  PressingForce press = settings.forces.empty() ? far_press(body) : settings.forces.front();
+  const Eigen::Vector3d along = press.force.normalized(), across = along.unitOrthogonal();
+  press.force = across;
+  press.profile = {};
+  settings.forces = {press};
+  const double force =
+      0.5 * force_for_2_percent(with_settings(motion.problem, settings), motion.problem.y0.head(body.dofs()));
+  const double omega = slowest > 0 ? slowest / 4 : 1;
+  settings.forces.front().force *= force;
+  settings.forces.front().profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
+  other.words = fmt::format("a force of {:.3g} N in another direction, back and forth every {:.3g} s", force,
+                            2 * std::numbers::pi / omega);
+  other.problem = with_settings(motion.problem, std::move(settings));
+  other.problem.y0 = motion.problem.y0;
+  return other;
+}
+
+ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
+                                 const Watcher& watcher, double rk4_limit) {
+  constexpr double most_instants = 50;
+  const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
+  const double stride = std::ceil(frames / most_instants);
+  ReferenceMotion reference;
+  for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
+  if (motion.problem.body)
+    return halved_until_steady(motion, reference_method(frame, rk4_limit), tolerance, std::move(reference),
+                               watcher);
+  const Reference exact = make_reference(motion.problem, motion.t_end);
+  reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
+  for (const double t : reference.t) {
+    reference.y.push_back(exact.at(std::min(t, exact.valid_until)));
+    reference.ranges = reference.ranges.cwiseMax((reference.y.back() - reference.y.front()).cwiseAbs());
+  }
+  reference.scale = reference.ranges.maxCoeff();
+  // What rounding alone moves is no motion: errors relative to it are around one at every step.
+  if (!(reference.scale > 1e-10 * motion.problem.y0.cwiseAbs().maxCoeff()))
+    throw InputError(fmt::format(
+        "{} stays at its initial state, and steps are judged by a motion; give another start with --y0",
+        motion.problem.id));
+  reference.error_bound = exact.error_bound / reference.scale;
+  return reference;
+}
+
+double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
+                      const Eigen::Ref<const Eigen::VectorXd>& y) {
+  if (motion.problem.body) {
+    const double away = distance(y, reference.y[instant]);
+    return reference.scale > 0 ? away / reference.scale : away;
+  }
+  double largest = 0;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    const double away = std::abs(y[i] - reference.y[instant][i]);
+    if (std::isnan(away)) return away;
+    // A state that stays where it is but for rounding is measured by the others.
+    const bool moves = reference.ranges[i] > 1e-9 * reference.scale;
+    largest = std::max(largest, away / (moves ? reference.ranges[i] : std::max(reference.scale, 1e-300)));
+  }
+  return largest;
+}
+
+}  // namespace hmax

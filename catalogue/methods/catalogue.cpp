@@ -1,0 +1,197 @@
+#include "catalogue/methods/catalogue.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "catalogue/input/suggest.hpp"
+#include "catalogue/methods/families.hpp"
+#include "catalogue/methods/measured_amplification.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+
+std::vector<Method> all_methods() {
+  std::vector<Method> all;
+  for (const Family& family : all_families) {
+    const std::size_t before = all.size();
+    family.add(all);
+    for (std::size_t i = before; i < all.size(); ++i) all[i].family = family.id;
+  }
+  // What steps at fixed size and brings no formula shows by its steps how it amplifies.
+  for (Method& method : all)
+    if (method.fixed_step && !method.amplification)
+      method.amplification = shared(measured_amplification(method));
+  return all;
+}
+
+/// The method with the parameters of "beta=0.25,gamma=0.5".
+Method with_parameters(const Method& method, std::string_view text) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : method.parameters) names.push_back(name);
+  if (names.empty())
+    throw InputError(fmt::format("{0} has no parameters, so write it without ':{1}'", method.id, text));
+  Parameters parameters = method.parameters;
+  while (!text.empty()) {
+    const std::string_view item = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), item.size() + 1));
+    const std::string_view name = item.substr(0, item.find('='));
+    const auto it = std::ranges::find(parameters, name, [](const auto& entry) { return entry.first; });
+    if (it == parameters.end())
+      throw InputError(fmt::format("{} has no parameter '{}'; {}", method.id, name, suggestion(name, names)));
+    const std::optional<double> value =
+        name.size() < item.size() ? to_number(item.substr(name.size() + 1)) : std::nullopt;
+    if (!value || !std::isfinite(*value))
+      throw InputError(fmt::format("'{0}' gives {1} of {2} no finite number; write for instance {2}:{1}={3}",
+                                   item, name, method.id, to_text(it->second)));
+    it->second = *value;
+  }
+  Method made = method.with(parameters);
+  made.parameters = parameters;
+  made.with = method.with;
+  std::string suffix;
+  for (const auto& [name, value] : parameters)
+    suffix += fmt::format("{}{}={}", suffix.empty() ? ":" : ",", name, to_text(value));
+  made.id = method.id + suffix;
+  return made;
+}
+
+}  // namespace
+
+std::string_view to_string(Controllers control) {
+  return controller_names.at(static_cast<std::size_t>(control));
+}
+
+Controllers controllers_from(std::string_view word) {
+  const auto at = std::ranges::find(controller_names, word);
+  if (at == controller_names.end())
+    throw InputError(fmt::format("unknown control '{}'; {}", word, suggestion(word, controller_names)));
+  return static_cast<Controllers>(at - controller_names.begin());
+}
+
+std::string to_string(JacobianUpdate update) {
+  switch (update.every) {
+    case JacobianUpdate::automatic:
+      return "auto";
+    case JacobianUpdate::frozen:
+      return "frozen";
+    case 1:
+      return "exact";
+    default:
+      return fmt::format("every:{}", update.every);
+  }
+}
+
+JacobianUpdate jacobian_update_from(std::string_view word) {
+  for (const int every : {JacobianUpdate::automatic, JacobianUpdate::frozen, 1})
+    if (word == to_string(JacobianUpdate{every})) return {every};
+  constexpr std::string_view prefix = "every:";
+  if (word.starts_with(prefix)) {
+    const std::optional<double> every = to_number(word.substr(prefix.size()));
+    if (every && *every >= 1 && *every <= 1e9 && *every == std::floor(*every))
+      return {static_cast<int>(*every)};
+    throw InputError(
+        fmt::format("'{}' does not say every how many steps the Jacobian is taken; write every:K "
+                    "with a whole number K of at least 1, for instance every:10",
+                    word));
+  }
+  constexpr std::array<std::string_view, 4> policies{"auto", "exact", "every:K", "frozen"};
+  throw InputError(fmt::format("unknown Jacobian policy '{}'; {}", word, suggestion(word, policies)));
+}
+
+std::string to_string(LinearSolve choice) {
+  if (choice.by == LinearSolve::By::automatic) return "auto";
+  if (choice.by == LinearSolve::By::direct) return "direct";
+  std::string text = "cg:" + to_text(choice.tolerance);
+  if (choice.iterations > 0) text += fmt::format(",{}", choice.iterations);
+  return text;
+}
+
+LinearSolve linear_solve_from(std::string_view word) {
+  using By = LinearSolve::By;
+  if (word == "auto") return {};
+  if (word == "direct") return {.by = By::direct};
+  LinearSolve choice{.by = By::conjugate_gradients};
+  if (word == "cg") return choice;
+  constexpr std::string_view prefix = "cg:";
+  if (!word.starts_with(prefix)) {
+    constexpr std::array<std::string_view, 3> known{"auto", "direct", "cg"};
+    throw InputError(fmt::format("unknown linear solver '{}'; {}", word, suggestion(word, known)));
+  }
+  const std::string_view rest = word.substr(prefix.size());
+  const std::size_t comma = rest.find(',');
+  const std::optional<double> tolerance = to_number(rest.substr(0, comma));
+  const std::optional<double> most =
+      comma == std::string_view::npos ? std::optional(0.0) : to_number(rest.substr(comma + 1));
+  const bool counts =
+      most && *most == std::floor(*most) && *most <= 1e9 && (comma == std::string_view::npos || *most >= 1);
+  if (!tolerance || !(*tolerance > 0 && *tolerance < 1) || !counts)
+    throw InputError(fmt::format(
+        "'{}' does not say how far conjugate gradients go; write cg:TOLERANCE with a number above "
+        "0 and below 1, or cg:TOLERANCE,ITERATIONS, for instance cg:1e-6 or cg:1e-3,20",
+        word));
+  choice.tolerance = *tolerance;
+  choice.iterations = static_cast<int>(*most);
+  return choice;
+}
+
+const std::vector<Method>& methods() {
+  static const std::vector<Method> all = all_methods();
+  return all;
+}
+
+Method find_method(std::string_view name) {
+  const std::string_view id = name.substr(0, name.find(':'));
+  std::vector<std::string> names;
+  for (const Method& method : methods()) {
+    if (method.id == id || std::ranges::find(method.aliases, id) != method.aliases.end())
+      return id.size() == name.size() ? method : with_parameters(method, name.substr(id.size() + 1));
+    names.push_back(method.id);
+    names.insert(names.end(), method.aliases.begin(), method.aliases.end());
+  }
+  if (const std::string why = why_left_out(id); !why.empty()) throw InputError(why);
+  for (const Family& family : all_families)
+    if (const ForeignLibrary& library = family.library;
+        !library.name.empty() && id.starts_with(library.prefix) &&
+        std::ranges::find(methods(), family.id, &Method::family) == methods().end())
+      throw InputError(
+          fmt::format("{} is a method of {}, which this build lacks; install the Debian package {}, then "
+                      "configure and build again",
+                      id, library.name, library.package));
+  throw InputError(fmt::format("unknown method '{}'; {}", id,
+                               suggestion(id, names, "`hmax list methods` shows all of them")));
+}
+
+const Family* family_of(const Method& method) {
+  const auto* const found = std::ranges::find(all_families, method.family, &Family::id);
+  return found == all_families.end() ? nullptr : found;
+}
+
+std::vector<std::string> method_families() {
+  std::vector<std::string> families;
+  for (const Method& method : methods())
+    if (std::ranges::find(families, method.family) == families.end()) families.push_back(method.family);
+  return families;
+}
+
+std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts) {
+  std::vector<std::string> names;
+  for (const std::string& part : parts) {
+    const bool continues = part.find('=') != std::string::npos && part.find(':') == std::string::npos &&
+                           !names.empty() && names.back().find(':') != std::string::npos;
+    if (continues)
+      names.back() += "," + part;
+    else
+      names.push_back(part);
+  }
+  return names;
+}
+
+}  // namespace hmax

@@ -1,0 +1,166 @@
+#include "catalogue/models/body_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/numbers.hpp"
+#include "problems/mesh/mesh_quality.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung
+/// to bone, skins up to soft ligaments, bodies from an insect to a man.
+struct Usual {
+  const char *name, *unit, *hint;
+  double least, most;
+};
+constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e10};
+constexpr Usual usual_density{"rho", "kg/m^3", "1.06 g/cm^3 are 1060 kg/m^3", 50, 1e4};
+constexpr Usual usual_density_from_mass{"the density that mass and mesh make", "kg/m^3",
+                                        "check --unit of the mesh, and the mass of the material", 50, 1e4};
+constexpr Usual usual_skin{"E of the skin", "Pa", "skin is a factor of E, such as 1000", 50, 3e8};
+constexpr Usual usual_size{"the longest side of the body", "m", "state the unit of the mesh with --unit",
+                           5e-4, 3};
+constexpr Usual usual_gravity{"gravity", "m/s^2", "9810 mm/s^2 are 9.81 m/s^2", 1e-2, 1e3};
+
+std::string rounded(double value) { return fmt::format("{:.4g}", value); }
+
+std::string rounded(const BodySummary::Span& span) {
+  return span[0] == span[1] ? rounded(span[0]) : fmt::format("{} to {}", rounded(span[0]), rounded(span[1]));
+}
+
+void judge(const Usual& usual, double value, std::vector<std::string>& sentences) {
+  if (value >= usual.least && value <= usual.most) return;
+  sentences.push_back(fmt::format("{} is {} {}, and tissue has {} to {} {}; {}", usual.name, rounded(value),
+                                  usual.unit, rounded(usual.least), rounded(usual.most), usual.unit,
+                                  usual.hint));
+}
+
+/// What a body of this size cannot stand: to be moved, or touched by a tool, of more than its length; a force
+/// that would strain it by more than 1.
+void judge_loads(const BodySummary& summary, std::vector<std::string>& sentences) {
+  const double longest = summary.size.maxCoeff(), crushing = summary.young[1] * longest * longest;
+  const auto too_much = [&](const char* name, double value, const char* unit, double most, const char* why) {
+    if (value > most)
+      sentences.push_back(fmt::format(
+          "{} is {} {}, more than {} ({} {}); give {}", name, rounded(value), unit, why, rounded(most), unit,
+          std::string_view(unit) == "m" ? "metres: 10 mm are 0.01 m" : "newtons: 500 mN are 0.5 N"));
+  };
+  too_much("depth", summary.travel, "m", longest, "the longest side of the body");
+  too_much("tool_radius", summary.tool_radius, "m", longest, "the longest side of the body");
+  // Where E is a slip, E is what is wrong and not the force.
+  if (summary.young[0] >= usual_young.least)
+    too_much("force", summary.force, "N", crushing, "E times the square of its longest side");
+}
+
+void judge_added_mass(const BodySummary& summary, std::vector<std::string>& sentences) {
+  const double share = summary.added_mass / summary.mass;
+  if (share > usual_added_mass)
+    sentences.push_back(fmt::format(
+        "mass_step adds {} kg to a body of {} kg ({:.3g} %), and frequencies of slow modes fall by up to {:.2g} %; take a smaller "
+        "mass_step, or an implicit method",
+        rounded(summary.added_mass), rounded(summary.mass), 100 * share, 100 * slowed_by(share)));
+}
+
+void judge_locking(const BodySummary& summary, std::vector<std::string>& sentences) {
+  if (summary.of_elements && summary.poisson[1] >= locking_from)
+    sentences.push_back(fmt::format(
+        "nu is {}, and linear tetrahedra lock from {} on: they are too stiff by volumetric locking; take nu 0.45, "
+        "or compare with a finer mesh",
+        rounded(summary.poisson[1]), rounded(locking_from)));
+}
+
+}  // namespace
+
+double slowed_by(double added_share) { return 1 - 1 / std::sqrt(1 + added_share); }
+
+BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
+  const auto region_count = [](const TetMesh& of) {
+    return of.regions.empty() ? std::size_t{1} : static_cast<std::size_t>(std::ranges::max(of.regions)) + 1;
+  };
+  const std::vector<TissueMaterial>& materials = settings.materials;
+  const auto span = [&](double TissueMaterial::*what) {
+    const auto [least, most] = std::ranges::minmax(materials, {}, what);
+    return BodySummary::Span{least.*what, most.*what};
+  };
+  std::vector<TetMesh::Index> held;
+  for (const Support& support : settings.supports)
+    held.insert(held.end(), support.points.begin(), support.points.end());
+  std::ranges::sort(held);
+  held.erase(std::ranges::unique(held).begin(), held.end());
+  BodySummary summary{.young = span(&TissueMaterial::young),
+                      .poisson = span(&TissueMaterial::poisson),
+                      .density = span(&TissueMaterial::density),
+                      .regions = std::max(materials.size(), region_count(mesh)),
+                      .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
+                      .points = mesh.point_count(),
+                      .held = static_cast<Eigen::Index>(held.size()),
+                      .gravity = settings.gravity};
+  for (const SphereTool& tool : settings.tools) {
+    summary.travel = std::max(summary.travel, tool.travel.norm());
+    summary.tool_radius = std::max(summary.tool_radius, tool.radius);
+  }
+  for (const Support& support : settings.supports)
+    summary.travel = std::max(summary.travel, support.travel.norm());
+  for (const PressingForce& load : settings.forces)
+    summary.force = std::max(summary.force, load.force.norm());
+  if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
+  summary.of_elements = !settings.model.is_of_springs();
+  if (!summary.of_elements) summary.poisson.fill(poisson_of_springs);
+  double volume = 0, mass = 0;
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const double of_tetrahedron = signed_volume(corners_of(mesh, t));
+    volume += of_tetrahedron;
+    mass += of_tetrahedron *
+            materials[materials.size() == 1 ? 0 : static_cast<std::size_t>(mesh.region(t))].density;
+  }
+  summary.mass = settings.total_mass.value_or(mass);
+  summary.from_mass = settings.total_mass.has_value();
+  if (summary.from_mass) summary.density.fill(summary.mass / volume);
+  return summary;
+}
+
+BodySummary summary_of(const TissueBody& body) {
+  BodySummary summary = summary_of(body.mesh(), body.settings());
+  const Eigen::VectorXd added = body.added_mass();
+  summary.added_mass = added.sum();
+  summary.heavier = (added.array() > 0).count();
+  return summary;
+}
+
+std::string in_words(const BodySummary& summary) {
+  const Eigen::Vector3d mm = 1000 * summary.size;
+  const std::string added =
+      summary.heavier > 0
+          ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass",
+                        rounded(summary.added_mass), summary.heavier, 100 * summary.added_mass / summary.mass)
+          : "";
+  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held{}",
+                     rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
+                     summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
+                     rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,
+                     summary.points, added);
+}
+
+std::vector<std::string> unusual_values(const BodySummary& summary) {
+  std::vector<std::string> sentences;
+  for (const double E : summary.young)
+    if (sentences.empty()) judge(usual_young, E, sentences);
+  const std::size_t before = sentences.size();
+  for (const double rho : summary.density)
+    if (sentences.size() == before)
+      judge(summary.from_mass ? usual_density_from_mass : usual_density, rho, sentences);
+  if (summary.skin > 0) judge(usual_skin, summary.skin, sentences);
+  judge(usual_size, summary.size.maxCoeff(), sentences);
+  if (const double g = summary.gravity.norm(); g > 0) judge(usual_gravity, g, sentences);
+  judge_loads(summary, sentences);
+  judge_added_mass(summary, sentences);
+  judge_locking(summary, sentences);
+  return sentences;
+}
+
+}  // namespace hmax

@@ -1,0 +1,62 @@
+/// Bodies on meshes in equilibrium: the forces to be solved for, and what to say of a body that finds none.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/statics/static_solution.hpp"
+#include "catalogue/methods/method.hpp"
+
+namespace hmax {
+
+/// The instant whose forces a static equilibrium balances [s]: when every ramp has ended, or 0 where a load
+/// never settles.
+double equilibrium_time(const TissueBody& body);
+
+/// The equilibrium of forces of a body under a multiple of its load as it is at equilibrium_time().
+StaticModel static_model(const Problem& problem, double load_scale);
+
+/// The equilibrium under a multiple of the whole load. The load acts at once or, where that leads to elements
+/// turned inside out, in ten steps; the history then holds both. A load that moves, as a tool does, is
+/// followed along its ramp in 20 steps or as many as `settings` says. Where there is no stable equilibrium
+/// the solution may be an unstable one.
+/// @param load_scale  1 for a load that moves
+StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
+                                 const Clock& clock);
+
+/// "converged", "not_converged", "buckles" where the only equilibrium found is not stable, "collapsed" where
+/// the search ended at elements about to turn inside out, or "inverted" where some are.
+std::string_view outcome_of(const Problem& problem, const StaticSolution& solution);
+
+/// Why a solution is none, and the element that gives way if one does.
+std::string cause_of(const Problem& problem, const StaticSolution& solution);
+
+/// The same with what helps, in words of `hmax static`.
+std::string status_of(const Problem& problem, const StaticSolution& solution);
+
+/// The longest displacement of a point [m], q of shape (dofs).
+double largest_displacement(const Eigen::VectorXd& q);
+
+/// The number that users know a tetrahedron by: that of its file, else its place in the mesh, from 1.
+std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron);
+
+/// The same of a point, as `--support points:` takes it.
+std::int64_t point_number(const Problem& problem, Eigen::Index point);
+
+/// A tetrahedron by its number; springs and skin triangles in hmax's order, from 1, since files do not number
+/// them.
+struct NamedElement {
+  std::string_view kind;  ///< "tetrahedron", "spring" or "skin triangle"
+  std::int64_t number;
+  std::vector<std::int64_t> points;  ///< by point_number()
+};
+/// "tetrahedron 17", "the spring of points 4, 9".
+std::string in_words(const NamedElement& element);
+/// @param element  in the order of elements_of(body) (limits/modes/fastest_mode.hpp)
+NamedElement named_element(const Problem& problem, Eigen::Index element);
+
+}  // namespace hmax

@@ -1,0 +1,29 @@
+/// Which support a body needs under its weight: why it has no static equilibrium, and the end that holds it
+/// best.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "analysis/statics/static_solution.hpp"
+#include "catalogue/methods/method.hpp"
+
+namespace hmax {
+
+/// The largest displacement under the load by linear elasticity at rest, |K0^-1 f0| [m]. Nothing where a part
+/// is held nowhere, and above 20,000 degrees of freedom.
+std::optional<double> linear_sag(const TissueBody& body);
+
+/// What helps a body without a static equilibrium, as far as it was tested. Under gravity alone the linear
+/// sag with the six ends `--set axis=` as supports is compared with that of the present support, and the
+/// search is repeated with the best end: its equilibrium shows that the support is the cause. Otherwise a
+/// smaller load or a stiffer material; empty where a part is held nowhere, which is the cause.
+/// @cost  up to seven factors of K0, and one search for an equilibrium
+std::string remedy_without_equilibrium(const Problem& problem);
+
+/// status_of() a search under the whole load; where the support is the cause that it has no equilibrium, that
+/// in place of a smaller load.
+/// @cost  as remedy_without_equilibrium() where the search has found nothing
+std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution);
+
+}  // namespace hmax

@@ -1,0 +1,269 @@
+#include "catalogue/models/planar.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "analysis/dynamics/poincare.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "core/dense_solvers.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+Vector2d rhs_of(const std::variant<Oscillator, AnySystem>& system, double t, const Vector2d& y) {
+  return std::visit(
+      [&](const auto& typed) -> Vector2d {
+        typename std::remove_cvref_t<decltype(typed)>::State state = y, dydt = y;
+        typed.rhs(t, state, dydt);
+        return dydt;
+      },
+      system);
+}
+
+/// f(t, .) of a system of two states, its time running forwards (sign 1) or backwards (sign -1).
+struct FrozenSystem {
+  using State = Vector2d;
+  static constexpr bool autonomous = true;
+
+  std::variant<Oscillator, AnySystem> system;
+  double t, sign;
+
+  static constexpr Eigen::Index dim() { return 2; }
+  void rhs(double /*t*/, const State& y, State& dydt) const { dydt = sign * rhs_of(system, t, y); }
+};
+
+Problem with_system(const Problem& problem, const FrozenSystem& system) {
+  Problem other = problem;
+  other.system = AnySystem(system);
+  other.extended = ExtendedSystem(system);
+  other.exact = nullptr;
+  other.has_exact_solution = false;
+  return other;
+}
+
+/// A method whose steps are short enough to be drawn as a line.
+const char* drawing_method(const Problem& problem) {
+  return problem.stiff ? "rosenbrock_23" : "bogacki_shampine_32";
+}
+
+/// The largest A with ((k1 - m w^2 + 3/4 k3 A^2)^2 + (c w)^2) A^2 = P^2; 0 where nothing bounds it.
+double largest_amplitude(const OscillatorParameters& p) {
+  const double stiffness = p.k1 - p.m * p.w * p.w, hardening = 0.75 * p.k3, damping = p.c * p.w;
+  if (p.P == 0 || hardening < 0) return 0;
+  if (hardening == 0) {
+    const double A = std::abs(p.P) / std::hypot(stiffness, damping);
+    return std::isfinite(A) ? A : 0;
+  }
+  // s^3 + a s^2 + b s + c = 0 of s = A^2, as the eigenvalues of its companion matrix.
+  const double square = hardening * hardening;
+  Eigen::Matrix3d companion = Eigen::Matrix3d::Zero();
+  companion.row(0) << -2 * stiffness * hardening / square,
+      -(stiffness * stiffness + damping * damping) / square, p.P * p.P / square;
+  companion(1, 0) = companion(2, 1) = 1;
+  double largest = 0;
+  for (const std::complex<double>& s : dense_eigenvalues(companion))
+    if (std::abs(s.imag()) < 1e-6 * std::abs(s)) largest = std::max(largest, s.real());
+  return std::sqrt(largest);
+}
+
+/// Ends a run from inside.
+struct Left {};
+
+// More steps than this show no more: a line of so many points has filled its loops.
+constexpr int most_steps = 6000;
+
+/// Calls see(t, y) at each accepted step from `start`, until it returns false or most_steps have been seen.
+template <class See>
+void follow(Problem problem, const Vector2d& start, double t_end, const See& see) {
+  problem.y0 = start;
+  const RunSpec spec{
+      .t_end = t_end, .adaptive = true, .rtol = orbit_tolerances.rtol, .atol = orbit_tolerances.atol};
+  int steps = 0;
+  try {
+    find_method(drawing_method(problem)).bind(problem).run(spec, [&](double t, const auto& y) {
+      if (!see(t, Vector2d(y)) || ++steps > most_steps) throw Left{};
+    });
+  } catch (const Left&) {
+  }
+}
+
+}  // namespace
+
+void require_planar(const Problem& problem) {
+  if (problem.y0.size() != 2)
+    throw InputError(fmt::format(
+        "{} has {} state{}, and a phase plane shows two; choose a problem of two states, like liver_forced, "
+        "van_der_pol or a file of two formulas",
+        problem.id, problem.y0.size(), problem.y0.size() == 1 ? "" : "s"));
+}
+
+bool is_driven(const Problem& problem) {
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
+    return oscillator->parameters().P != 0 && oscillator->parameters().w != 0;
+  if (problem.body) return !problem.body->is_autonomous();
+  const AnySystem& system = std::get<AnySystem>(problem.system);
+  if (system.is_autonomous()) return false;
+  // What says how it depends on the state says of time what is true: no comparison of instants, which may
+  // miss the one.
+  if (system.linearity() != Linearity::unknown) return true;
+  const Eigen::VectorXd scale = problem.y0.cwiseAbs().cwiseMax(0.1);
+  Eigen::VectorXd y = problem.y0, f = y, later = y;
+  for (const double u : {0.0, 0.7, -1.3})
+    for (const double v : {0.0, 1.1, -0.6}) {
+      for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = problem.y0[k] + (k % 2 == 0 ? u : v) * scale[k];
+      system.rhs(0, y, f);
+      for (int i = 1; i < 8; ++i) {
+        // Multiples of the golden ratio hit no common period.
+        system.rhs(i * std::numbers::phi * problem.t_end / 13, y, later);
+        if (f.allFinite() && later.allFinite() && later != f) return true;
+      }
+    }
+  return false;
+}
+
+Problem frozen(const Problem& problem, double t) {
+  if (!is_driven(problem)) return problem;
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
+    OscillatorParameters parameters = oscillator->parameters();
+    parameters.P *= std::cos(parameters.w * t);
+    parameters.w = 0;
+    Problem other = problem;
+    other.system = Oscillator(parameters);
+    other.extended = ExtendedSystem(BasicOscillator<long double>(parameters));
+    other.has_exact_solution = false;
+    return other;
+  }
+  return with_system(problem, FrozenSystem{problem.system, t, 1});
+}
+
+Problem reversed(const Problem& problem) { return with_system(problem, FrozenSystem{problem.system, 0, -1}); }
+
+PlanarField planar_field(const Problem& problem, double t, const Vector2d& scale) {
+  require_planar(problem);
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) return frozen_at(*oscillator, t);
+  const AnySystem system = std::get<AnySystem>(problem.system);
+  PlanarField field{[=](const Vector2d& y) { return rhs_of(system, t, y); }, {}};
+  if (system.has_jacobian())
+    field.jacobian = [=](const Vector2d& y) -> Matrix2d {
+      AnySystem::Jacobian J;
+      system.jacobian(t, y, J);
+      return std::visit([](const auto& matrix) { return Matrix2d(Eigen::MatrixXd(matrix)); }, J);
+    };
+  else
+    field.jacobian = [rhs = field.rhs, scale](const Vector2d& y) -> Matrix2d {
+      return differenced_jacobian(rhs, y, scale);
+    };
+  return field;
+}
+
+double drive_period(const Problem& problem, std::optional<double> named) {
+  require_planar(problem);
+  if (!named && !is_driven(problem))
+    throw InputError(
+        fmt::format("{} is not driven, so there is no period to look at; choose a driven problem like "
+                    "liver_forced, or name a period with --period",
+                    problem.id));
+  if (!named) {
+    if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
+      return 2 * std::numbers::pi / std::abs(oscillator->parameters().w);
+    throw InputError(fmt::format(
+        "the period of the force of {} is not known; name it with --period, in seconds", problem.id));
+  }
+  const double period = *named;
+  if (!(period > 0) || !std::isfinite(period))
+    throw InputError(fmt::format("--period is {} but must be a positive number of seconds", to_text(period)));
+  for (int i = 0; i < 16; ++i) {
+    const double t = i * period / 16;
+    const Vector2d now = rhs_of(problem.system, t, problem.y0);
+    const Vector2d later = rhs_of(problem.system, t + period, problem.y0);
+    const double size = std::max({1.0, now.cwiseAbs().maxCoeff(), later.cwiseAbs().maxCoeff()});
+    if ((later - now).cwiseAbs().maxCoeff() > 1e-9 * size)
+      throw InputError(
+          fmt::format("the force of {} is not the same {} s later; give --period the period of the force",
+                      problem.id, to_text(period)));
+  }
+  return period;
+}
+
+VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps) {
+  return std::visit(
+      [&](const auto& system) { return period_map(system, period, stroboscope_tolerances.rtol, most_steps); },
+      problem.system);
+}
+
+Window window_of_motions(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double period) {
+  const Window still = default_window(frozen(problem, 0));
+  std::vector<Vector2d> seen{still.lower, still.upper};
+  for (const Eigen::VectorXd& y : looks) seen.emplace_back(y);
+  if (!looks.empty()) {
+    constexpr double everywhere = 1e300;
+    const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
+    const Table way = orbit(problem, looks[0], period, plane, everywhere);
+    for (std::size_t i = 0; i < way.values[0].size(); ++i)
+      seen.emplace_back(way.values[0][i], way.values[1][i]);
+  }
+  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
+    const OscillatorParameters& p = oscillator->parameters();
+    const double A = largest_amplitude(p);
+    seen.emplace_back(A, std::abs(p.w) * A);
+    seen.emplace_back(-A, -std::abs(p.w) * A);
+  }
+  return window_around({}, "", "", seen, 0.15);
+}
+
+std::array<std::string, 2> axis_names(const Problem& problem) {
+  if (std::holds_alternative<Oscillator>(problem.system)) return {"x [m]", "v [m/s]"};
+  return {problem.states[0], problem.states[1]};
+}
+
+Table orbit(const Problem& problem, const Vector2d& start, double t_end, const Window& window,
+            double length) {
+  const auto names = axis_names(problem);
+  Table table{.notes = {}, .columns = {names[0], names[1]}, .values = {{}, {}}};
+  const Vector2d margin = 2 * window.size();
+  Vector2d last = start;
+  double gone = 0;
+  follow(problem, start, t_end, [&](double, const Vector2d& y) {
+    const bool near =
+        ((y - window.lower + margin).array() >= 0).all() && ((window.upper + margin - y).array() >= 0).all();
+    for (std::size_t i = 0; i < 2; ++i) table.values[i].push_back(y(static_cast<Eigen::Index>(i)));
+    gone += (y - last).cwiseQuotient(window.size()).norm();
+    last = y;
+    return near && gone < length;
+  });
+  return table;
+}
+
+Window default_window(const Problem& problem) {
+  require_planar(problem);
+  std::vector<Vector2d> seen;
+  Vector2d early = Vector2d::Zero();
+  follow(problem, problem.y0, problem.t_end, [&](double t, const Vector2d& y) {
+    if (!y.allFinite()) return false;
+    if (t < problem.t_end / 50) early = early.cwiseMax(y.cwiseAbs());
+    // A runaway grows in both components; a relaxation oscillation that jumps late grows in one.
+    if (early.maxCoeff() > 0 && (y.cwiseAbs().array() > 4 * early.array()).all()) return false;
+    seen.push_back(y);
+    return true;
+  });
+  if (seen.empty()) seen.push_back(problem.y0);
+  const Window motion = window_around({}, "", "", seen);
+  const Window wide{motion.lower - motion.size(), motion.upper + motion.size()};
+  for (const Equilibrium& e : find_equilibria(planar_field(problem, 0, wide.size()), wide))
+    if (e.type != EquilibriumType::degenerate) seen.push_back(e.state);
+  return window_around({}, "", "", seen, 0.15);
+}
+
+}  // namespace hmax

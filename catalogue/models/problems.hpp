@@ -1,0 +1,21 @@
+/// Every problem by name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "catalogue/methods/method.hpp"
+
+namespace hmax {
+
+/// Ids of the problems of the catalogue, in the order in which they are listed.
+std::vector<std::string> problem_ids();
+
+/// A problem by id, by the path of a TOML file of formulas (a name that ends in .toml), or tissue on a mesh,
+/// MODEL@MESH (catalogue/models/tissue_problem.hpp).
+/// @throws InputError  for an unknown name, material or parameter (with a suggestion), a wrong number of
+/// initial
+///                     values, numbers that are not finite, or a file that is no problem
+Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
+
+}  // namespace hmax

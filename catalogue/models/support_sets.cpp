@@ -1,0 +1,208 @@
+#include "catalogue/models/support_sets.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "catalogue/input/suggest.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "core/own_files.hpp"
+#include "problems/tissue/loads.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Index = TetMesh::Index;
+
+std::optional<std::int64_t> whole_number(std::string_view text) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+std::vector<std::string> split(const std::string& text, const char* separators) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// The points of a mesh by the numbers of its file.
+class NumberedPoints {
+ public:
+  explicit NumberedPoints(const LoadedMesh& mesh) : mesh_(mesh), model_points_(mesh.origin->model_points()) {
+    const std::vector<std::int64_t>& numbers = mesh.origin->file.point_numbers;
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      by_number_.emplace_back(numbers[i], static_cast<Index>(i));
+    for (const auto& [number, point] : mesh.origin->file.merged) by_number_.emplace_back(number, point);
+    std::ranges::sort(by_number_);
+  }
+
+  /// @param where  what names the point, for the error
+  [[nodiscard]] Index find(const std::string& text, const std::string& where) const {
+    const auto number = whole_number(text);
+    if (!number)
+      throw InputError(fmt::format(
+          "{} has '{}', which is no number of a point; write whole numbers like 1,5,9", where, text));
+    const auto found = std::ranges::lower_bound(by_number_, *number, {}, &Entry::first);
+    if (found == by_number_.end() || found->first != *number)
+      throw InputError(fmt::format("{} names point {}, but the points of {} are numbered from {} to {}{}",
+                                   where, *number, mesh_.name, by_number_.front().first,
+                                   by_number_.back().first,
+                                   dense() ? "; correct it" : " with gaps; correct it"));
+    const Index point = model_points_[static_cast<std::size_t>(found->second)];
+    if (point < 0)
+      throw InputError(
+          fmt::format("{} names point {}, which is in no tetrahedron; leave it out", where, *number));
+    return point;
+  }
+
+ private:
+  using Entry = std::pair<std::int64_t, Index>;
+  [[nodiscard]] bool dense() const {
+    return by_number_.back().first - by_number_.front().first + 1 ==
+           static_cast<std::int64_t>(by_number_.size());
+  }
+  const LoadedMesh& mesh_;
+  std::vector<Index> model_points_;
+  std::vector<Entry> by_number_;
+};
+
+std::vector<Index> listed_points(const std::string& list, const LoadedMesh& mesh) {
+  const NumberedPoints points(mesh);
+  std::vector<Index> found;
+  for (const std::string& part : split(list, ",")) found.push_back(points.find(part, "points:" + list));
+  return found;
+}
+
+std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mesh) {
+  note_input(file);
+  std::ifstream in(file);
+  if (!in)
+    throw InputError(
+        fmt::format("there is no file '{}' with the points of a support; correct the name behind @", file));
+  const NumberedPoints points(mesh);
+  std::vector<Index> found;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number)
+    for (const std::string& word : split(line.substr(0, line.find('#')), " \t\r,"))
+      if (!word.empty()) found.push_back(points.find(word, fmt::format("{}, line {}", file, number)));
+  return found;
+}
+
+/// Six numbers with commas between them; nothing where the text is none.
+std::optional<std::array<double, 6>> box_of(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ",");
+  std::array<double, 6> box{};
+  if (parts.size() != box.size()) return std::nullopt;
+  for (std::size_t i = 0; i < box.size(); ++i) {
+    const auto side = to_number(parts[i]);
+    if (!side || std::isnan(*side)) return std::nullopt;
+    box[i] = *side;
+  }
+  return box;
+}
+
+/// The groups and regions that are called by `id`, of one kind or, without one, by their names alone.
+struct Called {
+  std::vector<const MeshGroup*> groups;
+  std::vector<Index> regions;  ///< numbers of the file
+  std::vector<std::string> known;
+
+  Called(const MeshOrigin& origin, const std::string& id, std::optional<int> kind) {
+    const auto number = kind ? whole_number(id) : std::nullopt;
+    const auto is_called = [&](int dimension, std::int64_t its_number, const std::string& name) {
+      if (kind && *kind != dimension) return false;
+      known.push_back(!kind && !name.empty()
+                          ? name
+                          : fmt::format("{}:{}", group_kinds[static_cast<std::size_t>(dimension)],
+                                        name.empty() ? std::to_string(its_number) : name));
+      return (!name.empty() && name == id) || (number && *number == its_number);
+    };
+    for (const MeshGroup& group : origin.file.groups)
+      if (is_called(group.dimension, group.number, group.name)) groups.push_back(&group);
+    for (const Index region : origin.regions) {
+      const auto named = origin.file.names.find(region);
+      if (is_called(3, region, named == origin.file.names.end() ? "" : named->second))
+        regions.push_back(region);
+    }
+  }
+};
+
+std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh) {
+  const MeshOrigin& origin = *mesh.origin;
+  const std::size_t colon = set.find(':');
+  const auto kind = std::ranges::find(group_kinds, std::string_view(set).substr(0, colon));
+  const bool has_kind = colon != std::string::npos && kind != group_kinds.end();
+  const Called called(origin, has_kind ? set.substr(colon + 1) : set,
+                      has_kind ? std::optional(static_cast<int>(kind - group_kinds.begin())) : std::nullopt);
+  const std::size_t count = called.groups.size() + called.regions.size();
+  if (count == 0)
+    throw InputError(fmt::format(
+        "{} has no group or region '{}'; {}", mesh.name, set,
+        called.known.empty() ? "hold a box, points:1,5,9 or @FILE instead" : suggestion(set, called.known)));
+  if (count > 1)
+    throw InputError(fmt::format(
+        "'{}' is the name of {} groups and regions of {}; write its kind and its number, like surface:30",
+        set, count, mesh.name));
+  std::vector<Index> points;
+  if (!called.groups.empty()) {
+    const std::vector<Index> model_points = origin.model_points();
+    for (const Index corner : called.groups.front()->corners)
+      if (const Index point = model_points[static_cast<std::size_t>(corner)]; point >= 0)
+        points.push_back(point);
+    return points;
+  }
+  const auto region = std::ranges::find(origin.regions, called.regions.front()) - origin.regions.begin();
+  for (Eigen::Index t = 0; t < mesh.mesh.tetrahedron_count(); ++t)
+    if (mesh.mesh.region(t) == region)
+      points.insert(points.end(), mesh.mesh.tetrahedra.col(t).begin(), mesh.mesh.tetrahedra.col(t).end());
+  return points;
+}
+
+}  // namespace
+
+std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh) {
+  constexpr std::string_view list = "points:";
+  std::vector<Index> points;
+  if (set.starts_with(list))
+    points = listed_points(set.substr(list.size()), mesh);
+  else if (set.starts_with('@'))
+    points = points_in_file(set.substr(1), mesh);
+  else if (const auto box = box_of(set))
+    points = points_in_box(mesh.mesh, {(*box)[0], (*box)[2], (*box)[4]}, {(*box)[1], (*box)[3], (*box)[5]});
+  else
+    points = called_points(set, mesh);
+  if (points.empty())
+    throw InputError(fmt::format("no point of {} is in the support '{}'; {}", mesh.name, set,
+                                 box_of(set) ? "give a larger box, in metres" : "name another set"));
+  return points;
+}
+
+std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
+  std::vector<Index> points;
+  for (const std::string& set : sets) {
+    const std::vector<Index> more = points_of_set(set, mesh);
+    points.insert(points.end(), more.begin(), more.end());
+  }
+  std::ranges::sort(points);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (static_cast<Eigen::Index>(points.size()) == mesh.mesh.point_count())
+    throw InputError(
+        fmt::format("the supports hold every point of {}, so that nothing moves; hold fewer", mesh.name));
+  return points;
+}
+
+}  // namespace hmax

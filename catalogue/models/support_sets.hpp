@@ -1,0 +1,25 @@
+/// Sets of points that users hold, as they write them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "catalogue/models/mesh_choice.hpp"
+
+namespace hmax {
+
+/// The points of a mesh for models that are in a set:
+///   NAME                            a group or region of the file
+///   region:, surface:, curve:, vertices:NAME or NUMBER   where kinds share a name, or have none
+///   points:1,5,9                    by the numbers of the file; of meshes by name they count from 1
+///   @FILE                           such numbers in a file, # begins a remark
+///   XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX   all points in a box [m], its sides included; inf and -inf bound nothing
+/// Points of a group that are in no tetrahedron are left out.
+/// @throws InputError  for a set that is unknown, ambiguous or empty, and for points that the mesh does not
+/// have
+std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh);
+
+/// The points of several sets together, sorted. @throws InputError  also when they are all points of the mesh
+std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh);
+
+}  // namespace hmax

@@ -1,0 +1,41 @@
+/// Tissue on meshes as problems of the catalogue: "fem_green@liver", "mass_spring/press@ball:n=8".
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "catalogue/methods/method.hpp"
+#include "problems/tissue/tissue_settings.hpp"
+
+namespace hmax {
+
+/// The id of a problem, MODEL@MESH or MODEL/LOAD@MESH; empty parts are the defaults.
+std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);
+
+/// Whether `id` is meant to name a tissue problem.
+bool is_tissue_id(std::string_view id);
+
+/// Whether the forces of a body are linear in its displacements and velocities: a tool touches and leaves,
+/// and a skin turns with the surface. Loads and moved supports may change with time.
+bool has_linear_forces(const TissueBody& body);
+
+/// The problem of such an id, at rest at t = 0.
+/// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
+Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);
+
+/// The same problem with another body, and the start that it has: shape (dim) of this body.
+Problem with_body(const Problem& problem, std::shared_ptr<const TissueBody> body);
+
+/// The same body made of other settings, with the same name, parameters and start.
+/// @throws std::invalid_argument  as TissueBody
+Problem with_settings(const Problem& problem, TissueSettings settings);
+
+/// The problem once its ramps have ended, from then on: a tool that has moved in stands there from t = 0.
+Problem after_ramps(const Problem& problem);
+
+/// Where a problem starts: its numbers, of many unknowns of matrices a digest of them, or "rest" of a body,
+/// which always does.
+std::string start_in_words(const Problem& problem);
+
+}  // namespace hmax

@@ -1,0 +1,46 @@
+/// The period map of a driven problem, and those of many problems side by side in vector lanes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "analysis/dynamics/map_calls.hpp"
+#include "catalogue/methods/method.hpp"
+#include "core/instruction_set.hpp"
+
+namespace hmax {
+
+/// Steps of one size between two looks, instead of those that the tolerances of stroboscope() ask for.
+struct FixedSteps {
+  Method method;
+  double h;  ///< [s], at most; the largest size that divides the period is taken
+};
+
+/// After so many adaptive steps a period is taken for one that diverges.
+inline constexpr std::int64_t most_period_steps = 1'000'000;
+
+/// y -> P(y), the state one period after y, by steps of stroboscope() or by fixed ones.
+/// @param most_steps  of an adaptive period, after which it is taken for one that diverges
+/// @throws InputError as steps_map() where the steps are fixed
+VectorFunction stroboscope(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
+                           std::int64_t most_steps = most_period_steps);
+
+/// The period maps of problem_at(i), one ensemble for each thread. Images have the bits of stroboscope().
+///
+/// Maps of oscillators are applied side by side in vector lanes: adaptive ones each at a time of its own,
+/// those of fixed steps of an explicit Runge-Kutta method at the same time, so that the cosine of the force
+/// is known beforehand for all periods; they need one w and one period. Others are applied one by one.
+/// @param problem_at  called by several threads at once
+/// @param periods     [s], of each problem
+/// @param threads     how many ensembles
+/// @param set         of the vector operations; it changes times, not images
+/// @throws InputError as steps_map() where the steps are fixed
+std::vector<MapEnsemble> period_maps(const std::function<Problem(std::size_t i)>& problem_at,
+                                     const std::vector<double>& periods,
+                                     const std::optional<FixedSteps>& steps, std::size_t threads,
+                                     InstructionSet set = instruction_sets().front());
+
+}  // namespace hmax

@@ -1,0 +1,70 @@
+#include "limits/distributed/body_structure.hpp"
+
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/tissue_choice.hpp"
+#include "core/errors.hpp"
+#include "limits/distributed/limits_from_ends.hpp"
+#include "problems/tissue/body_pieces.hpp"
+
+namespace hmax {
+namespace {
+
+StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
+  constexpr int axes = 3;
+  const auto point = [](std::int64_t row) { return static_cast<BodyPieces::Index>(row / axes); };
+  StructurePieces pieces{.unknowns = body->dofs(),
+                         .together = axes,
+                         .has_damping = body->has_dampers(),
+                         .rows = {},
+                         .lengths = {}};
+  pieces.rows = [body, point](std::int64_t begin, std::int64_t end) {
+    const BodyPieces::Piece piece = body->piece(point(begin), point(end));
+    StructurePieces::Rows rows{.stiffness = matrix_rows(piece.stiffness), .damping = {}, .mass = {}};
+    if (body->has_dampers()) rows.damping = matrix_rows(piece.damping);
+    rows.mass.assign(piece.mass.begin(), piece.mass.end());
+    return rows;
+  };
+  pieces.lengths = [body, point](std::int64_t begin, std::int64_t end) {
+    const BodyPieces::Neighbours counts = body->neighbours(point(begin), point(end));
+    StructurePieces::Lengths lengths;
+    for (std::size_t i = 0; i < counts.inside.size(); ++i) {
+      lengths.inside.insert(lengths.inside.end(), axes, axes * counts.inside[i]);
+      lengths.outside.insert(lengths.outside.end(), axes, axes * counts.outside[i]);
+    }
+    return lengths;
+  };
+  return pieces;
+}
+
+}  // namespace
+
+BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& settings) {
+  const TissueId id(name);
+  const TissueParameters parameters = tissue_parameters(id, settings);
+  LoadedMesh loaded = load_mesh_to_renumber(id.mesh, settings.unit);  // BodyPieces does that
+  TissueSettings made = tissue_settings(id, parameters, loaded);
+  if (!made.tools.empty())
+    throw InputError(
+        "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
+  std::vector<std::string> remarks = remarks_on_points(loaded.origin->file);
+  loaded.origin = nullptr;
+  BodyInPieces body{.structure = {},
+                    .parameters = named_values(parameters),
+                    .summary = summary_of(loaded.mesh, made),
+                    .remarks = std::move(remarks)};
+  try {
+    const auto pieces = std::make_shared<const BodyPieces>(loaded.mesh, std::move(made));
+    body.structure.alpha = pieces->alpha();
+    body.structure.beta = pieces->beta();
+    body.structure.pieces = pieces_of(pieces);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+  return body;
+}
+
+}  // namespace hmax

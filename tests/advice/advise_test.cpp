@@ -1,0 +1,594 @@
+#include "advice/advise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
+#include "limits/linearised_problem.hpp"
+#include "limits/predict.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+namespace {
+
+Problem cube(const std::string& load, std::vector<std::pair<std::string, double>> parameters = {}) {
+  return make_problem("fem_green/" + load + "@cube:n=2",
+                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+}
+
+AdviceQuestion question(double rate, const std::vector<std::string>& names, const Problem& problem) {
+  AdviceQuestion asked;
+  asked.rate = rate;
+  asked.frames = 50;
+  asked.proof = 5;
+  asked.methods = choose_methods(names, {problem});
+  return asked;
+}
+
+TEST(ProbingMotion, PressesHoldsAndReleases) {
+  const Problem problem = cube("press");
+  const ProbingMotion motion = probing_motion(problem);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(motion.problem.body->dofs());
+  const auto force = [&](const TissueBody& of, double t) {
+    Eigen::VectorXd f(zero.size());
+    of.force(t, zero, zero, f);
+    return f.norm();
+  };
+  const double full = force(*problem.body, 0);
+  ASSERT_GT(full, 0);
+  const TissueBody& body = *motion.problem.body;
+  EXPECT_EQ(force(body, 0), 0);
+  EXPECT_NEAR(force(body, 0.05), 0.5 * full, 1e-12 * full);
+  EXPECT_NEAR(force(body, 0.2), full, 1e-12 * full);
+  EXPECT_NEAR(force(body, 0.5), 0, 1e-12 * full);
+}
+
+TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
+  const ProbingMotion motion = probing_motion(cube("gravity"));
+  const TissueBody& body = *motion.problem.body;
+  const Eigen::Index n = body.dofs();
+  const Eigen::VectorXd q = motion.problem.y0.head(n), zero = Eigen::VectorXd::Zero(n);
+  EXPECT_GT(q.norm(), 0);
+  Eigen::VectorXd f(n), weight(n), pressed(n);
+  body.force(0, q, zero, f);
+  body.force(0, zero, zero, weight);
+  EXPECT_LT(f.norm(), 1e-8 * weight.norm());
+  body.force(0.2, q, zero, pressed);
+  EXPECT_GT(pressed.norm(), 1e3 * f.norm());
+}
+
+TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
+  const ProbingMotion motion = probing_motion(cube("press", {{"force", 50}}));
+  EXPECT_NE(motion.words.find("equilibrium"), std::string::npos) << motion.words;
+  EXPECT_LT(motion.load_share, 1);
+  EXPECT_EQ(motion.gravity_share, 1);
+}
+
+TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
+  const Problem problem =
+      make_problem("fem_green/gravity@ball:n=8", {.material = {}, .parameters = {}, .y0 = {}});
+  ASSERT_GT(problem.body->dofs(), 5000);
+  const RestingBody resting = resting_under_gravity(problem);
+  const double share =
+      resting.problem.body->settings().gravity.norm() / problem.body->settings().gravity.norm();
+  EXPECT_GT(share, 0);
+  EXPECT_LT(share, 1);
+  EXPECT_NE(resting.words.find("under which it has an equilibrium"), std::string::npos) << resting.words;
+  EXPECT_EQ(resting.share, share);
+  // At rest there: the forces are those of rounding.
+  Eigen::VectorXd f(problem.body->dofs()), start(problem.body->dofs());
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(f.size());
+  resting.problem.body->force(0, zero, zero, start);
+  resting.problem.body->force(0, resting.problem.y0.head(f.size()), zero, f);
+  EXPECT_LT(f.norm(), 1e-8 * start.norm());
+}
+
+TEST(ProbingMotion, TakesAsMuchOfALoadAsMovesTheBodyByTwoPercent) {
+  const ProbingMotion motion = probing_motion(cube("press", {{"force", 1e6}}));
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  EXPECT_NE(motion.words.find("2 %"), std::string::npos) << motion.words;
+  // Sides of 0.1 m: the diagonal is 0.173 m.
+  EXPECT_GT(reference.scale, 0.5 * 0.02 * 0.173);
+  EXPECT_LT(reference.scale, 2 * 0.02 * 0.173);
+}
+
+TEST(ReferenceMotion, IsAsCloseAsItSays) {
+  const ProbingMotion motion = probing_motion(cube("press"));
+  const ReferenceMotion coarse = reference_motion(motion, 0.01, 0.1),
+                        fine = reference_motion(motion, 0.01, 1e-3);
+  EXPECT_LE(coarse.error_bound, 0.01);
+  EXPECT_LE(fine.error_bound, 1e-4);
+  EXPECT_GT(fine.scale, 0);
+  ASSERT_EQ(coarse.y.size(), fine.y.size());
+  EXPECT_LE(coarse.t.size(), 51U);
+  double away = 0;
+  for (std::size_t i = 0; i < fine.y.size(); ++i)
+    away = std::max(away, relative_error(motion, fine, i, coarse.y[i]));
+  EXPECT_LE(away, 0.012);
+  EXPECT_GT(away, 0);
+}
+
+TEST(ReferenceMotion, IsTheSameByBothMethods) {
+  const ProbingMotion motion = probing_motion(cube("press"));
+  const double limit = *predict(find_method("rk4"), linearised(motion.problem, 0, motion.problem.y0)).h_max;
+  ASSERT_GT(limit, 1e-4);
+  const ReferenceMotion implicit = reference_motion(motion, 0.01, 1e-3),
+                        explicit_one = reference_motion(motion, 0.01, 1e-3, {}, limit);
+  ASSERT_EQ(implicit.t, explicit_one.t);
+  EXPECT_LE(explicit_one.error_bound, 1e-4);
+  double away = 0;
+  for (std::size_t i = 0; i < implicit.y.size(); ++i)
+    away = std::max(away, relative_error(motion, implicit, i, explicit_one.y[i]));
+  EXPECT_LE(away, 2e-4);
+  EXPECT_GT(away, 0);  // they are not one and the same
+}
+
+TEST(MotionRun, EndsWhereItsFramesTakeTooLong) {
+  const Problem problem = cube("press");
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  const Candidate candidate = candidates({find_method("symplectic_euler")}, problem).front();
+  // Eighteen million steps, which no machine takes half of in a second.
+  const MotionRun run = run_motion(candidate, motion, reference, 0.01, 300'000, {.most_per_frame = 1e-9});
+  EXPECT_EQ(run.outcome, Outcome::stopped);
+  EXPECT_LT(run.t, 0.5 * motion.t_end);
+  EXPECT_EQ(run.error, std::numeric_limits<double>::infinity());
+  EXPECT_GT(run.steps, 0);
+}
+
+TEST(MotionRun, CountsTheLinearIterationsOfEachFrame) {
+  const Problem problem = cube("press");
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  for (const Candidate& candidate : candidates({find_method("linearly_implicit_euler")}, problem)) {
+    const MotionRun run = run_motion(candidate, motion, reference, 0.01, 2);
+    ASSERT_FALSE(run.linear_iterations.empty());
+    const double most = std::ranges::max(run.linear_iterations),
+                 sum = std::accumulate(run.linear_iterations.begin(), run.linear_iterations.end(), 0.0);
+    if (candidate.linear_solve.iterations == 0) {
+      EXPECT_EQ(most, 0) << candidate.words();
+      continue;
+    }
+    EXPECT_GT(most, 0);
+    EXPECT_LE(most, 2 * candidate.linear_solve.iterations);
+    EXPECT_EQ(sum, static_cast<double>(run.stats.linear_iterations));
+  }
+}
+
+TEST(Candidates, AreMethodsWithTheirChoices) {
+  const Problem body = cube("press"), oscillator = make_problem("liver_forced");
+  const auto count = [](const char* id, const Problem& problem) {
+    return candidates({find_method(id)}, problem).size();
+  };
+  EXPECT_EQ(count("rk4", body), 1U);
+  EXPECT_EQ(count("linearly_implicit_euler", body), 4U);
+  EXPECT_EQ(count("linearly_implicit_euler", oscillator), 3U);
+  EXPECT_EQ(count("adams_pece", oscillator), 0U);  // chooses its steps itself
+  EXPECT_EQ(count("newmark", make_problem("lorenz")), 0U);
+}
+
+TEST(Advise, RecommendsAStepThatHoldsWhenItIsRun) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked =
+      question(100, {"symplectic_euler", "rk4", "linearly_implicit_euler", "newmark"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_EQ(advice.rows.size(), 7U);
+  const AdviceRow* best = advice.recommended();
+  ASSERT_NE(best, nullptr);
+  EXPECT_LE(best->error, asked.tolerance);
+  EXPECT_GE(best->frames, 50U);
+  EXPECT_EQ(best->h, asked.frame() / static_cast<double>(best->steps_per_frame));
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, asked.frame(), asked.tolerance);
+  EXPECT_LE(run_motion(best->candidate, motion, reference, asked.frame(), best->steps_per_frame).error,
+            asked.tolerance);
+  for (const AdviceRow& row : advice.rows) {
+    EXPECT_EQ(row.damping_added.size(), advice.modes.size());
+    if (!std::isfinite(row.h_max)) continue;
+    EXPECT_LT(row.h, row.h_max) << row.candidate.words();
+    EXPECT_NEAR(row.h_max_observed / row.h_max, 1, 0.1) << row.candidate.words();
+    EXPECT_FALSE(holds(row.candidate, motion, reference, 1.15 * row.h_max)) << row.candidate.words();
+  }
+}
+
+TEST(Advise, ProvesTheBestRowOnItsMotionAndOnAnother) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_NE(advice.recommended(), nullptr);
+  ASSERT_EQ(advice.proof.size(), 2U);
+  for (const ProofRun& run : advice.proof) {
+    EXPECT_TRUE(run.holds()) << run.motion;
+    EXPECT_GE(run.frames, 500U);
+    EXPECT_NEAR(run.seconds, static_cast<double>(run.frames) * 0.01, 1e-9);
+  }
+  EXPECT_NE(advice.proof[0].motion, advice.proof[1].motion);
+}
+
+TEST(Advise, KeepsTheRowsThatAreFinishedWhenItIsInterrupted) {
+  struct Enough {};
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
+  const auto interrupted_at = [&](std::string_view task) {
+    Advice advice;
+    const AdviceWatcher stop = [&](double, const std::string& what) {
+      if (what.starts_with(task)) throw Enough{};
+    };
+    EXPECT_THROW(advise(problem, asked, advice, stop), Enough) << task;
+    EXPECT_EQ(advice.recommended(), nullptr) << task;
+    for (const AdviceRow& row : advice.rows) EXPECT_NE(row.verdict, AdviceVerdict::tie) << task;
+    return advice;
+  };
+  EXPECT_TRUE(interrupted_at("finding the reference").rows.empty());
+  const Advice searched = interrupted_at("steps of newmark");
+  EXPECT_EQ(searched.stage, AdviceStage::searching);
+  ASSERT_EQ(searched.rows.size(), 2U);
+  if (searched.rows[1].verdict == AdviceVerdict::suitable) {
+    EXPECT_LE(searched.rows[0].frame.p50, searched.rows[1].frame.p50);
+  }
+  EXPECT_GT(searched.scale, 0);
+  EXPECT_FALSE(searched.motion.empty());
+  for (const auto& [task, stage] : {std::pair("timing", AdviceStage::timing),
+                                    {"long runs", AdviceStage::proving},
+                                    {"runs beside", AdviceStage::observing},
+                                    {"how sure", AdviceStage::observing}}) {
+    const Advice advice = interrupted_at(task);
+    EXPECT_EQ(advice.stage, stage) << task;
+    EXPECT_EQ(advice.rows.size(), 3U) << task;
+    EXPECT_EQ(advice.proof.empty(), stage != AdviceStage::observing) << task;
+  }
+}
+
+TEST(Advise, TellsItsProgressAndForgetsAnEarlierAnswer) {
+  const Problem problem = cube("press");
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  std::size_t calls = 0;
+  double last = 0;
+  Advice advice;
+  advice.rows.resize(3);  // of an earlier question
+  advise(problem, asked, advice, [&](double share, const std::string&) {
+    ++calls;
+    EXPECT_GE(share, last);
+    last = share;
+  });
+  EXPECT_GT(calls, 10U);
+  EXPECT_EQ(advice.stage, AdviceStage::done);
+  EXPECT_EQ(advice.rows.size(), 2U);
+  EXPECT_NE(advice.recommended(), nullptr);
+}
+
+TEST(Proof, FailsBeyondTheLimit) {
+  const Problem problem = cube("press", {{"E", 1e5}});
+  const AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_NE(advice.recommended(), nullptr);
+  const AdviceRow& row = *advice.recommended();
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, asked.frame(), asked.tolerance);
+  // A frame that one step fills, 5 % beyond the limit.
+  const ProofPlan plan{.frame = 1.05 * row.h_max, .budget = 1, .seconds = 2, .slowest = 0};
+  for (const ProofRun& run : prove(row.candidate, 1, motion, reference, plan))
+    EXPECT_FALSE(run.holds()) << run.motion;
+}
+
+/// The same body with its points in another order, turned, mirrored and made in another unit.
+Problem moved(const Problem& problem, const Eigen::Matrix3d& turn) {
+  const TissueBody& body = *problem.body;
+  TetMesh mesh = body.mesh();
+  const Eigen::Index n = mesh.point_count();
+  const auto place = [&](Eigen::Index i) { return (5 * i + 3) % n; };
+  for (Eigen::Index i = 0; i < n; ++i) mesh.points.col(place(i)) = turn * body.mesh().points.col(i);
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+    for (Eigen::Index a = 0; a < 4; ++a)
+      mesh.tetrahedra(a, t) = static_cast<TetMesh::Index>(place(body.mesh().tetrahedra(a, t)));
+    if (turn.determinant() < 0) std::swap(mesh.tetrahedra(0, t), mesh.tetrahedra(1, t));
+  }
+  TissueSettings settings = body.settings();
+  settings.gravity = turn * settings.gravity;
+  for (Support& support : settings.supports)
+    for (TetMesh::Index& i : support.points) i = static_cast<TetMesh::Index>(place(i));
+  for (PressingForce& force : settings.forces) {
+    for (TetMesh::Index& i : force.points) i = static_cast<TetMesh::Index>(place(i));
+    force.force = turn * force.force;
+  }
+  return with_body(problem, std::make_shared<const TissueBody>(mesh, settings, body.origin()));
+}
+
+TEST(Advise, IsTheSameForABodyRenumberedTurnedAndMirrored) {
+  const Problem problem = cube("press", {{"E", 1e5}});
+  ASSERT_EQ(problem.body->mesh().point_count() % 5, 2);  // 27 points: the new order is one
+  const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
+  const Advice before = advise(problem, asked);
+  const Eigen::Matrix3d turn =
+                            Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+                        mirror = Eigen::Vector3d(-1, 1, 1).asDiagonal();
+  for (const Eigen::Matrix3d& change : {turn, Eigen::Matrix3d(turn * mirror)}) {
+    const Advice after = advise(moved(problem, change), asked);
+    for (const AdviceRow& row : before.rows) {
+      const auto same = std::ranges::find(after.rows, row.candidate.method.id,
+                                          [](const AdviceRow& each) { return each.candidate.method.id; });
+      ASSERT_NE(same, after.rows.end());
+      EXPECT_EQ(same->steps_per_frame, row.steps_per_frame) << row.candidate.words();
+      EXPECT_EQ(same->bound, row.bound) << row.candidate.words();
+      EXPECT_NEAR(same->error, row.error, 1e-3 * row.error) << row.candidate.words();
+      if (std::isfinite(row.h_max)) {
+        EXPECT_NEAR(same->h_max, row.h_max, 1e-6 * row.h_max) << row.candidate.words();
+      }
+    }
+  }
+}
+
+TEST(LimitBands, AreRootsForAnUndampedBody) {
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
+  const Problem problem = make({});
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem.y0.size());
+  const auto bands = limit_bands(find_method("central_difference"), problem, rest, make);
+  ASSERT_EQ(bands.size(), 2U);
+  EXPECT_EQ(bands[0].quantity, "stiffness");
+  EXPECT_NEAR(bands[0].exponent, -0.5, 1e-6);
+  EXPECT_NEAR(bands[0].low, std::sqrt(1 / 1.29), 1e-6);
+  EXPECT_NEAR(bands[0].high, std::sqrt(1 / 0.71), 1e-6);
+  EXPECT_EQ(bands[1].quantity, "mass");
+  EXPECT_NEAR(bands[1].exponent, 0.5, 1e-6);
+}
+
+TEST(LimitBands, KnowDamping) {
+  const auto make = [](std::vector<std::pair<std::string, double>> values) {
+    if (values.empty() || values.front().first != "beta") values.emplace_back("beta", 0.01);
+    return cube("press", values);
+  };
+  const Problem problem = make({});
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(problem.y0.size());
+  const auto bands = limit_bands(find_method("rk4"), problem, rest, make);
+  ASSERT_EQ(bands.size(), 3U);
+  EXPECT_EQ(bands[2].quantity, "damping");
+  EXPECT_LT(bands[2].exponent, 0);
+}
+
+TEST(Advise, NamesWhatBindsTheStep) {
+  // So stiff that symplectic Euler takes several steps a frame.
+  const Problem problem = cube("press", {{"E", 1e5}});
+  const Advice advice = advise(problem, question(100, {"symplectic_euler"}, problem));
+  ASSERT_EQ(advice.rows.size(), 1U);
+  const AdviceRow& row = advice.rows.front();
+  EXPECT_GT(row.steps_per_frame, 1);
+  EXPECT_EQ(row.bound, AdviceBound::stability);
+  EXPECT_NEAR(row.stiffening, std::pow(row.h_max / row.h, 2), 1e-9);
+  EXPECT_LT(row.h, 0.96 * row.h_max);
+}
+
+TEST(Advise, FindsNothingWhereNothingIsFastEnough) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  const Advice advice = advise(problem, asked);
+  EXPECT_EQ(advice.recommended(), nullptr);
+  for (const AdviceRow& row : advice.rows) EXPECT_EQ(row.verdict, AdviceVerdict::too_slow);
+}
+
+TEST(RelativeError, IsThatOfEachStateInItsOwnRange) {
+  const ProbingMotion motion = probing_motion(make_problem("liver_forced"));
+  const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
+  ASSERT_EQ(reference.ranges.size(), 2);
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    Eigen::VectorXd y = reference.y[7];
+    y[i] += 0.1 * reference.ranges[i];
+    EXPECT_NEAR(relative_error(motion, reference, 7, y), 0.1, 1e-9);
+  }
+}
+
+TEST(ReferenceMotion, IsRefusedWhereNothingMoves) {
+  const Problem rests = make_problem("liver_linear", {.material = {}, .parameters = {}, .y0 = {0, 0}});
+  EXPECT_THROW(reference_motion(probing_motion(rests), 0.1, 0.01), InputError);
+}
+
+TEST(Advise, HasFramesToTimeAtLowRates) {
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(2, {"newmark"}, problem));
+  EXPECT_GT(advice.rows.front().frame.p50, 0);
+  const Problem short_one = make_problem("liver_forced");
+  EXPECT_THROW(advise(short_one, question(1e-3, {"rk4"}, short_one)), InputError);
+}
+
+TEST(Advise, SpendsABudgetOnTheError) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"newmark"}, problem);
+  const double error = advise(problem, asked).rows.front().error;
+  asked.budget = 1;  // far more than any frame takes
+  asked.least_error = true;
+  const AdviceRow row = advise(problem, asked).rows.front();
+  EXPECT_LT(row.error, 0.1 * error);
+  // Down to what the reference itself is known to.
+  EXPECT_EQ(row.bound, AdviceBound::accuracy);
+  EXPECT_GE(row.steps_per_frame, 2 * row.least_steps);
+}
+
+TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(100, {"linearly_implicit_euler"}, problem));
+  const auto frozen = std::ranges::find_if(advice.rows, [](const AdviceRow& row) {
+    return row.candidate.jacobian.every == JacobianUpdate::frozen;
+  });
+  ASSERT_NE(frozen, advice.rows.end());
+  // Every step up to twice the stiffness (docs/reference/facts.md), and a short one of a damped body far
+  // beyond.
+  EXPECT_GT(frozen->stiffening * advice.stiffened, 2);
+}
+
+TEST(Advise, PredictsLimitsThatNoModeTells) {
+  // Under load the stiff part and the rest of a body have no common modes.
+  const Problem problem = cube("press");
+  const Advice advice = advise(problem, question(100, {"imex_euler", "linearly_implicit_euler"}, problem));
+  const auto imex = std::ranges::find(advice.rows, "imex_euler",
+                                      [](const AdviceRow& row) { return row.candidate.method.id; });
+  ASSERT_NE(imex, advice.rows.end());
+  EXPECT_LE(imex->h, imex->h_max) << imex->status;
+  for (const AdviceRow& row : advice.rows)
+    EXPECT_FALSE(std::isnan(row.h_max)) << row.candidate.words() << row.status;
+}
+
+TEST(LoadMargin, IsOpenWhereNothingStiffens) {
+  const auto make = [](const std::string& load) {
+    return make_problem("fem_cauchy/" + load + "@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+  };
+  const Problem problem = make("press");
+  const Advice advice = advise(problem, question(100, {"symplectic_euler"}, problem));
+  ASSERT_NE(advice.recommended(), nullptr);
+  EXPECT_EQ(advice.load_margin.holds, 8);
+  EXPECT_TRUE(std::isinf(advice.load_margin.fails));
+  EXPECT_NEAR(advice.load_margin.displacement, 8 * advice.scale, 0.1 * 8 * advice.scale);
+}
+
+TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
+  const Problem problem =
+      make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 0}}, .y0 = {1, 0}});
+  const Candidate candidate{find_method("symplectic_euler"), {}, {}};
+  const ProbingMotion motion = probing_motion(problem);
+  const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
+  // The stiffness is k1 + 3 k3 x^2, at most that of x = 1: the step is half of its limit.
+  const double m = 1.45, k1 = 0.7, k3 = 0.8;
+  const double h = 1 / std::sqrt((k1 + 3 * k3) / m);
+  ASSERT_TRUE(holds(candidate, motion, reference, h));
+  const LoadMargin margin = load_margin(candidate, h, motion, reference, {});
+  EXPECT_GT(margin.holds, 1);
+  EXPECT_LT(margin.fails, 8);
+  EXPECT_LT(margin.fails / margin.holds, 1.5);
+  EXPECT_EQ(margin.of_model, false);
+  EXPECT_TRUE(holds(candidate, larger_motion(motion, margin.holds, {}), reference, h));
+  EXPECT_FALSE(holds(candidate, larger_motion(motion, margin.fails, {}), reference, h));
+}
+
+TEST(LoadMargin, MovesWhatMovesABody) {
+  const Problem pressed = cube("press"), touched = cube("tool");
+  const ProbingMotion larger = larger_motion(probing_motion(pressed), 3, {});
+  EXPECT_EQ(larger.problem.body->settings().forces.front().force,
+            3 * probing_motion(pressed).problem.body->settings().forces.front().force);
+  // A tool that went further would touch elsewhere.
+  EXPECT_TRUE(std::isnan(load_margin({find_method("symplectic_euler"), {}, {}}, 1e-4,
+                                     {.problem = touched, .t_end = 1, .words = ""}, {}, {})
+                             .holds));
+}
+
+TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
+  const Problem problem = make({});
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  Advice failed = advise(problem, asked);
+  find_remedies(problem, asked, failed, {.with = make});
+  const std::vector<Remedy>& found = failed.remedies;
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().change, "budget_ms");
+  EXPECT_EQ(found.front().from, 1e-5);
+  // What suffices lies between the budget that does not and a whole frame.
+  EXPECT_GT(found.front().to, found.front().from);
+  EXPECT_LT(found.front().to, 1e3 * asked.frame());
+  EXPECT_GT(found.front().h, 0);
+  EXPECT_FALSE(found.front().method.empty());
+}
+
+TEST(Remedies, MendElementsWhereThatMakesTheFastestModeSlower) {
+  // So stiff that a stable step is less than 1/100000 of a frame.
+  const Problem problem = cube("press", {{"E", 5.5e13}});
+  AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
+  asked.proof = 1;
+  Advice failed = advise(problem, asked);
+  ASSERT_EQ(failed.recommended(), nullptr);
+  std::vector<int> counts;
+  const Remaking make{.with = [](const auto&) -> Problem { throw InputError("no other parameters"); },
+                      .mended =
+                          [&](int count) {
+                            counts.push_back(count);
+                            return cube("press", {{"E", count < 16 ? 5.5e13 : 5500}});
+                          }};
+  find_remedies(problem, asked, failed, make);
+  ASSERT_EQ(failed.remedies.size(), 1U);
+  EXPECT_EQ(failed.remedies[0].change, "mend");
+  EXPECT_EQ(failed.remedies[0].to, 16);
+  EXPECT_EQ(failed.remedies[0].cost, "moves 0 of 27 points by at most 0 mm");
+  EXPECT_EQ(counts, (std::vector<int>{1, 4, 16}));
+}
+
+TEST(Remedies, ThatWereFoundStayWhenTheSearchIsInterrupted) {
+  struct Enough {};
+  const auto make = [](const std::vector<std::pair<std::string, double>>& values) {
+    return cube("press", values);
+  };
+  const Problem problem = make({});
+  AdviceQuestion asked = question(100, {"symplectic_euler", "newmark"}, problem);
+  asked.budget = 1e-8;
+  Advice failed = advise(problem, asked);
+  const AdviceWatcher stop = [&](double, const std::string&) {
+    if (!failed.remedies.empty()) throw Enough{};
+  };
+  EXPECT_THROW(find_remedies(problem, asked, failed, {.with = make}, stop), Enough);
+  ASSERT_EQ(failed.remedies.size(), 1U);
+  EXPECT_EQ(failed.remedies.front().change, "budget_ms");
+  EXPECT_GT(failed.remedies.front().h, 0);
+}
+
+TEST(Remedies, AreNoneOfAModelThatCannotBeMade) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"newmark"}, problem);
+  asked.budget = 1e-8;
+  Advice failed = advise(problem, asked);
+  const auto refuse = [](const auto&) -> Problem { throw InputError("no such parameter"); };
+  find_remedies(problem, asked, failed, {.with = refuse});
+  for (const Remedy& remedy : failed.remedies)
+    EXPECT_TRUE(remedy.change == "budget_ms" || remedy.change == "rate") << remedy.change;
+}
+
+TEST(Advise, KnowsOscillators) {
+  const Problem problem = make_problem("liver_forced");
+  const Advice advice = advise(problem, question(50, {"rk4", "implicit_euler"}, problem));
+  ASSERT_NE(advice.recommended(), nullptr);
+  EXPECT_EQ(advice.recommended()->candidate.method.id, "rk4");
+}
+
+/// Between two instants of the reference the forced liver is stiffer than at either.
+TEST(Advise, LooksForLimitsOfSmallProblemsAllAlongTheMotion) {
+  const Problem problem = make_problem("liver_forced");
+  const Advice advice = advise(problem, question(100, {"rk4", "rk2_heun"}, problem));
+  ASSERT_EQ(advice.rows.size(), 2U);
+  for (const AdviceRow& row : advice.rows) {
+    const auto along = limit_along(row.candidate.method, problem, problem.t_end);
+    EXPECT_NEAR(row.h_max, along->least, 1e-6 * along->least) << row.candidate.method.id;
+    EXPECT_LT(row.h_max, 0.8 * predict(row.candidate.method, advice.model->near).h_max.value())
+        << row.candidate.method.id;
+  }
+}
+
+TEST(Deadlines, MayBeMissedByOneFrameInAThousand) {
+  EXPECT_FALSE(is_late(0, 10));
+  EXPECT_FALSE(is_late(1, 10));  // the machine's
+  EXPECT_TRUE(is_late(2, 1999));
+  EXPECT_FALSE(is_late(2, 2000));
+}
+
+TEST(FrameTimes, AreOrderStatistics) {
+  std::vector<double> frames;
+  for (int i = 1; i <= 200; ++i) frames.push_back(i);
+  const FrameTimes times = frame_times(frames);
+  EXPECT_EQ(times.p50, 100);
+  EXPECT_EQ(times.p99, 198);
+  EXPECT_EQ(times.max, 200);
+  ASSERT_EQ(times.tail.size(), frame_shares.size() - 1) << "a thousandth of 200 frames is no frame";
+  EXPECT_EQ(times.tail[3], 100);
+  EXPECT_EQ(times.tail.back(), 199);
+  EXPECT_TRUE(frame_times({}).tail.empty());
+  EXPECT_TRUE(std::isnan(frame_times({}).p50));
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,78 @@
+/// Every adaptive method of the catalogue, also those of Boost.Odeint and SUNDIALS, from a start at rest and
+/// over right-hand sides that jump.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "tests/integrators/forced.hpp"
+
+namespace hmax {
+namespace {
+
+Problem at_rest(const AnySystem& system) {
+  Problem problem;
+  problem.id = "forced";
+  problem.states = {"y"};
+  problem.y0 = Eigen::VectorXd::Zero(1);
+  problem.system = system;
+  return problem;
+}
+
+class AdaptiveMethod : public testing::TestWithParam<std::string> {
+ protected:
+  Method method = find_method(GetParam());
+  [[nodiscard]] RunRecord run(const AnySystem& system, RunSpec spec) const {
+    spec.adaptive = true;
+    spec.max_steps = 5'000'000;
+    return method.bind(at_rest(system)).run(spec, {});
+  }
+};
+
+std::vector<std::string> adaptive_methods() {
+  std::vector<std::string> ids;
+  for (const Method& method : methods())
+    if (method.adaptive()) ids.push_back(method.id);
+  return ids;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, AdaptiveMethod, testing::ValuesIn(adaptive_methods()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST_P(AdaptiveMethod, SeesForcesThatBeginAtZeroInEveryUnitOfTime) {
+  for (const double unit : {1e-9, 1.0, 1e9})
+    for (const forced::Forcing& forcing : forced::forcings()) {
+      const RunRecord record =
+          run(AnySystem(forced::Forced{forcing.g, unit}), {.t_end = 10 * unit, .rtol = 1e-5, .atol = 1e-7});
+      EXPECT_EQ(record.outcome, Outcome::reached_end) << forcing.name << " " << unit;
+      // Motions are of the size one; the least that is left of one is 0.006. Stages of SUNDIALS are solved
+      // loosely.
+      EXPECT_NEAR(record.y[0], forcing.end, 1e-2 * std::abs(forcing.end) + 2e-4)
+          << forcing.name << " " << unit;
+    }
+}
+
+TEST_P(AdaptiveMethod, GoesOverJumpsThatTheModelNames) {
+  for (const double height : {1.0, 1e6})
+    for (const bool at_once : {true, false}) {
+      const forced::Switched system{.height = height, .at_once = at_once};
+      const RunRecord record = run(AnySystem(system), {.t_end = 10, .rtol = 1e-6, .atol = 1e-9});
+      EXPECT_EQ(record.outcome, Outcome::reached_end) << height << at_once << record.note;
+      EXPECT_NEAR(record.y[0] / height, system.end() / height, 5e-4) << height << at_once;
+    }
+}
+
+TEST_P(AdaptiveMethod, KeepsToTheFirstAndTheLongestStepOfTheUser) {
+  std::vector<double> times;
+  RunSpec spec{.t_end = 10, .adaptive = true, .rtol = 1e-3, .atol = 1e-3, .h_first = 0.01, .h_max = 0.25};
+  const AnySystem half_a_sine(forced::Forced{forced::forcings()[1].g});
+  method.bind(at_rest(half_a_sine)).run(spec, [&](double t, const auto&) { times.push_back(t); });
+  ASSERT_GT(times.size(), 10U);
+  EXPECT_LE(times[1], 0.01 * (1 + 1e-12));
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_LE(times[i] - times[i - 1], 0.25 * 1.0101) << i;
+}
+
+}  // namespace
+}  // namespace hmax

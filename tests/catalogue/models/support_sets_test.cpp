@@ -1,0 +1,134 @@
+#include "catalogue/models/support_sets.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
+#include "problems/tissue/body.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+/// Two tetrahedra of the regions 7 (core) and 9 on a common face, points 2, 4, ... 12 of which the last is
+/// idle, the surface 30 (skin) on points 2, 6, 4, and a point of group 5.
+constexpr const char* two =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+    "$PhysicalNames\n3\n2 30 \"skin\"\n3 7 \"core\"\n0 5 \"core\"\n$EndPhysicalNames\n"
+    "$Nodes\n6\n2 0 0 0\n4 1 0 0\n6 0 1 0\n8 0 0 1\n10 1 1 1\n12 9 9 9\n$EndNodes\n"
+    "$Elements\n5\n1 2 2 30 1 2 6 4\n2 15 2 5 1 10\n3 15 2 6 1 12\n4 4 2 7 1 2 4 6 8\n5 4 2 9 2 4 6 8 10\n"
+    "$EndElements\n";
+
+class SupportSets : public ::testing::Test {
+ protected:
+  SupportSets() {
+    write_text(folder / "two.msh", two);
+    mesh = load_mesh((folder / "two.msh").string(), 0.1);
+  }
+
+  /// The points of a set by the numbers of the file.
+  std::vector<std::int64_t> held(const std::string& set) const {
+    std::vector<std::int64_t> numbers;
+    for (const TetMesh::Index i : points_of_set(set, mesh))
+      numbers.push_back(mesh.origin->file.point_numbers.at(
+          static_cast<std::size_t>(mesh.origin->points.at(static_cast<std::size_t>(i)))));
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    return numbers;
+  }
+  std::string refusal(const std::string& set) const {
+    try {
+      points_of_set(set, mesh);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "taken";
+  }
+  Problem body(std::vector<std::pair<std::string, double>> parameters) const {
+    return make_problem("fem_green@" + (folder / "two.msh").string(),
+                        {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+  }
+
+  const Scratch folder;
+  LoadedMesh mesh;
+};
+
+using Numbers = std::vector<std::int64_t>;
+
+TEST_F(SupportSets, AreGroupsAndRegionsByNameOrByKindAndNumber) {
+  EXPECT_EQ(held("skin"), (Numbers{2, 4, 6}));
+  EXPECT_EQ(held("surface:skin"), (Numbers{2, 4, 6}));
+  EXPECT_EQ(held("surface:30"), (Numbers{2, 4, 6}));
+  EXPECT_EQ(held("region:core"), (Numbers{2, 4, 6, 8}));
+  EXPECT_EQ(held("region:9"), (Numbers{4, 6, 8, 10}));
+  EXPECT_EQ(held("vertices:core"), Numbers{10});
+}
+
+TEST_F(SupportSets, ArePointsByTheirNumbersBoxesAndFiles) {
+  EXPECT_EQ(held("points:10,4"), (Numbers{4, 10}));
+  EXPECT_EQ(held("-1,1,-1,1,-0.001,0.001"), (Numbers{2, 4, 6}));
+  EXPECT_EQ(held("-inf,inf,-inf,inf,0.05,inf"), (Numbers{8, 10}));
+  write_text(folder / "held.txt", "# the left side\n2 8\n\n 6,10 # and one more\n");
+  EXPECT_EQ(held("@" + (folder / "held.txt").string()), (Numbers{2, 6, 8, 10}));
+}
+
+TEST_F(SupportSets, WhatTheMeshDoesNotHaveIsRefused) {
+  EXPECT_NE(refusal("skn").find("did you mean 'skin'?"), std::string::npos) << refusal("skn");
+  EXPECT_NE(refusal("surface:31").find("surface:skin"), std::string::npos) << refusal("surface:31");
+  EXPECT_NE(refusal("core").find("the name of 2 groups and regions"), std::string::npos);
+  EXPECT_NE(refusal("points:5").find("names point 5, but the points of"), std::string::npos);
+  EXPECT_NE(refusal("points:5").find("from 2 to 12 with gaps"), std::string::npos) << refusal("points:5");
+  EXPECT_NE(refusal("points:12").find("point 12, which is in no tetrahedron"), std::string::npos);
+  EXPECT_NE(refusal("points:").find("no number of a point"), std::string::npos);
+  EXPECT_NE(refusal("points:1.5").find("'1.5'"), std::string::npos);
+  EXPECT_NE(refusal("vertices:6").find("no point of"), std::string::npos);
+  EXPECT_NE(refusal("5,6,5,6,5,6").find("larger box, in metres"), std::string::npos);
+  EXPECT_NE(refusal("").find("no group or region ''"), std::string::npos);
+  EXPECT_NE(refusal("@none.txt").find("no file 'none.txt'"), std::string::npos);
+  write_text(folder / "held.txt", "2\n4 x\n");
+  EXPECT_NE(refusal("@" + (folder / "held.txt").string()).find("held.txt, line 2 has 'x'"),
+            std::string::npos);
+  write_text(folder / "held.txt", "# nothing\n");
+  EXPECT_NE(refusal("@" + (folder / "held.txt").string()).find("no point of"), std::string::npos);
+}
+
+TEST_F(SupportSets, HoldABodyTogetherAndInsteadOfItsEnd) {
+  EXPECT_EQ(body({{"support:skin", 1}}).body->dofs(), 6);
+  const Problem held = body({{"support:points:2", 1}, {"support:points:2,10", 1}});
+  EXPECT_EQ(held.body->dofs(), 9);
+  // What is listed of a body makes it again.
+  EXPECT_EQ(body(held.parameters).body->settings().supports.front().points,
+            held.body->settings().supports.front().points);
+  EXPECT_THROW(body({{"support:skin", 1}, {"support:points:8,10", 1}}), InputError);  // everything is held
+  EXPECT_THROW(body({{"support:skin", 1}, {"support", 0.2}}), InputError);
+  EXPECT_THROW(body({{"support:skin", 1}, {"xmin", 0}}), InputError);
+  EXPECT_THROW(body({{"support:skin", 2}}), InputError);
+}
+
+TEST_F(SupportSets, RegionsHaveMaterialsByNameToo) {
+  const auto materials = [&](const std::string& name) {
+    return body({{name, 9000}}).body->settings().materials;
+  };
+  EXPECT_EQ(materials("E:core")[0].young, 9000);
+  EXPECT_EQ(materials("E:core")[1].young, 5500);
+  EXPECT_EQ(materials("E:9")[1].young, 9000);
+  try {
+    materials("E:cor");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("no region cor; it has 7 'core', 9"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(SupportSetsOfNamedMeshes, PointsCountFromOne) {
+  const LoadedMesh cube = load_mesh("cube:n=2");
+  EXPECT_EQ(points_of_set("points:1,27", cube), (std::vector<TetMesh::Index>{0, 26}));
+  EXPECT_THROW(points_of_set("points:0", cube), InputError);
+  EXPECT_THROW(points_of_set("points:28", cube), InputError);
+}
+
+}  // namespace
+}  // namespace hmax

@@ -1,0 +1,193 @@
+#include "limits/by_steps/period_maps.hpp"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "analysis/dynamics/poincare.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/planar.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+using Set = std::vector<std::pair<std::string, double>>;
+
+Problem liver(const Set& set) {
+  return make_problem("liver_forced", {.material = "", .parameters = set, .y0 = {}});
+}
+
+/// A chaotic motion beside periodic ones, one without force, one without stiffness, and one that runs away.
+std::vector<Problem> various() {
+  const Set ueda{{"m", 1}, {"c", 0.05}, {"k1", 0}, {"k3", 1}, {"w", 1}};
+  std::vector<Problem> problems;
+  for (const double P : {7.5, 5.75, 0.1, 0.0, -3.0}) {
+    Set set = ueda;
+    set.emplace_back("P", P);
+    problems.push_back(liver(set));
+  }
+  problems.push_back(liver({{"m", 1}, {"c", 0.1}, {"k1", 0}, {"k3", 0}, {"w", 1}}));
+  problems.push_back(liver({{"k1", 1}, {"k3", -1}, {"c", 0.5}, {"w", 1}}));
+  return problems;
+}
+
+MapTask<std::vector<VectorXd>> images(OneMap map, VectorXd y, int count) {
+  std::vector<VectorXd> seen;
+  for (int i = 0; i < count; ++i) {
+    y = co_await map(y);
+    seen.push_back(y);
+  }
+  co_return seen;
+}
+
+/// Compared as bits, in which NaN equals itself.
+void expect_equal(const std::vector<VectorXd>& found, const std::vector<VectorXd>& expected,
+                  const std::string& what) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (Eigen::Index d = 0; d < 2; ++d)
+      EXPECT_TRUE(found[i](d) == expected[i](d) || (std::isnan(found[i](d)) && std::isnan(expected[i](d))))
+          << what << ", image " << i << ": " << found[i].transpose() << " and " << expected[i].transpose();
+}
+
+/// More motions than there are lanes, each compared with what stroboscope() makes of it alone. Some have no
+/// image from the beginning.
+void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
+                                      const std::vector<double>& periods,
+                                      const std::optional<FixedSteps>& steps, int count) {
+  std::vector<VectorXd> starts;
+  for (int i = 0; i < 19; ++i) starts.push_back(Vector2d(std::sin(i), 2 * std::cos(3 * i)));
+  starts.push_back(Vector2d(std::nan(""), 0));
+  starts.push_back(Vector2d(0, 1e200));
+  starts.push_back(Vector2d::Zero());
+  std::vector<std::vector<VectorXd>> expected;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const std::size_t map = i % problems.size();
+    const VectorFunction P = stroboscope(problems[map], periods[map], steps);
+    std::vector<VectorXd>& all = expected.emplace_back();
+    for (VectorXd y = starts[i]; static_cast<int>(all.size()) < count;) all.push_back(y = P(y));
+  }
+  for (const InstructionSet set : instruction_sets()) {
+    const auto ensembles = period_maps([&](std::size_t i) { return problems[i]; }, periods, steps, 1, set);
+    ASSERT_EQ(ensembles.size(), 1U);
+    std::vector<MapTask<std::vector<VectorXd>>> tasks;
+    MapCalls calls(
+        [&] {
+          const std::size_t i = tasks.size();
+          if (i == starts.size()) return false;
+          tasks.push_back(images(OneMap(calls, i % problems.size()), starts[i], count));
+          tasks.back().start();
+          return true;
+        },
+        {});
+    ensembles[0](calls);
+    ASSERT_EQ(tasks.size(), starts.size());
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      ASSERT_TRUE(tasks[i].has_ended());
+      expect_equal(tasks[i].result(), expected[i],
+                   std::string(to_string(set)) + (steps ? " " + steps->method.id : "") + ", start " +
+                       std::to_string(i));
+    }
+  }
+}
+
+TEST(PeriodMaps, AdaptiveOnesAreThoseOfSingleRuns) {
+  const std::vector<Problem> problems = various();
+  expect_the_images_of_single_runs(problems, std::vector<double>(problems.size(), 2 * std::acos(-1.0)), {},
+                                   4);
+}
+
+/// Each lane has a frequency of its own, also a negative one, and a period that is a multiple of it.
+TEST(PeriodMaps, AdaptiveOnesMayDifferInTime) {
+  std::vector<Problem> problems;
+  std::vector<double> periods;
+  for (const double w : {0.3, 0.5, 0.9, 1.7, -2.0, 11.0}) {
+    problems.push_back(liver({{"w", w}}));
+    periods.push_back(2 * drive_period(problems.back(), {}));
+  }
+  expect_the_images_of_single_runs(problems, periods, {}, 3);
+}
+
+TEST(PeriodMaps, FixedStepsAreThoseOfSingleRuns) {
+  const std::vector<Problem> problems = various();
+  const std::vector<double> periods(problems.size(), 2 * std::acos(-1.0));
+  // First same as last and not; with and without a stage at the end of a step.
+  for (const char* method :
+       {"rk4", "dop_853", "dormand_prince_54", "rk2_midpoint", "explicit_euler", "fehlberg_78"})
+    for (const double h : {0.05, 0.3})
+      expect_the_images_of_single_runs(problems, periods, FixedSteps{find_method(method), h}, 3);
+}
+
+TEST(PeriodMaps, GoOneByOneWhereLanesDoNotApply) {
+  const double pi = std::acos(-1.0);
+  // An implicit method; frequencies that differ; formulas.
+  expect_the_images_of_single_runs(various(), std::vector<double>(7, 2 * pi),
+                                   FixedSteps{find_method("trapezoidal"), 0.3}, 1);
+  expect_the_images_of_single_runs({liver({{"w", 0.5}}), liver({{"w", 2}})}, {4 * pi, pi},
+                                   FixedSteps{find_method("rk4"), 0.3}, 2);
+  const Scratch scratch;
+  write_text(scratch / "swing.toml",
+             "[equations]\nx = \"v\"\nv = \"cos(t) - x - 0.3*v\"\n[initial]\nx = 0.5\nv = 1\n");
+  expect_the_images_of_single_runs({make_problem(scratch / "swing.toml"), liver({{"w", 1}})},
+                                   {2 * pi, 2 * pi}, {}, 1);
+}
+
+/// The largest step that divides the period and is not longer than the one that is asked for.
+TEST(PeriodMaps, StepsDivideThePeriod) {
+  const Problem problem = liver({});
+  const double period = drive_period(problem, {});
+  const FixedSteps about{find_method("rk4"), period / 9.5}, exact{find_method("rk4"), period / 10};
+  EXPECT_EQ(stroboscope(problem, period, about)(problem.y0), stroboscope(problem, period, exact)(problem.y0));
+  // Order 4, against the adaptive map.
+  const VectorXd limit = stroboscope(problem, period, std::nullopt)(problem.y0);
+  const auto error = [&](int steps) {
+    const FixedSteps fixed{find_method("rk4"), period / steps};
+    return (stroboscope(problem, period, fixed)(problem.y0) - limit).norm();
+  };
+  EXPECT_NEAR(std::log2(error(100) / error(200)), 4, 0.2);
+}
+
+TEST(PeriodMaps, RefuseStepsThatAreNone) {
+  const auto make = [](const char* method, double h) {
+    return period_maps([](std::size_t) { return liver({}); }, {12.0}, FixedSteps{find_method(method), h}, 1);
+  };
+  EXPECT_THROW(make("rk4", 0), InputError);
+  EXPECT_THROW(make("rk4", -1), InputError);
+  EXPECT_THROW(make("rk4", std::nan("")), InputError);
+  EXPECT_THROW(make("rk4", std::numeric_limits<double>::infinity()), InputError);
+  EXPECT_THROW(make("adams_bashforth_2", 0.1), InputError);  // it remembers more than the state
+}
+
+/// Motions that are followed for different lengths, two images at a time among them.
+TEST(PeriodMaps, MakeTheDiagramOfSingleRuns) {
+  const std::vector<double> values{5.305, 5.75, 7.5, 6.475, 0.0};
+  const auto problem_at = [&](std::size_t i) {
+    return liver({{"m", 1}, {"c", 0.05}, {"k1", 0}, {"k3", 1}, {"w", 1}, {"P", values[i]}});
+  };
+  const std::vector<double> periods(values.size(), 2 * std::acos(-1.0));
+  const FixedSteps steps{find_method("rk4"), 0.1};
+  const auto lanes =
+      bifurcation(period_maps(problem_at, periods, steps, 2), values, Vector2d(0.5, 1), 20, 16, false);
+  const auto single =
+      bifurcation({one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); })},
+                  values, Vector2d(0.5, 1), 20, 16, false);
+  ASSERT_EQ(lanes.size(), values.size());
+  ASSERT_EQ(single.size(), values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(lanes[i].motion.settling, single[i].motion.settling);
+    EXPECT_EQ(lanes[i].motion.period, single[i].motion.period);
+    EXPECT_EQ(lanes[i].motion.followed, single[i].motion.followed);
+    expect_equal(lanes[i].motion.looks, single[i].motion.looks, std::to_string(values[i]));
+  }
+}
+
+}  // namespace
+}  // namespace hmax
