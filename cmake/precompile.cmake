@@ -12,13 +12,18 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS
   list(APPEND HMAX_PRECOMPILE_OPTIONS -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
 
-# hmax_precompile(TARGET header...), or with REUSE_FROM OTHER_TARGET what was parsed for a target of the same options: call it after the properties of the sources are set. Sources with compile options of
-# their own cannot share what was parsed with others, and are left out.
+# hmax_precompile(TARGET header...): call it after the properties of the sources are set. Sources with compile options of
+# their own cannot share what was parsed with others, and are left out. hmax_precompile(TARGET REUSE_FROM OTHER) takes what
+# was parsed for another target, which needs the same options and definitions.
 function(hmax_precompile target)
   if(NOT TARGET ${target})
     return()
   endif()
-  target_precompile_headers(${target} PRIVATE ${ARGN})
+  if("${ARGV1}" STREQUAL "REUSE_FROM")
+    target_precompile_headers(${target} REUSE_FROM ${ARGV2})
+  else()
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
   target_compile_options(${target} PRIVATE ${HMAX_PRECOMPILE_OPTIONS})
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
