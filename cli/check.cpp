@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/timing/accuracy_suite.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/tableau_file.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "bench/timing/reference.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"

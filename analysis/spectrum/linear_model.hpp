@@ -168,7 +168,7 @@ Eigen::SparseMatrix<double> pattern_of(const S& system, real_of<typename S::Stat
       jacobian_type<S> J = room_for<jacobian_type<S>>(system.dim());
       system.jacobian(t, y, J);
       const AnyMatrix own = any_matrix(J);
-      if (is_sparse(own)) return std::get<1>(own);
+      if (hmax::is_sparse(own)) return std::get<1>(own);
     }
   return {};
 }

@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/timing/reference.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 

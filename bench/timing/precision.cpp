@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/step_limits/stable_step.hpp"
+#include "catalogue/models/problems.hpp"
 #include "core/dense_solvers.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/implicit/jacobian.hpp"

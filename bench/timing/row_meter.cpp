@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/timing/reference.hpp"
 #include "bench/timing/timing.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"

@@ -6,6 +6,7 @@
 #include "bench/timing/row_meter.hpp"
 #include "bench/timing/sweep.hpp"
 #include "bench/timing/sweeper.hpp"
+#include "catalogue/models/problems.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {

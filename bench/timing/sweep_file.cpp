@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include "catalogue/input/suggest.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "problems/oscillator/liver_materials.hpp"

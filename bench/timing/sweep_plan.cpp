@@ -13,7 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/timing/sweep.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/tableau_file.hpp"
+#include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"

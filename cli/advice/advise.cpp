@@ -13,6 +13,7 @@
 #include "advice/advice_records.hpp"
 #include "advice/documents/advice_json.hpp"
 #include "advice/remaking.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/support_sets.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/timing/sweep.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/reproduce_stability.hpp"
 #include "cli/reproduce/reproduce_tissue.hpp"

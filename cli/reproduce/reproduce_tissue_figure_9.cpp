@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"

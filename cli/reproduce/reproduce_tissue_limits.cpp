@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "plots/draw.hpp"

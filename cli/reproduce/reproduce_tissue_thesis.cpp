@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/limits.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/reproduce/reproduce_tissue_parts.hpp"
 #include "cli/shared/region_shape.hpp"

@@ -10,6 +10,7 @@
 #include "advice/documents/stability_json.hpp"
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/numerical_damping.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/tableau_file.hpp"
 #include "cli/shared/choices.hpp"

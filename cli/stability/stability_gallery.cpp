@@ -11,6 +11,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/models/problems.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"

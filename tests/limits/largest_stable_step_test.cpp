@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "integrators/control.hpp"
 #include "integrators/explicit/explicit_rk.hpp"

@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "analysis/amplification/amplification.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/models/problems.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "limits/modes/mode_start.hpp"

@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/stabilised_amplification.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/chosen_methods.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"

@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "analysis/step_limits/stable_step.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/measured_amplification.hpp"
+#include "catalogue/models/problems.hpp"
 
 namespace hmax {
 namespace {

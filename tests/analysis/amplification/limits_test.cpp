@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/one_step_amplification.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/measured_amplification.hpp"
 #include "integrators/multistep/adams_coefficients.hpp"

@@ -12,7 +12,9 @@
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "analysis/amplification/principal_root.hpp"
 #include "analysis/amplification/structural_amplification.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
+#include "catalogue/models/problems.hpp"
 
 namespace hmax {
 namespace {
