@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "advice/documents/method_json.hpp"
-#include "advice/documents/number_json.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
+#include "limits/documents/method_json.hpp"
+#include "limits/documents/number_json.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
 

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "advice/documents/probe_json.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "catalogue/plugin/plugin_sources.hpp"
 #include "catalogue/plugin/plugin_stepper.hpp"
@@ -16,6 +15,7 @@
 #include "cli/shared/work_limit.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "limits/documents/probe_json.hpp"
 
 namespace hmax {
 

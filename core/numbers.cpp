@@ -5,6 +5,8 @@
 #include <cmath>
 #include <system_error>
 
+#include <fmt/format.h>
+
 namespace hmax {
 
 std::string to_text(double value) {
@@ -43,6 +45,12 @@ std::optional<double> to_number(std::string_view text) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
   return value;
+}
+
+std::string short_number(double value, int digits) {
+  if (std::isnan(value)) return std::string(no_number);
+  if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
+  return rounded_text(value == 0 ? 0.0 : value, digits);  // no "-0"
 }
 
 }  // namespace hmax

@@ -284,7 +284,7 @@ OperatingPoint point_of_matrices(const Problem& problem) {
 }  // namespace
 
 OperatingPoint operating_point(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
-  if (is_matrices_id(problem.id)) return point_of_matrices(problem);
+  if (problem.matrices) return point_of_matrices(problem);
   const bool at_rest = at == AskedState::rest;
   const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
   const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();

@@ -26,7 +26,7 @@ std::string_view name_of(Linearity linearity) {
 }
 
 Linearity linearity_of(const Problem& problem) {
-  if (is_matrices_id(problem.id))
+  if (problem.matrices)
     return times_of_matrices(problem).empty() ? Linearity::linear : Linearity::time_varying;
   // Loads and moving supports are forces b(t).
   if (problem.body) return has_linear_forces(*problem.body) ? Linearity::linear : Linearity::nonlinear;

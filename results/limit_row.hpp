@@ -21,14 +21,10 @@ struct OperatingPointKey {
   bool operator==(const OperatingPointKey&) const = default;
 };
 
-/// A state near which a model was linearised, as it is told to people and programs.
+/// A state near which a model was linearised.
 struct OperatingPointRow {
   OperatingPointKey key;
-  std::string status;      ///< why it is not the state that was asked for; empty when it is
-  std::string words;       ///< lines about the state, for people
-  std::string body_words;  ///< lines about the body, for people; empty without one
-  std::string remarks;     ///< lines that go to standard error
-  std::string document;    ///< the same as one JSON object
+  std::string document;  ///< facts of the model and of the state, a JSON object
 };
 
 /// The limit of one method near an operating point. Numbers that do not apply are NaN, limits that no step

@@ -37,10 +37,9 @@ struct Session {
 /// another schema.
 class Store {
  public:
-  /// The number of the table layout in results/sqlite/schema.hpp. A file with a lower one is brought to it
-  /// when it is opened, in one transaction, or where it cannot be written read as it is, with NaN for numbers
-  /// that it does not have; one with a higher number is refused and left untouched.
-  static constexpr int schema_version = 7;
+  /// The number of the table layout in results/sqlite/schema.hpp; a file with another one is refused and left
+  /// untouched.
+  static constexpr int schema_version = 1;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "catalogue/models/problems.hpp"
 #include "core/parallel_for.hpp"
 #include "limits/along/trajectory_limit.hpp"
@@ -77,8 +79,9 @@ void keep(Store& store, const std::vector<AskedCase>& asked, const std::vector<S
   for (const AskedCase& each : asked) {
     OperatingPointRow point;
     point.key = each.key;
-    point.words = each.near.point.state + "\n";
-    point.document = "{}";
+    point.document = nlohmann::ordered_json{{"state", each.near.point.state},
+                                            {"state_kind", name_of(each.near.point.kind)}}
+                         .dump();
     std::vector<LimitRow> own;
     for (const StudyRow& row : computed)
       if (row.which == each.which) own.push_back(row.limit);

@@ -37,11 +37,16 @@ struct Reference {
 /// A problem in the highest precision it is written in, for orders that double is too coarse to see.
 using ExtendedSystem = BasicAnySystem<long double>;
 
-class TissueBody;  // problems/tissue/body.hpp
+class TissueBody;    // problems/tissue/body.hpp
+struct MatrixModel;  // problems/matrices/matrix_model.hpp
+
+/// What a problem is made of.
+enum class ModelKind { oscillator, test_set, formulas, body, matrices, plugin };
 
 /// A problem with all its numbers fixed.
 struct Problem {
-  std::string id;                                          ///< catalogue id, or the name of a user's file
+  std::string id;  ///< catalogue id, or the name of a user's file
+  ModelKind kind = ModelKind::formulas;
   std::string material;                                    ///< empty when it has none
   std::string note;                                        ///< one line: where it comes from
   std::vector<std::pair<std::string, double>> parameters;  ///< name, value; in the order of the model
@@ -60,8 +65,11 @@ struct Problem {
   std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
   std::vector<std::int64_t>
       tetrahedron_numbers{};  ///< of it, as users know them (catalogue/models/equilibria/body_balance.hpp)
-  std::vector<std::string> idle{};  ///< names of `parameters` that change nothing here
-  UserView shown{};                 ///< how users count its time and states
+  std::vector<std::string> idle{};                        ///< names of `parameters` that change nothing here
+  UserView shown{};                                       ///< how users count its time and states
+  std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< of ModelKind::matrices
+  /// The same problem made once more, for a thread of its own: some systems have one workspace.
+  std::function<Problem()> again = nullptr;
 };
 
 /// What a user may change of a problem.

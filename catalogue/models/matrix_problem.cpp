@@ -328,6 +328,7 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
     start = start_from(*model, given, "--y0");
   }
   Problem problem{.id = id,
+                  .kind = ModelKind::matrices,
                   .material = "",
                   .note = note_of(*model),
                   .parameters = {},
@@ -336,6 +337,7 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
                   .t_end = default_end(*model),
                   .system = system_of(*model, alpha, beta)};
   problem.y0 = start;
+  problem.matrices = model;
   if (!model->is_first_order()) problem.parameters = {{"alpha", alpha}, {"beta", beta}};
   for (const auto& [name, value] : problem.parameters)
     if (value == 0) problem.idle.push_back(name);
@@ -343,12 +345,9 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
   return problem;
 }
 
-std::shared_ptr<const MatrixModel> matrices_of(const Problem& problem) { return model_of(problem.id); }
-
 std::vector<double> times_of_matrices(const Problem& problem) {
-  if (!is_matrices_id(problem.id)) return {};
-  const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
-  return model->varying ? model->varying->times() : std::vector<double>();
+  const MatrixModel* model = problem.matrices.get();
+  return model && model->varying ? model->varying->times() : std::vector<double>();
 }
 
 Problem with_frozen_matrices(const Problem& problem, double t) {
@@ -357,7 +356,7 @@ Problem with_frozen_matrices(const Problem& problem, double t) {
   const auto value_of = [&](std::string_view name) {
     return std::ranges::find(problem.parameters, name, &std::pair<std::string, double>::first)->second;
   };
-  still.system = system_of(frozen(*matrices_of(problem), t), value_of("alpha"), value_of("beta"));
+  still.system = system_of(frozen(*problem.matrices, t), value_of("alpha"), value_of("beta"));
   return still;
 }
 
@@ -383,8 +382,8 @@ std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
 }
 
 std::vector<std::string> matrix_remarks(const Problem& problem) {
-  if (!is_matrices_id(problem.id)) return {};
-  const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
+  const MatrixModel* model = problem.matrices.get();
+  if (!model) return {};
   const MatrixFacts& facts = model->facts;
   std::vector<std::string> remarks;
   if (facts.repeated > 0) remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));

@@ -37,9 +37,6 @@ std::string matrices_beside(const std::string& id, const std::string& folder);
 /// @throws InputError  for files and parameters that are none
 Problem make_matrix_problem(const std::string& id, const ProblemSettings& settings);
 
-/// The matrices of a problem that was made of them.
-std::shared_ptr<const MatrixModel> matrices_of(const Problem& problem);
-
 /// The times at which the matrices of a problem are given, rising [s]; empty where they do not change, and of
 /// other problems.
 std::vector<double> times_of_matrices(const Problem& problem);

@@ -21,8 +21,7 @@ constexpr Unit of_oscillators[] = {{"m", "kg"},    {"c", "N s/m"}, {"k1", "N/m"}
 
 std::string with_unit(const Problem& problem, std::string_view parameter) {
   if (problem.body) return fmt::format("{} [{}]", parameter, unit_of_tissue_parameter(parameter));
-  if (is_matrices_id(problem.id))
-    return fmt::format("{} [{}]", parameter, parameter == "alpha" ? "1/s" : "s");
+  if (problem.matrices) return fmt::format("{} [{}]", parameter, parameter == "alpha" ? "1/s" : "s");
   if (!std::holds_alternative<Oscillator>(problem.system)) return std::string(parameter);
   const auto* const known = std::ranges::find(of_oscillators, parameter, &Unit::first);
   return fmt::format("{} [{}]", parameter, known == std::end(of_oscillators) ? "1" : known->second);

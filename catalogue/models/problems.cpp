@@ -84,6 +84,7 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
   }
   set_parameters(parameters, oscillator_parameter_names, settings, liver.id);
   Problem problem{.id = std::string(liver.id),
+                  .kind = ModelKind::oscillator,
                   .material = material,
                   .note = std::string(liver.note),
                   .parameters = {},
@@ -117,6 +118,7 @@ Problem test_set_problem(const ProblemSettings& settings) {
   set_parameters(parameters, Wide::Parameters::names, settings, Wide::id);
   const Wide system(parameters);
   Problem problem{.id = std::string(Wide::id),
+                  .kind = ModelKind::test_set,
                   .material = "",
                   .note = fmt::format("{} [{}]", Wide::note, Wide::source),
                   .parameters = {},
@@ -198,6 +200,7 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
   FormulaSystem system(std::move(definition));
   const FormulaDefinition& d = system.definition();
   Problem problem{.id = d.name,
+                  .kind = ModelKind::formulas,
                   .material = "",
                   .note = fmt::format("formulas of {}", file),
                   .parameters = d.parameters,
@@ -224,7 +227,9 @@ std::vector<std::string> problem_ids() {
   return ids;
 }
 
-Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
+namespace {
+
+Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
   if (settings.t0 && !id_or_file.ends_with(".toml"))
     throw InputError(
         fmt::format("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file));
@@ -245,6 +250,14 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
   }
   unknown("problem", id_or_file, problem_ids(),
           " (a file of formulas ends in .toml, tissue on a mesh is MODEL@MESH)");
+}
+
+}  // namespace
+
+Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
+  Problem problem = made(id_or_file, settings);
+  problem.again = [id_or_file, settings] { return made(id_or_file, settings); };
+  return problem;
 }
 
 }  // namespace hmax

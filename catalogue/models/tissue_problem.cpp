@@ -156,6 +156,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   auto body =
       std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
+                  .kind = ModelKind::body,
                   .material = settings.material,
                   .note = fmt::format("{} points, {} tetrahedra, {} degrees of freedom", mesh.point_count(),
                                       mesh.tetrahedron_count(), body->dofs()),
@@ -198,8 +199,7 @@ Problem after_ramps(const Problem& problem) {
 std::string start_in_words(const Problem& problem) {
   constexpr Eigen::Index most_listed = 64;
   if (problem.body) return "rest";
-  if (!is_matrices_id(problem.id) || problem.y0.size() <= most_listed)
-    return describe(problem.shown.state(problem.y0));
+  if (!problem.matrices || problem.y0.size() <= most_listed) return describe(problem.shown.state(problem.y0));
   Digest digest;
   digest.add({reinterpret_cast<const char*>(problem.y0.data()),
               sizeof(double) * static_cast<std::size_t>(problem.y0.size())});

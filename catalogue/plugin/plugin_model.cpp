@@ -209,6 +209,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
   return {.id = fmt::format("{}#{}", facts.name, digest),
+          .kind = ModelKind::plugin,
           .material = {},
           .note = facts.note,
           .parameters = {},

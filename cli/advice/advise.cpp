@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "advice/advice_json.hpp"
 #include "advice/advice_records.hpp"
-#include "advice/documents/advice_json.hpp"
 #include "advice/remaking.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/support_sets.hpp"

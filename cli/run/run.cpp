@@ -12,11 +12,11 @@
 #include "catalogue/methods/method.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
-#include "cli/bodies/tool_report.hpp"
 #include "cli/run/checkpoint_option.hpp"
 #include "cli/run/motion_outputs.hpp"
 #include "cli/run/run_options.hpp"
@@ -33,6 +33,7 @@
 #include "integrators/implicit/newton.hpp"
 #include "integrators/run_end.hpp"
 #include "limits/along/trajectory_limit.hpp"
+#include "limits/documents/model_json.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
@@ -348,7 +349,7 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   text += "\n\n" + (done ? console.strong(words) : console.alarming(words)) + "\n";
   if (record.t_state != record.t)
     text += fmt::format("before that, at t = {} s:\n", short_number(record.t_state, 10));
-  if (is_matrices_id(problem.id) && problem.states.size() > most_listed)
+  if (problem.matrices && problem.states.size() > most_listed)
     return text + largest_states(problem, record) + costs_in_words(method, run);
   std::size_t width = 0;
   for (const std::string& state : problem.states) width = std::max(width, state.size());
@@ -418,7 +419,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
         "{} does not solve its equations by Newton's method of hmax; leave --newton-tolerance and "
         "--newton-iterations out",
         method.id));
-  if (is_given(options.jobs) && !problem.body && !is_matrices_id(problem.id))
+  if (is_given(options.jobs) && !problem.body && !problem.matrices)
     throw InputError(
         fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
   if (options.full && !(json && problem.body))
@@ -534,7 +535,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
-  if (is_matrices_id(problem.id) && options.problem.y0.empty() && matrix_files(problem.id).initial.empty())
+  if (problem.matrices && options.problem.y0.empty() && problem.matrices->files.initial.empty())
     console.note(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
                              is_second_order(problem) ? "displacements at rest" : "states",
                              to_text(random_start_size)));

@@ -80,7 +80,6 @@ std::size_t width_of(std::string_view text) {
 }
 
 /// What people read where a number has none of the digits they expect.
-constexpr std::string_view no_number = "undefined", too_large = "infinite", too_low = "-infinite";
 
 bool is_number_in_words(std::string_view cell) {
   return cell.empty() || cell == "-" || cell == no_number || cell == too_large || cell == too_low ||
@@ -267,12 +266,6 @@ std::string TextTable::text(const Console& console) const {
     text += (r == 0 ? console.strong(line) : line) + "\n";
   }
   return text;
-}
-
-std::string short_number(double value, int digits) {
-  if (std::isnan(value)) return std::string(no_number);
-  if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
-  return rounded_text(value == 0 ? 0.0 : value, digits);  // no "-0"
 }
 
 }  // namespace hmax

@@ -11,6 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/numbers.hpp"
+
 namespace hmax {
 
 /// Exit codes of the program; docs/reference/cli.md is the contract.
@@ -113,8 +115,5 @@ class TextTable {
  private:
   std::vector<std::vector<std::string>> rows_;
 };
-
-/// At most `digits` significant digits, for people.
-std::string short_number(double value, int digits = 6);
 
 }  // namespace hmax

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "limits/documents/limit_json.hpp"
 #include "limits/prediction.hpp"
+
 namespace hmax {
 
 namespace {
@@ -106,19 +108,6 @@ std::string words_of_notes(std::span<const LimitRow> rows) {
     text +=
         fmt::format("{}{}: {}\n", fmt::join(methods, ", "), material.empty() ? "" : ", " + material, note);
   return text;
-}
-
-std::string words_of_growth(const LimitRow& row) {
-  if (std::isnan(row.along_grows_from)) return {};
-  return row.point.path == "load"
-             ? fmt::format(
-                   "the body buckles from {} of the load on: the stiffness of its equilibrium has a negative eigenvalue "
-                   "there; take less load, or look where it goes with `--along motion`",
-                   short_number(row.along_grows_from, 4))
-             : fmt::format(
-                   "the tangent grows on {} % of the motion, from t = {} s on, where neighbours part "
-                   "whatever the step",
-                   short_number(100 * row.along_growing, 3), short_number(row.along_grows_from, 4));
 }
 
 std::string words_of_paths(std::span<const LimitRow> rows) {

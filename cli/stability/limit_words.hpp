@@ -23,10 +23,6 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
 /// The notes of rows, each once with all methods of which it is said.
 std::string words_of_notes(std::span<const LimitRow> rows);
 
-/// Where on the path of a row tangents grow, so that the limits there are those of no step; empty where none
-/// does.
-std::string words_of_growth(const LimitRow& row);
-
 /// What is to be said of limits along paths, once of neighbours that say the same.
 std::string words_of_paths(std::span<const LimitRow> rows);
 

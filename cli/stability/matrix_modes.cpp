@@ -63,7 +63,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
     throw InputError(
         fmt::format("the modes of {} unknowns did not converge; ask for fewer", part.mass.size()));
   const std::vector<MatrixMode> modes = modes_of(part, found);
-  const std::shared_ptr<const MatrixModel> model = matrices_of(problem);
+  const MatrixModel* model = problem.matrices.get();
   const auto row_of = [&](const MatrixMode& mode) {
     return model->unknowns[static_cast<std::size_t>(mode.unknown)];
   };

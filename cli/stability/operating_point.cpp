@@ -51,11 +51,7 @@ void announce_equilibrium(Console& console, const Problem& problem, AskedState a
 }
 
 LinearisationProgress::LinearisationProgress(Progress& progress)
-    : ticker_(5, [this, &progress](int seconds) {
-        const double residual = residual_;
-        const std::string search =
-            residual > 0 ? fmt::format("static equilibrium (residual {:.1e}), ", residual) : std::string();
-        progress.update(0, fmt::format("{}fastest modes, {} s", search, seconds));
-      }) {}
+    : ticker_(5,
+              [this, &progress](int seconds) { progress.update(0, words_of_search(residual_, seconds)); }) {}
 
 }  // namespace hmax

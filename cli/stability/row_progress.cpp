@@ -1,7 +1,7 @@
 #include "cli/stability/row_progress.hpp"
 
-#include <algorithm>
 #include <condition_variable>
+#include <mutex>
 #include <new>
 #include <stop_token>
 #include <system_error>
@@ -35,28 +35,14 @@ Ticker::Ticker(int first, std::function<void(int seconds)> show) {
   }
 }
 
-RowProgress::RowProgress(Progress& progress, std::string task, std::function<double(std::size_t done)> share)
-    : task_(std::move(task)),
-      share_(std::move(share)),
-      ticker_(1, [this, &progress](int) { show(progress); }) {}
-
-void RowProgress::begin(const std::string& row) {
-  const std::lock_guard lock(mutex_);
-  running_.push_back({row, Clock::now()});
+long seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - start).count();
 }
 
-void RowProgress::end(const std::string& row) {
-  const std::lock_guard lock(mutex_);
-  std::erase_if(running_, [&](const Running& each) { return each.row == row; });
-  ++done_;
-}
-
-void RowProgress::show(Progress& progress) {
-  const std::lock_guard lock(mutex_);
-  if (running_.empty()) return;
-  const Running& longest = running_.front();
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - longest.start).count();
-  progress.update(share_(done_), fmt::format("{}{}, {} s", task_, longest.row, seconds));
+std::string words_of_search(double residual, long seconds) {
+  const std::string search =
+      residual > 0 ? fmt::format("static equilibrium (residual {:.1e}), ", residual) : std::string();
+  return fmt::format("{}fastest modes, {} s", search, seconds);
 }
 
 }  // namespace hmax

@@ -2,14 +2,9 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <thread>
-#include <vector>
-
-#include "cli/shared/console.hpp"
 
 namespace hmax {
 
@@ -24,32 +19,17 @@ class Ticker {
   std::jthread thread_;
 };
 
-/// Shows which row has been computed the longest, while several threads compute rows.
-class RowProgress {
- public:
-  /// @param progress  is left alone once this has ended
-  /// @param task      before the name of a row
-  /// @param share     of the whole work, when so many of these rows are done
-  RowProgress(Progress& progress, std::string task, std::function<double(std::size_t done)> share);
-
-  /// Both from any thread. @param row  its name, which no two rows share
-  void begin(const std::string& row);
-  void end(const std::string& row);
-
- private:
-  void show(Progress& progress);
-
-  using Clock = std::chrono::steady_clock;
-  struct Running {
-    std::string row;
-    Clock::time_point start;
-  };
-  std::string task_;
-  std::function<double(std::size_t)> share_;
-  std::mutex mutex_;
-  std::vector<Running> running_;  ///< in the order in which they began
-  std::size_t done_ = 0;
-  Ticker ticker_;  // last: the others must be there
+/// A row that is being computed.
+struct RunningRow {
+  std::string row;
+  std::chrono::steady_clock::time_point start;
 };
+
+/// Whole seconds.
+long seconds_since(std::chrono::steady_clock::time_point start);
+
+/// "static equilibrium (residual 1.2e-03), fastest modes, 7 s"
+/// @param residual  0 before the first iterate
+std::string words_of_search(double residual, long seconds);
 
 }  // namespace hmax

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "advice/documents/stability_json.hpp"
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/numerical_damping.hpp"
 #include "catalogue/methods/catalogue.hpp"
@@ -18,6 +17,7 @@
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "limits/documents/stability_json.hpp"
 
 namespace hmax {
 

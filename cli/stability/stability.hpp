@@ -1,10 +1,10 @@
 /// What the subcommands of `hmax stability` share.
 #pragma once
 
-#include "advice/documents/number_json.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
+#include "limits/documents/number_json.hpp"
 
 namespace hmax {
 

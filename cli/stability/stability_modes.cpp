@@ -165,7 +165,7 @@ std::string in_words(const Problem& problem, const OperatingPoint& point,
 
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
-  if (is_matrices_id(problem.id)) {
+  if (problem.matrices) {
     if (!options.output.empty())
       throw InputError("--output writes shapes on a mesh, and matrices have none; remove it");
     remark_unusual(console, problem);

@@ -14,10 +14,11 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/distributed_rows.hpp"
-#include "cli/stability/predicted_rows.hpp"
+#include "cli/stability/limit_answer.hpp"
+#include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/errors.hpp"
-#include "limits/problem_linearity.hpp"
+#include "limits/along/motion_run.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 
 namespace hmax {
@@ -59,34 +60,28 @@ std::optional<StepChoices> step_options(const PredictOptions& options, const std
   return chosen;
 }
 
-/// Whether the limits of one state do not tell of the motion, or nobody knows that they do.
-bool changes_along_motion(const Problem& problem) {
-  if (problem.body) return has_moving_load(problem);
-  return linearity_of(problem) != Linearity::linear;
+/// Ids of the methods that the user names by id or alias, not by a family.
+std::vector<std::string> named_one_by_one(const MethodsChoice& choice, const std::vector<Method>& methods) {
+  std::vector<std::string> ids;
+  if (choice.names.empty()) return ids;
+  for (const std::string& name : parse_names("--methods", choice.names))
+    for (const Method& method : methods)
+      if (method.id == name || std::ranges::find(method.aliases, name) != method.aliases.end())
+        ids.push_back(method.id);
+  return ids;
 }
 
-/// The question with what --along stands for: loads of bodies and matrices that change with time, and other
-/// models that are not known to be linear, are looked at along the motion unless the user asks for the state
-/// at rest, or for no path.
-LimitQuestion question_of(const PredictOptions& options, const Problem& problem) {
-  LimitQuestion question{
-      .at = options.at, .verify = options.verify, .path = options.along, .t_end = options.t_end};
-  if (question.path.empty()) {
-    question.path_by_default = options.jacobian.empty() && options.linear.empty() &&
-                               changes_along_motion(problem) && options.at.of(problem) != AskedState::rest;
-    if (question.path_by_default) question.path = path_names[0];
-  } else if (parse_choice("--along", question.path, path_names) == path_names[2]) {
-    question.path.clear();
-  }
-  if (options.t_end && question.path != path_names[0])
-    throw InputError(
-        "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
-  // Some thousand runs: of bodies and large matrices only for those who ask.
-  constexpr Eigen::Index soon = 2000;
-  const bool is_large = problem.body || problem.y0.size() > soon;
-  question.runs_from_start =
-      options.verify && question.path == path_names[0] && !(question.path_by_default && is_large);
-  return question;
+/// The question that the options ask of problems like this one.
+LimitQuestion question_of(const PredictOptions& options, const std::vector<Method>& methods,
+                          const Problem& problem) {
+  std::string path = options.along;
+  if (!path.empty()) path = parse_choice("--along", path, path_names);
+  return along({.at = options.at.of(problem),
+                .verify = options.verify,
+                .t_end = options.t_end,
+                .options = step_options(options, methods),
+                .named = named_one_by_one(options.methods, methods)},
+               path, problem);
 }
 
 /// Ids of a list; all: both ends of the mass range of every material.
@@ -116,17 +111,6 @@ void require_code(const std::vector<Method>& methods) {
           method.id));
 }
 
-/// Ids of the methods that the user names by id or alias, not by a family.
-std::vector<std::string> named_one_by_one(const MethodsChoice& choice, const std::vector<Method>& methods) {
-  std::vector<std::string> ids;
-  if (choice.names.empty()) return ids;
-  for (const std::string& name : parse_names("--methods", choice.names))
-    for (const Method& method : methods)
-      if (method.id == name || std::ranges::find(method.aliases, name) != method.aliases.end())
-        ids.push_back(method.id);
-  return ids;
-}
-
 /// @throws InputError  for options that --engine petsc does not have
 void refuse_beside_engine(const PredictOptions& options) {
   const auto refuse = [](bool given, std::string_view option, std::string_view remedy) {
@@ -148,6 +132,24 @@ void refuse_beside_engine(const PredictOptions& options) {
                     options.at.at.empty() ? "add" : "write"));
 }
 
+void print(const LimitAnswer& answer, const LimitQuestion& question, const std::vector<Problem>& problems,
+           const std::optional<Store>& store, Console& console) {
+  if (console.json) {
+    nlohmann::ordered_json document = answer_json(answer, problems);
+    if (store) {
+      document["store"] = store->file().string();
+      document["looked_up"] = answer.looked_up;
+    }
+    return console.print_json(document);
+  }
+  console.print(words_of(answer, question, problems, console));
+  if (!store) return;
+  std::size_t rows = 0;
+  for (const ModelLimits& model : answer.models) rows += model.rows.size();
+  console.print(fmt::format("{} limits in {}: {} computed, {} looked up\n", rows, store->file().string(),
+                            rows - answer.looked_up, answer.looked_up));
+}
+
 void predict_rows(const PredictOptions& options, Console& console) {
   if (!options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1]) {
     // First of all: while it is open rank 0 alone prints, errors too.
@@ -156,43 +158,29 @@ void predict_rows(const PredictOptions& options, Console& console) {
     return print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
   }
   if (!options.out.empty()) refuse_copies("hmax stability predict --out");
-  std::vector<ProblemChoice> choices;
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
-    choices.push_back(options.problem);
-    choices.back().material = material;
-    problems.push_back(choices.back().make());
+    ProblemChoice choice = options.problem;
+    choice.material = material;
+    problems.push_back(choice.make());
   }
-  LimitQuestion question = question_of(options, problems.front());
-  std::vector<Method> methods = options.methods.methods(problems, console);
-  question.options = step_options(options, methods);
-  question.named = named_one_by_one(options.methods, methods);
+  const std::vector<Method> methods = options.methods.methods(problems, console);
+  const LimitQuestion question = question_of(options, methods, problems.front());
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
   options.problem.remark_idle(console, problems.front());
   std::optional<Store> store;
   if (!options.out.empty()) store = Store::open_or_create(store_path(options.out));
-  // A user's tableau may change under its name.
-  const bool looks_up = options.methods.tableau.empty();
-  PredictedRows rows(question, std::move(choices), std::move(problems), std::move(methods),
-                     store ? &*store : nullptr, looks_up, console);
-  rows.compute();
-  rows.judge();
-  if (console.json) {
-    nlohmann::ordered_json document = rows.json();
-    if (store) {
-      document["store"] = store->file().string();
-      document["looked_up"] = rows.looked_up();
-    }
-    console.print_json(document);
-  } else {
-    console.print(rows.words());
-    if (store)
-      console.print(fmt::format("{} limits in {}: {} computed, {} looked up\n", rows.rows().size(),
-                                store->file().string(), rows.rows().size() - rows.looked_up(),
-                                rows.looked_up()));
-  }
-  if (!interrupt_flag()) return;
+  const LimitAnswer answer = [&] {
+    LimitProgress progress(console, question);
+    // A user's tableau may change under its name.
+    const LimitStore kept{.store = store ? &*store : nullptr, .looks_up = options.methods.tableau.empty()};
+    return query_limits(question, problems, methods, kept, console.json, progress);
+  }();
+  warn_of_states(answer, question, problems, console);
+  judge(answer, question, console);
+  print(answer, question, problems, store, console);
+  if (!answer.stopped) return;
   if (store) throw Interrupted::with_store(store->file().string());
   throw Interrupted{"the rows so far are printed"};
 }

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "advice/documents/stability_json.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
@@ -14,6 +13,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/documents/stability_json.hpp"
 #include "plots/draw.hpp"
 #include "results/table.hpp"
 

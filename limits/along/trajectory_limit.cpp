@@ -259,7 +259,7 @@ double end_of_motion(const Problem& problem) {
 }
 
 std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
-  if (!is_matrices_id(problem.id)) return std::nullopt;
+  if (!problem.matrices) return std::nullopt;
   if (!(t_end > 0 && std::isfinite(t_end)))
     throw InputError(
         fmt::format("the end time is {} s but must be positive and finite; give another", to_text(t_end)));

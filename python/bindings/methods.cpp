@@ -1,7 +1,7 @@
 /// The catalogue of methods, and their stability.
-#include "advice/documents/method_json.hpp"
-#include "advice/documents/stability_json.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
+#include "limits/documents/method_json.hpp"
+#include "limits/documents/stability_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "advice/advice_json.hpp"
 #include "advice/advise.hpp"
-#include "advice/documents/advice_json.hpp"
 #include "advice/remaking.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/mesh_choice.hpp"

@@ -4,8 +4,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "advice/documents/probe_json.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
+#include "limits/documents/probe_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 

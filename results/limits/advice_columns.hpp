@@ -21,7 +21,6 @@ inline constexpr std::array<Column<AdviceKey, double>, 3> advice_key_numbers{
     {{"rate", &AdviceKey::rate}, {"tolerance", &AdviceKey::tolerance}, {"budget_s", &AdviceKey::budget}}};
 
 /// Layout 4 does not have these.
-inline constexpr std::string_view linear_column = "linear_per_frame", tail_column = "frame_tail_s";
 
 inline constexpr std::array<Column<AdviceRecord, std::string>, 6> advice_texts{
     {{"method", &AdviceRecord::method},
@@ -29,7 +28,7 @@ inline constexpr std::array<Column<AdviceRecord, std::string>, 6> advice_texts{
      {"bound", &AdviceRecord::bound},
      {"verdict", &AdviceRecord::verdict},
      {"status", &AdviceRecord::status},
-     {tail_column, &AdviceRecord::frame_tail}}};
+     {"frame_tail_s", &AdviceRecord::frame_tail}}};
 
 inline constexpr std::array<Column<AdviceRecord, double>, 16> advice_numbers{
     {{"h", &AdviceRecord::h},
@@ -45,7 +44,7 @@ inline constexpr std::array<Column<AdviceRecord, double>, 16> advice_numbers{
      {"frames", &AdviceRecord::frames},
      {"missed", &AdviceRecord::missed},
      {"newton_per_frame", &AdviceRecord::newton_per_frame},
-     {linear_column, &AdviceRecord::linear_per_frame},
+     {"linear_per_frame", &AdviceRecord::linear_per_frame},
      {"memory_bytes", &AdviceRecord::memory},
      {"stiffening", &AdviceRecord::stiffening}}};
 

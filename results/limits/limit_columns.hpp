@@ -18,12 +18,8 @@ inline constexpr std::array<Column<OperatingPointKey, std::string>, 7> point_key
      {"asked", &OperatingPointKey::asked},
      {"path", &OperatingPointKey::path}}};
 
-inline constexpr std::array<Column<OperatingPointRow, std::string>, 5> point_texts{
-    {{"status", &OperatingPointRow::status},
-     {"words", &OperatingPointRow::words},
-     {"body_words", &OperatingPointRow::body_words},
-     {"remarks", &OperatingPointRow::remarks},
-     {"document", &OperatingPointRow::document}}};
+inline constexpr std::array<Column<OperatingPointRow, std::string>, 1> point_texts{
+    {{"document", &OperatingPointRow::document}}};
 
 inline constexpr std::array<Column<LimitRow, std::string>, 9> limit_texts{
     {{"method", &LimitRow::method},

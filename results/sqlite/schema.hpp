@@ -52,18 +52,4 @@ CREATE TABLE rows (
 );
 )sql";
 
-/// From layout 1, which had no error_l2, to layout 2.
-inline constexpr const char* store_schema_1_to_2 =
-    "ALTER TABLE rows ADD COLUMN error_l2 NOT NULL DEFAULT 'nan'; PRAGMA user_version = 2";
-/// From layout 4, whose advice had neither iterations of conjugate gradients nor distributions of times, to
-/// layout 5.
-inline constexpr const char* store_schema_4_to_5 =
-    "ALTER TABLE advice ADD COLUMN linear_per_frame NOT NULL DEFAULT 'nan'; "
-    "ALTER TABLE advice ADD COLUMN frame_tail_s TEXT NOT NULL DEFAULT ''";
-/// Layout 2 had no limits, which limit_schema() adds, layout 3 no advice, which advice_schema() adds, layout
-/// 4 no scenes, which scene_schema() adds, layout 5 knew of no explored rows, and layout 6 had no words of
-/// answers, which words_schema() adds.
-inline constexpr const char* store_schema_to_6 =
-    "ALTER TABLE rows ADD COLUMN explored INTEGER NOT NULL DEFAULT 0; PRAGMA user_version = 6";
-
 }  // namespace hmax

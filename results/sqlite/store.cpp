@@ -156,23 +156,6 @@ void lay_out(sqlite3* database) {
   transaction.commit();
 }
 
-/// Brings a store of an earlier hmax to today's layout. Another process may do the same at the same time.
-void bring_up_to_date(sqlite3* database) {
-  sqlite::Transaction transaction(database);
-  const std::int64_t version = identity(database).version;
-  if (version == 1) sqlite::execute(database, store_schema_1_to_2);
-  if (version == 1 || version == 2) sqlite::execute(database, limit_schema().c_str());
-  if (version >= 1 && version <= 3) sqlite::execute(database, advice_schema().c_str());
-  if (version == 4) sqlite::execute(database, store_schema_4_to_5);
-  if (version >= 1 && version <= 4) sqlite::execute(database, scene_schema().c_str());
-  if (version >= 1 && version <= 5) sqlite::execute(database, store_schema_to_6);
-  if (version >= 1 && version <= 6) {
-    sqlite::execute(database, words_schema().c_str());
-    sqlite::execute(database, "PRAGMA user_version = 7");
-  }
-  transaction.commit();
-}
-
 std::string samples_to_json(const std::vector<double>& samples) {
   std::string json = "[";
   for (const double sample : samples) {
@@ -220,11 +203,10 @@ constexpr const char* insert_sql =
     "error_l2, reference_error, reference, subnormals, status, explored) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
     "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
 
-/// {}: error_l2 and explored, or what a layout without them has in their place
 constexpr const char* select_sql =
     "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
     "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "{}, reference_error, reference, subnormals, status, {} FROM rows ORDER BY problem, material, parameters, y0, "
+    "error_l2, reference_error, reference, subnormals, status, explored FROM rows ORDER BY problem, material, parameters, y0, "
     "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
@@ -331,8 +313,7 @@ std::pair<Database, Identity> connected(const fs::path& absolute, bool create) {
   return {std::move(database), id};
 }
 
-/// Lays out an empty file if `create`, and brings an older store up to date where it can be written; throws
-/// where no store that can be read results.
+/// Lays out an empty file if `create`; throws where no store of today's layout results.
 void settle(const Database& database, Identity id, const std::string& path, bool create) {
   if (create && is_empty(id)) {
     lay_out(database.get());
@@ -345,13 +326,7 @@ void settle(const Database& database, Identity id, const std::string& path, bool
     throw InputError(fmt::format(
         "'{}' is an SQLite file but not a store of hmax, left untouched: choose another file.", path));
   }
-  const bool earlier = id.version > 0 && id.version < Store::schema_version;
-  if (earlier && sqlite3_db_readonly(database.get(), "main") == 0) {
-    bring_up_to_date(database.get());
-    id = identity_now(database);
-  }
-  // What cannot be written is read as it is.
-  if (id.version != Store::schema_version && !earlier) {
+  if (id.version != Store::schema_version) {
     throw InputError(
         fmt::format("The store '{}' has schema {} but this hmax uses schema {}; it is left untouched: "
                     "choose another file, or export it with the hmax that made it.",
@@ -458,10 +433,7 @@ bool Store::contains(const RowKey& key) const {
 
 bool Store::contains_measured(const RowKey& key) const {
   return reporting(impl_->file, [&] {
-    const bool may_be_explored = sqlite::integer(impl_->db(), "PRAGMA user_version") > 5;
-    Statement query(
-        impl_->db(),
-        fmt::format("SELECT 1 FROM rows WHERE id = ?{}", may_be_explored ? " AND NOT explored" : "").c_str());
+    Statement query(impl_->db(), "SELECT 1 FROM rows WHERE id = ? AND NOT explored");
     query.bind(0, impl_->id_of(key));
     return query.step();
   });
@@ -474,11 +446,7 @@ std::int64_t Store::size() const {
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
-    // Another process may bring an earlier layout up to date meanwhile.
-    const std::int64_t layout = sqlite::integer(impl_->db(), "PRAGMA user_version");
-    Statement query(
-        impl_->db(),
-        fmt::format(select_sql, layout > 1 ? "error_l2" : "'nan'", layout > 5 ? "explored" : "0").c_str());
+    Statement query(impl_->db(), select_sql);
     while (query.step()) rows.push_back(read_row(query, impl_->file));
     return rows;
   });

@@ -22,20 +22,10 @@ std::string key_schema() {
 }
 std::string own_names() { return joined("", "", ", ", advice_texts, advice_numbers); }
 
-/// The same as expressions of an earlier layout, with what stands in place of the columns that it lacks.
-std::string own_names(std::int64_t layout) {
-  std::string names = own_names();
-  if (layout >= 5) return names;
-  names.replace(names.find(linear_column), linear_column.size(), "'nan'");
-  return names.replace(names.find(tail_column), tail_column.size(), "''");
-}
-
 void bind_key(Statement& statement, int& index, const AdviceKey& key) {
   sqlite::bind_texts(statement, index, key, advice_key_texts);
   for (const auto& column : advice_key_numbers) statement.bind(index++, key.*column.member);
 }
-
-std::int64_t layout_of(sqlite3* database) { return sqlite::integer(database, "PRAGMA user_version"); }
 
 void forget(sqlite3* database, const char* table, const AdviceKey& key) {
   Statement statement(database, fmt::format("DELETE FROM {} WHERE {}", table,
@@ -146,10 +136,8 @@ void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> re
 
 std::vector<AdviceRecord> Store::advice() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceRecord> {
-    const std::int64_t layout = layout_of(impl_->db());
-    if (layout < 4) return {};
     Statement query(impl_->db(), fmt::format("SELECT {0}, {1}, session FROM advice ORDER BY {0}, id",
-                                             key_names(), own_names(layout))
+                                             key_names(), own_names())
                                      .c_str());
     std::vector<AdviceRecord> records;
     while (query.step()) {
@@ -168,14 +156,12 @@ std::vector<AdviceRecord> Store::advice() const {
 
 std::vector<AdviceScene> Store::scenes() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceScene> {
-    if (layout_of(impl_->db()) < 5) return {};
     return texts_of(impl_->db(), "scenes", "scene", &AdviceScene::scene);
   });
 }
 
 std::vector<AdviceWords> Store::advice_words() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceWords> {
-    if (layout_of(impl_->db()) < 7) return {};
     return texts_of(impl_->db(), "answers", "words", &AdviceWords::words);
   });
 }

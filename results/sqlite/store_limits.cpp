@@ -66,9 +66,6 @@ std::vector<LimitRow> read_limits(Statement& query) {
   return rows;
 }
 
-/// An earlier layout that cannot be written has no limits.
-bool has_limits(sqlite3* database) { return sqlite::integer(database, "PRAGMA user_version") >= 3; }
-
 std::int64_t id_of_point(sqlite3* database, const OperatingPointKey& key) {
   Statement find(database, ("SELECT id FROM operating_points WHERE " + key_condition()).c_str());
   int index = 0;
@@ -130,7 +127,6 @@ void Store::insert_limits(const OperatingPointRow& point, std::span<const LimitR
 
 std::optional<OperatingPointRow> Store::operating_point(const OperatingPointKey& key) const {
   return reporting(impl_->file, [&]() -> std::optional<OperatingPointRow> {
-    if (!has_limits(impl_->db())) return std::nullopt;
     Statement query(impl_->db(), fmt::format("SELECT {} FROM operating_points WHERE {}",
                                              joined("", "", ", ", point_texts), key_condition())
                                      .c_str());
@@ -147,7 +143,6 @@ std::optional<OperatingPointRow> Store::operating_point(const OperatingPointKey&
 
 std::vector<LimitRow> Store::limits_at(const OperatingPointKey& key) const {
   return reporting(impl_->file, [&]() -> std::vector<LimitRow> {
-    if (!has_limits(impl_->db())) return {};
     Statement query(impl_->db(),
                     select_limits(fmt::format("WHERE {} ORDER BY limits.id",
                                               joined("operating_points.", " = ?", " AND ", point_key_texts) +
@@ -161,7 +156,6 @@ std::vector<LimitRow> Store::limits_at(const OperatingPointKey& key) const {
 
 std::vector<LimitRow> Store::limits() const {
   return reporting(impl_->file, [&]() -> std::vector<LimitRow> {
-    if (!has_limits(impl_->db())) return {};
     Statement query(
         impl_->db(),
         select_limits(fmt::format("ORDER BY {}, limits.method", key_names("operating_points."))).c_str());

@@ -23,10 +23,6 @@ OperatingPointRow a_point(const std::string& material = "male_slim") {
                .asked = "equilibrium",
                .path = "motion",
                .t_end = 30};
-  point.status = "a status";
-  point.words = "two\nlines\n";
-  point.body_words = "";
-  point.remarks = "a remark\n";
   point.document = "{\"eigenvalues\": []}";
   return point;
 }
@@ -75,7 +71,7 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   EXPECT_TRUE(store.limits_at(other).empty());
 }
 
-constexpr const char* operating_points_of_layout_5 = R"sql(CREATE TABLE operating_points (
+constexpr const char* operating_points_of_layout_1 = R"sql(CREATE TABLE operating_points (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -86,15 +82,11 @@ constexpr const char* operating_points_of_layout_5 = R"sql(CREATE TABLE operatin
   asked TEXT NOT NULL,
   path TEXT NOT NULL,
   t_end REAL NOT NULL,
-  status TEXT NOT NULL,
-  words TEXT NOT NULL,
-  body_words TEXT NOT NULL,
-  remarks TEXT NOT NULL,
   document TEXT NOT NULL,
   UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
 ))sql";
 
-constexpr const char* limits_of_layout_5 = R"sql(CREATE TABLE limits (
+constexpr const char* limits_of_layout_1 = R"sql(CREATE TABLE limits (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   point INTEGER NOT NULL REFERENCES operating_points(id),
@@ -131,7 +123,7 @@ constexpr const char* limits_of_layout_5 = R"sql(CREATE TABLE limits (
   UNIQUE (point, method)
 ))sql";
 
-constexpr const char* advice_of_layout_5 = R"sql(CREATE TABLE advice (
+constexpr const char* advice_of_layout_1 = R"sql(CREATE TABLE advice (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -169,7 +161,7 @@ constexpr const char* advice_of_layout_5 = R"sql(CREATE TABLE advice (
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s, method, options)
 ))sql";
 
-constexpr const char* scenes_of_layout_5 = R"sql(CREATE TABLE scenes (
+constexpr const char* scenes_of_layout_1 = R"sql(CREATE TABLE scenes (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -186,10 +178,10 @@ constexpr const char* scenes_of_layout_5 = R"sql(CREATE TABLE scenes (
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s)
 ))sql";
 
-/// Another column in the lists is another layout: raise Store::schema_version, bring earlier stores to it,
-/// and write the tables down here.
+/// Another column in the lists is another layout: raise Store::schema_version, and write the tables
+/// down here.
 TEST(LimitStore, HasTheTablesOfItsLayout) {
-  static_assert(Store::schema_version == 7);
+  static_assert(Store::schema_version == 1);
   const Scratch scratch;
   const std::string file = (scratch / "s.sqlite").string();
   Store::open_or_create(file);
@@ -205,10 +197,10 @@ TEST(LimitStore, HasTheTablesOfItsLayout) {
     sqlite3_exec(database, query.c_str(), take, &text, nullptr);
     return text;
   };
-  EXPECT_EQ(table("operating_points"), operating_points_of_layout_5);
-  EXPECT_EQ(table("limits"), limits_of_layout_5);
-  EXPECT_EQ(table("advice"), advice_of_layout_5);
-  EXPECT_EQ(table("scenes"), scenes_of_layout_5);
+  EXPECT_EQ(table("operating_points"), operating_points_of_layout_1);
+  EXPECT_EQ(table("limits"), limits_of_layout_1);
+  EXPECT_EQ(table("advice"), advice_of_layout_1);
+  EXPECT_EQ(table("scenes"), scenes_of_layout_1);
   sqlite3_close(database);
 }
 
@@ -222,7 +214,7 @@ TEST(LimitStore, ReplacesALimitOfTheSameKeyAndKeepsTheOthers) {
   LimitRow changed = a_limit("rk4");
   changed.observed = 7;
   OperatingPointRow point = a_point();
-  point.words = "other words";
+  point.document = "{\"state\": \"other\"}";
   store.insert_limits(point, std::span(&changed, 1));
   store.insert_limits(a_point("female_fat"), both);
 
@@ -232,7 +224,7 @@ TEST(LimitStore, ReplacesALimitOfTheSameKeyAndKeepsTheOthers) {
   EXPECT_EQ(rows[0].observed, 7);
   EXPECT_EQ(rows[0].session, 2);
   EXPECT_EQ(rows[1].session, 1);
-  EXPECT_EQ(store.operating_point(point.key)->words, "other words");
+  EXPECT_EQ(store.operating_point(point.key)->document, point.document);
   const std::vector<LimitRow> all = store.limits();
   ASSERT_EQ(all.size(), 4U);
   EXPECT_EQ(all[0].point.material, "female_fat");
@@ -249,28 +241,6 @@ TEST(LimitStore, RefusesLimitsWithoutASessionAndEndlessMotions) {
   OperatingPointRow endless = a_point();
   endless.key.t_end = INFINITY;
   EXPECT_THROW(store.insert_limits(endless, std::span(&limit, 1)), std::invalid_argument);
-}
-
-TEST(LimitStore, BringsAStoreWithoutLimitsToTheLayout) {
-  const Scratch scratch;
-  const std::string file = (scratch / "s.sqlite").string();
-  Store::open_or_create(file);
-  // What layout 2 was.
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(
-      sqlite3_exec(
-          database,
-          "DROP TABLE limits; DROP TABLE operating_points; DROP TABLE advice; DROP TABLE scenes; DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 2",
-          nullptr, nullptr, nullptr),
-      SQLITE_OK);
-  sqlite3_close(database);
-  Store store = Store::open_existing(file);
-  EXPECT_TRUE(store.limits().empty());
-  store.begin_session({});
-  const LimitRow limit = a_limit("rk4");
-  store.insert_limits(a_point(), std::span(&limit, 1));
-  EXPECT_EQ(store.limits().size(), 1U);
 }
 
 }  // namespace

@@ -163,7 +163,7 @@ TEST(Merge, TakesLimitsAndAnswersWithTheirBodies) {
   point.key.problem = "liver";
   point.key.model = "d1";
   point.key.t_end = 2;
-  point.words = "at rest";
+  point.document = "{}";
   AdviceKey question;
   question.problem = "liver";
   question.rate = 100;

@@ -1,15 +1,16 @@
-#include "cli/stability/limit_json.hpp"
+#include "limits/documents/limit_json.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_problem.hpp"
-#include "cli/shared/choices.hpp"
-#include "cli/stability/limit_words.hpp"
-#include "cli/stability/stability.hpp"
+#include "core/numbers.hpp"
+#include "limits/documents/number_json.hpp"
 
 namespace hmax {
 
@@ -37,12 +38,6 @@ Json mode_json(const Mode& mode) {
   const auto rates = mode.rates.value_or(std::array{LimitRow::none, LimitRow::none});
   return mode_json(mode.lambda.real(), mode.lambda.imag(), mode.omega.value_or(LimitRow::none),
                    mode.zeta.value_or(LimitRow::none), rates[0], rates[1]);
-}
-
-Json tolerances_json(const MotionTolerances& tolerances) {
-  Json document{{"rtol", tolerances.rtol}, {"atol", tolerances.atol}};
-  if (tolerances.has_velocities) document["atol_velocities"] = tolerances.atol_velocities;
-  return document;
 }
 
 /// "a; b", or the one of them that says something.
@@ -80,6 +75,25 @@ Json options_json(const std::optional<StepChoices>& options) {
   return {{"jacobian", to_string(options->jacobian)}, {"linear", to_string(options->linear)}};
 }
 
+Json tolerances_json(const MotionTolerances& tolerances) {
+  Json document{{"rtol", tolerances.rtol}, {"atol", tolerances.atol}};
+  if (tolerances.has_velocities) document["atol_velocities"] = tolerances.atol_velocities;
+  return document;
+}
+
+std::string words_of_growth(const LimitRow& row) {
+  if (std::isnan(row.along_grows_from)) return {};
+  return row.point.path == "load"
+             ? fmt::format(
+                   "the body buckles from {} of the load on: the stiffness of its equilibrium has a negative eigenvalue "
+                   "there; take less load, or look where it goes with `--along motion`",
+                   short_number(row.along_grows_from, 4))
+             : fmt::format(
+                   "the tangent grows on {} % of the motion, from t = {} s on, where neighbours part "
+                   "whatever the step",
+                   short_number(100 * row.along_growing, 3), short_number(row.along_grows_from, 4));
+}
+
 Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem& problem) {
   const bool of_load = row.point.path == "load";
   Json document{{"h_min", number_or_word(along.least)}, {of_load ? "share" : "t", along.t_least}};
@@ -87,9 +101,9 @@ Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem&
   for (std::size_t i = 0; i < along.t.size(); ++i)
     path.push_back({along.t[i], number_or_word(along.h_max[i])});
   // The states of bodies are long, and those of linear models do not matter.
-  const bool of_matrices = is_matrices_id(problem.id);
+  const bool of_matrices = problem.matrices != nullptr;
   const Eigen::VectorXd& y = along.y_least;
-  if (is_tissue_id(problem.id))
+  if (problem.body)
     document["max_displacement"] = largest_displacement(y.head(y.size() / 2));
   else if (!of_matrices)
     document["y"] = std::vector<double>(y.begin(), y.end());

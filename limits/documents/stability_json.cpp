@@ -1,8 +1,8 @@
-#include "advice/documents/stability_json.hpp"
+#include "limits/documents/stability_json.hpp"
 
 #include <cmath>
 
-#include "advice/documents/number_json.hpp"
+#include "limits/documents/number_json.hpp"
 
 namespace hmax {
 

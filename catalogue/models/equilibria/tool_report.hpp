@@ -4,8 +4,9 @@
 #include <optional>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "catalogue/methods/method.hpp"
-#include "cli/shared/console.hpp"
 #include "problems/tissue/contact.hpp"
 
 namespace hmax {
@@ -24,13 +25,13 @@ struct ToolReport {
   [[nodiscard]] std::string warning() const;
 };
 
+/// Of ToolReport::json().
+ToolReport tool_report(const nlohmann::ordered_json& document);
 /// Nothing where the problem has no tool.
 /// @param y  the state, or the displacements alone
 std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y);
 
 /// The warning, if there is one; empty before the press has ended.
 std::string warning_of_tool(const Problem& problem, double t, const Eigen::VectorXd& y);
-/// Prints it on standard error.
-void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y);
 
 }  // namespace hmax

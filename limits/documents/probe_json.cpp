@@ -1,4 +1,4 @@
-#include "advice/documents/probe_json.hpp"
+#include "limits/documents/probe_json.hpp"
 
 #include <cmath>
 #include <complex>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "advice/documents/number_json.hpp"
+#include "limits/documents/number_json.hpp"
 
 namespace hmax {
 

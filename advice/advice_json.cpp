@@ -1,11 +1,11 @@
-#include "advice/documents/advice_json.hpp"
+#include "advice/advice_json.hpp"
 
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "advice/documents/number_json.hpp"
+#include "limits/documents/number_json.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {

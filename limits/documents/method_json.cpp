@@ -1,6 +1,6 @@
-#include "advice/documents/method_json.hpp"
+#include "limits/documents/method_json.hpp"
 
-#include "advice/documents/number_json.hpp"
+#include "limits/documents/number_json.hpp"
 
 namespace hmax {
 

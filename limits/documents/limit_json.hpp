@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "cli/shared/console.hpp"
+#include <nlohmann/json.hpp>
+
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/by_steps/step_map.hpp"
 #include "limits/prediction.hpp"
@@ -22,8 +23,14 @@ nlohmann::ordered_json options_json(const std::optional<StepChoices>& options);
 /// @param row  with the limit along the path
 nlohmann::ordered_json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem& problem);
 
+nlohmann::ordered_json tolerances_json(const MotionTolerances& tolerances);
+
+/// Where on the path of a row tangents grow, so that the limits there are those of no step; empty where none
+/// does.
+std::string words_of_growth(const LimitRow& row);
+
 /// A row.
-/// @param state_status  OperatingPointRow::status
+/// @param state_status  status_of_state() of its model
 nlohmann::ordered_json to_json(const LimitRow& row, const std::string& state_status,
                                const std::vector<std::pair<std::string, double>>& parameters);
 

@@ -1,7 +1,8 @@
-#include "cli/bodies/tool_report.hpp"
+#include "catalogue/models/equilibria/tool_report.hpp"
 
 #include <fmt/format.h>
 
+#include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -47,6 +48,14 @@ std::string ToolReport::warning() const {
   return {};
 }
 
+ToolReport tool_report(const nlohmann::ordered_json& document) {
+  return {.reach = {.depth = document["depth"],
+                    .indentation = document["indentation"],
+                    .penetration = document["penetration"],
+                    .displacement = document["displacement"]},
+          .stiffness = document["stiffness"]};
+}
+
 std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (!problem.body || problem.body->settings().tools.empty()) return std::nullopt;
   const TissueBody& body = *problem.body;
@@ -60,10 +69,6 @@ std::string warning_of_tool(const Problem& problem, double t, const Eigen::Vecto
   if (!problem.body || t < (1 - rounding) * problem.body->steady_from()) return {};
   const auto report = tool_report(problem, t, y);
   return report ? report->warning() : "";
-}
-
-void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y) {
-  if (const std::string warning = warning_of_tool(problem, t, y); !warning.empty()) console.remark(warning);
 }
 
 }  // namespace hmax

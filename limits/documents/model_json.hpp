@@ -1,0 +1,40 @@
+/// Facts of models for programs and for words: the keys of `models` in `hmax stability predict --json`.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "catalogue/methods/method.hpp"
+#include "catalogue/models/body_summary.hpp"
+#include "limits/operating_point.hpp"
+
+namespace hmax {
+
+/// `{E, nu, rho, regions, mass, size, points, held, gravity, unusual}`; null of what is no body.
+nlohmann::ordered_json body_json(const Problem& problem);
+nlohmann::ordered_json body_json(const BodySummary& body);
+
+/// `{files, unknowns, rows, mass_sum, ..}`; null of what has no matrices.
+nlohmann::ordered_json matrices_json(const Problem& problem);
+
+/// The fastest mode of a body at rest: its element, the ratios by which bounds of it make steps too small,
+/// and what changes would gain.
+nlohmann::ordered_json fastest_mode_json(const Problem& problem, const Linearised& near);
+
+/// Which facts of a model are looked for; each with those before it.
+enum class ModelFacts {
+  state,         ///< those that cost nothing
+  fastest_mode,  ///< of a body
+  all,           ///< eigenvalues, non-normality, what its files hold
+};
+
+/// A model near a state.
+nlohmann::ordered_json model_json(const Problem& problem, const Linearised& near, ModelFacts facts);
+
+/// Why the state is not the one that was asked for, and what of the load is not in the limits there.
+/// @param model  of model_json()
+/// @param along  whether the motion is looked at
+std::string status_of_state(const nlohmann::ordered_json& model, const Problem& problem, bool along);
+
+}  // namespace hmax

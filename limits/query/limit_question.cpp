@@ -1,0 +1,48 @@
+#include "limits/query/limit_question.hpp"
+
+#include <algorithm>
+
+#include "core/errors.hpp"
+#include "limits/along/trajectory_limit.hpp"
+#include "limits/problem_linearity.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// States whose steps, or whose runs from a start, are done within a minute or two.
+constexpr Eigen::Index soon = 2000;
+
+/// Whether the limits of one state do not tell of the motion, or nobody knows that they do.
+bool changes_along_motion(const Problem& problem) {
+  if (problem.body) return has_moving_load(problem);
+  return linearity_of(problem) != Linearity::linear;
+}
+
+}  // namespace
+
+double LimitQuestion::end_of(const Problem& problem) const {
+  return t_end ? problem.shown.own_time(*t_end) : end_of_motion(problem);
+}
+
+bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem) const {
+  return problem.y0.size() <= soon || std::ranges::find(named, method.id) != named.end();
+}
+
+bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
+
+LimitQuestion along(LimitQuestion question, const std::string& path, const Problem& problem) {
+  question.path_by_default =
+      path.empty() && !question.options && changes_along_motion(problem) && question.at != AskedState::rest;
+  question.path = question.path_by_default ? "motion" : path == "none" ? "" : path;
+  if (question.t_end && question.path != "motion")
+    throw InputError(
+        "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
+  const bool is_large = problem.body || problem.y0.size() > soon;
+  question.runs_from_start =
+      question.verify && question.path == "motion" && !(question.path_by_default && is_large);
+  return question;
+}
+
+}  // namespace hmax

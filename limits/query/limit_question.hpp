@@ -1,0 +1,43 @@
+/// What is asked about the step limits of models.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "catalogue/methods/method.hpp"
+#include "limits/by_steps/step_map.hpp"
+#include "limits/operating_point.hpp"
+
+namespace hmax {
+
+struct LimitQuestion {
+  AskedState at = AskedState::equilibrium;
+  bool verify = false;                         ///< integrate on both sides of each limit
+  std::string path = {};                       ///< also along: motion | load; empty for one state alone
+  bool path_by_default = false;                ///< nobody asked for it
+  bool runs_from_start = false;                ///< limits along a motion are verified by runs from its start
+  std::optional<double> t_end = std::nullopt;  ///< of that motion, as users count time [s]; nothing:
+                                               ///< end_of_motion()
+  std::optional<StepChoices> options = {};     ///< of linearly implicit methods; nothing: nobody asked
+  std::vector<std::string> named = {};  ///< methods that were asked for one by one, not by family or all
+
+  /// The end of that motion, as runs count time.
+  [[nodiscard]] double end_of(const Problem& problem) const;
+  /// Whether a limit may be sought in the steps of a method, which takes minutes on large models.
+  [[nodiscard]] bool seeks_in_steps(const Method& method, const Problem& problem) const;
+};
+
+/// Whether the load changes with time, so that one state does not tell of all.
+bool has_moving_load(const Problem& problem);
+
+/// The question with the path that is looked along where nobody says: loads of bodies and matrices that
+/// change with time, and other models that are not known to be linear, are looked at along the motion unless
+/// the state at rest or options of steps are asked for. Runs from the start of a motion, some thousand, are
+/// made where
+/// --verify asks for them; of bodies and large models only where the motion was asked for.
+/// @param path  motion | load | none; empty where nobody says
+/// @throws InputError  for an end of a motion that is not looked at
+LimitQuestion along(LimitQuestion question, const std::string& path, const Problem& problem);
+
+}  // namespace hmax
