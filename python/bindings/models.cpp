@@ -16,6 +16,7 @@
 #include "catalogue/models/tissue_parameters.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
+#include "limits/query/query_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
@@ -190,6 +191,57 @@ py::object advise_body(const Body& body, double rate, double tolerance, std::opt
   return advise_recipe(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
 }
 
+/// What is asked about the step limits of a model.
+struct AskedLimits {
+  std::vector<std::string> methods;
+  std::string at, along;
+  bool verify;
+  std::optional<double> t_end;
+};
+
+/// Ends a query when its caller is interrupted.
+class StoppedByCaller : public LimitWatcher {
+ public:
+  explicit StoppedByCaller(const Stop& stop) : stop_(stop) {}
+  [[nodiscard]] bool stopped() const override { return stop_; }
+
+ private:
+  const Stop& stop_;
+};
+
+/// What `hmax stability predict --json` computes.
+py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
+  return to_python(in_background([=](const Stop& stop) {
+    const std::vector<Problem> problems{recipe.make()};
+    const std::vector<Method> methods = choose_methods(asked.methods, problems);
+    const bool at_rest = asked.at == "rest";
+    if (at_rest && !problems[0].body)
+      throw InputError(fmt::format("at is 'rest', which is of bodies on a mesh, and {} is none; leave it out",
+                                   problems[0].id));
+    const LimitQuestion question = along({.at = at_rest ? AskedState::rest : AskedState::equilibrium,
+                                          .verify = asked.verify,
+                                          .t_end = asked.t_end,
+                                          .named = asked.methods},
+                                         asked.along, problems[0]);
+    StoppedByCaller watcher(stop);
+    const LimitAnswer answer = query_limits(question, problems, methods, {}, true, watcher);
+    leave_if(stop);
+    return answer_json(answer, problems);
+  }));
+}
+
+py::object predict_named(const std::string& id, const std::string& material, const Values& parameters,
+                         const std::vector<double>& y0, std::vector<std::string> methods, std::string at,
+                         std::string along, bool verify, std::optional<double> t_end) {
+  return predict_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+                        {std::move(methods), std::move(at), std::move(along), verify, t_end});
+}
+
+py::object predict_body(const Body& body, std::vector<std::string> methods, std::string at, std::string along,
+                        bool verify, std::optional<double> t_end) {
+  return predict_recipe(body.recipe, {std::move(methods), std::move(at), std::move(along), verify, t_end});
+}
+
 }  // namespace
 
 void add_models(py::module_& module) {
@@ -201,6 +253,7 @@ void add_models(py::module_& module) {
       .def("force", &force)
       .def("run", &run_body)
       .def("advise", &advise_body)
+      .def("predict", &predict_body)
       .def_property_readonly("id", [](const Body& body) { return body.problem.id; })
       .def_property_readonly("dofs", [](const Body& body) { return body.tissue().dofs(); })
       .def_property_readonly("free_points", [](const Body& body) {
@@ -211,6 +264,7 @@ void add_models(py::module_& module) {
   module.def("unit_in_metres", &unit_in_metres);
   module.def("advise", &advise_named);
   module.def("advise_structure", &advise_structure);
+  module.def("predict", &predict_named);
 }
 
 }  // namespace hmax::python

@@ -5,7 +5,7 @@ numpy arrays and scipy.sparse matrices go in and come out. Input that is wrong i
 
 from ._answer import Answer
 from ._core import __version__
-from ._models import Body, Mesh, advise, read_mesh
+from ._models import Body, Mesh, advise, predict, read_mesh
 from ._probe import probe
 from ._runs import Run, integrate
 from ._stability import Limit, Modes, largest_stable_step, limits, methods, modes, region
@@ -24,6 +24,7 @@ __all__ = [
     "limits",
     "methods",
     "modes",
+    "predict",
     "probe",
     "read_mesh",
     "region",

@@ -57,6 +57,9 @@ def advise_structure(
     methods: List[str],
     frames: int,
 ) -> Dict[str, Any]: ...
+def predict(
+    id: str, material: str, parameters: Any, y0: Any, methods: List[str], at: str, along: str, verify: bool, t_end: Any
+) -> Dict[str, Any]: ...
 
 class Body:
     id: str
@@ -73,3 +76,4 @@ class Body:
     def advise(
         self, rate: float, tolerance: float, budget: Any, least_error: bool, methods: List[str], frames: int
     ) -> Dict[str, Any]: ...
+    def predict(self, methods: List[str], at: str, along: str, verify: bool, t_end: Any) -> Dict[str, Any]: ...

@@ -212,6 +212,55 @@ def advise(
     return answer(_core.advise(model, str(material), _values(parameters), start, *question))
 
 
+def predict(
+    model: Union[Body, str],
+    methods: Union[str, Sequence[str]],
+    at: str = "equilibrium",
+    along: str = "",
+    verify: bool = False,
+    t_end: Optional[float] = None,
+    material: str = "",
+    y0: Optional[Sequence[float]] = None,
+    **parameters: float,
+) -> Answer:
+    """The largest stable step of methods on a model, and the mode that limits it, as `hmax stability predict --json`.
+
+    Parameters
+    ----------
+    model : a Body, or what --problem of the program takes: the id of a problem, or a file of formulas
+    methods : ids, aliases or families of methods(), or "all"
+    at : of a Body: "equilibrium" under its load, or "rest", without displacement
+    along : also the smallest limit along the "motion" from the initial state, or of a Body while its "load" grows; "none": of the
+        state alone; by default the motion where the limits of one state do not tell of it
+    verify : also integrate on both sides of each limit
+    t_end : end of that motion [s]; the problem's own, and at least a period of its load, by default
+    material, y0, parameters : of a problem by id, as of `hmax list problems`
+
+    Each of `rows` has `h_max` [s], `bound`, `limiting`, and what was asked for; `models` has the facts of the model.
+
+    Raises ValueError for input that is wrong.
+
+    >>> import hmax
+    >>> answer = hmax.predict(hmax.Body("beam:n=2", load="gravity"), ["rk4"])
+    >>> print(answer.rows[0].bound, answer.rows[0].state_kind)
+    stability equilibrium
+    """
+    names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
+    for name, given, known in (("at", at, ("equilibrium", "rest")), ("along", along, ("", "motion", "load", "none"))):
+        if given not in known:
+            raise ValueError(f"{name} is {given!r} but must be one of {', '.join(repr(each) for each in known if each)}")
+    end = None if t_end is None else _within("t_end", t_end, 1e-9, 1e9)
+    question = (names, at, along, bool(verify), end)
+    if isinstance(model, Body):
+        if material or y0 is not None or parameters:
+            raise ValueError("a Body has its material and parameters already; give them to Body")
+        return answer(model._core.predict(*question))
+    if not isinstance(model, str):
+        raise ValueError(f"the model is {model!r} but must be a Body or the id of a problem, such as 'liver_forced'")
+    start = [] if y0 is None else vector("y0", y0).tolist()
+    return answer(_core.predict(model, str(material), _values(parameters), start, *question))
+
+
 def _advise_matrices(matrices: Any, y0: Any, t_end: float, question: Any) -> Answer:
     K, M, C = matrices
     if y0 is None:

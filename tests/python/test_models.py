@@ -175,3 +175,29 @@ def test_advice_takes_matrices():
 def test_wrong_input_is_told(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+def test_limits_of_a_model_are_those_of_the_program(program):
+    for options, body in (
+        (["--load", "gravity"], hmax.Body("beam:n=2", load="gravity")),
+        (["--load", "gravity", "--at", "rest"], hmax.Body("beam:n=2", load="gravity")),
+        (["--load", "gravity", "--along", "load"], hmax.Body("beam:n=2", load="gravity")),
+        (["--load", "breathing", "--t-end", "0.5"], hmax.Body("beam:n=2", load="breathing")),
+    ):
+        run = program("stability", "predict", "--mesh", "beam:n=2", *options, "--methods", "rk4,newmark", "--json")
+        told = json.loads(run.stdout)
+        asked = {"at": "rest"} if "rest" in options else {}
+        if "--along" in options:
+            asked["along"] = "load"
+        if "--t-end" in options:
+            asked["t_end"] = 0.5
+        answer = hmax.predict(body, ["rk4", "newmark"], **asked)
+        for row, expected in zip(answer.rows, told["rows"]):
+            assert row.method == expected["method"] and row.state_kind == expected["state_kind"]
+            assert row.h_max == pytest.approx(np.inf if expected["h_max"] == "unbounded" else expected["h_max"], rel=1e-9)
+            assert ("along" in row) == ("along" in expected)
+    assert hmax.predict("liver_linear", "explicit_euler", m=2, c=1, k1=8).rows[0].h_max == pytest.approx(1 / 8)
+    with pytest.raises(ValueError, match="rest"):
+        hmax.predict("liver_linear", "rk4", at="rest")
+    with pytest.raises(ValueError, match="along"):
+        hmax.predict("liver_linear", "rk4", along="path")

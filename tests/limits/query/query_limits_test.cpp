@@ -1,0 +1,134 @@
+#include "limits/query/query_limits.hpp"
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
+#include "core/parallel_for.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+std::vector<Method> some(const std::vector<std::string>& names) {
+  std::vector<Method> methods;
+  for (const std::string& name : names) methods.push_back(find_method(name));
+  return methods;
+}
+
+LimitAnswer ask(const LimitQuestion& question, const Problem& problem, const std::vector<Method>& methods,
+                Store* store = nullptr) {
+  LimitWatcher watcher;
+  return query_limits(question, {problem}, methods, {.store = store}, false, watcher);
+}
+
+TEST(LimitQuestion, LooksAlongTheMotionOnlyWhereOneStateDoesNotTellOfIt) {
+  const Problem linear = make_problem("liver_linear"), cubic = make_problem("liver_cubic");
+  EXPECT_EQ(along({}, "", linear).path, "");
+  EXPECT_EQ(along({}, "", cubic).path, "motion");
+  EXPECT_TRUE(along({}, "", cubic).path_by_default);
+  EXPECT_EQ(along({}, "none", cubic).path, "");
+  EXPECT_FALSE(along({}, "motion", cubic).path_by_default);
+  // A body in a load that stands still is in its equilibrium; one that is breathed on is not.
+  EXPECT_EQ(along({}, "", make_problem("fem_green/gravity@beam:n=2")).path, "");
+  const Problem breathing = make_problem("fem_green/breathing@beam:n=2");
+  EXPECT_EQ(along({}, "", breathing).path, "motion");
+  EXPECT_EQ(along({.at = AskedState::rest}, "", breathing).path, "");
+}
+
+TEST(LimitQuestion, RunsFromTheStartOfSmallModelsAndOfMotionsThatWereAskedFor) {
+  const Problem cubic = make_problem("liver_cubic"), body = make_problem("fem_green/breathing@beam:n=2");
+  EXPECT_FALSE(along({}, "", cubic).runs_from_start);
+  EXPECT_TRUE(along({.verify = true}, "", cubic).runs_from_start);
+  EXPECT_FALSE(along({.verify = true}, "", body).runs_from_start);
+  EXPECT_TRUE(along({.verify = true}, "motion", body).runs_from_start);
+}
+
+TEST(LimitQuestion, RefusesTheEndOfAMotionThatIsNotLookedAt) {
+  const Problem linear = make_problem("liver_linear");
+  EXPECT_THROW(along({.t_end = 2.0}, "", linear), InputError);
+  EXPECT_THROW(along({.t_end = 2.0}, "none", linear), InputError);
+  EXPECT_EQ(along({.t_end = 2.0}, "motion", linear).end_of(linear), 2);
+}
+
+/// The eigenvalues of m x'' + c x' + k x = 0 with c^2 < 4 m k: explicit_euler is stable up to c / k.
+TEST(QueryLimits, AnswersInTheOrderOfTheMethods) {
+  const Problem problem =
+      make_problem("liver_linear", {.material = "", .parameters = {{"m", 2}, {"c", 1}, {"k1", 8}}, .y0 = {}});
+  const LimitAnswer answer = ask({}, problem, some({"rk4", "explicit_euler"}));
+  ASSERT_EQ(answer.models.size(), 1U);
+  const std::vector<LimitRow>& rows = answer.models[0].rows;
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].method, "rk4");
+  EXPECT_EQ(rows[1].method, "explicit_euler");
+  EXPECT_NEAR(rows[1].h_max, 1.0 / 8, 1e-12);
+  EXPECT_FALSE(answer.stopped);
+}
+
+TEST(QueryLimits, LooksUpWhatAStoreHasAndKeepsNoSentences) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  const Problem problem = make_problem("liver_cubic");
+  const LimitQuestion question = along({}, "", problem);
+  const LimitAnswer computed = ask(question, problem, some({"rk4", "newmark"}), &store);
+  EXPECT_EQ(computed.looked_up, 0U);
+  const LimitAnswer known = ask(question, problem, some({"newmark", "rk4"}), &store);
+  EXPECT_EQ(known.looked_up, 2U);
+  ASSERT_EQ(known.models[0].rows.size(), 2U);
+  EXPECT_EQ(known.models[0].rows[0].method, "newmark");
+  EXPECT_EQ(known.models[0].rows[1].h_max, computed.models[0].rows[0].h_max);
+  EXPECT_EQ(known.models[0].rows[1].along_least, computed.models[0].rows[0].along_least);
+  // The facts from which today's program makes its words.
+  const auto facts = nlohmann::json::parse(known.models[0].point.document);
+  EXPECT_EQ(facts["linearity"], "nonlinear");
+  EXPECT_EQ(facts["along"]["constant"], false);
+  EXPECT_GT(facts["along"]["tolerances"]["rtol"], 0);
+  // One more method is computed beside those that are there.
+  EXPECT_EQ(ask(question, problem, some({"rk4", "explicit_euler"}), &store).looked_up, 1U);
+}
+
+/// Stops once `rows` rows have begun.
+struct StopAfter : LimitWatcher {
+  explicit StopAfter(int rows) : left(rows) {}
+  void begin_row(const std::string&) override { --left; }
+  [[nodiscard]] bool stopped() const override { return left <= 0; }
+  std::atomic<int> left;
+};
+
+TEST(QueryLimits, KeepsWhatIsFinishedWhenItIsStopped) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  const Problem problem = make_problem("liver_linear");
+  const std::vector<Method> methods = some({"rk4", "explicit_euler", "rk2_heun", "newmark"});
+  const OneThread alone;
+  StopAfter second(2);
+  const LimitAnswer part = query_limits({}, {problem}, methods, {.store = &store}, false, second);
+  EXPECT_TRUE(part.stopped);
+  ASSERT_EQ(part.models.size(), 1U);
+  EXPECT_GE(part.models[0].rows.size(), 1U);
+  EXPECT_LT(part.models[0].rows.size(), methods.size());
+  EXPECT_EQ(store.limits().size(), part.models[0].rows.size());
+  StopAfter at_once(0);
+  EXPECT_TRUE(query_limits({}, {problem}, methods, {}, false, at_once).models.empty());
+}
+
+TEST(QueryLimits, MeansTheSameForProgramsAsForPeople) {
+  const Problem problem = make_problem("fem_green/gravity@beam:n=2");
+  const LimitAnswer answer = ask(along({}, "", problem), problem, some({"rk4"}));
+  const auto document = answer_json(answer, {problem});
+  ASSERT_EQ(document["rows"].size(), 1U);
+  EXPECT_EQ(document["rows"][0]["h_max"], answer.models[0].rows[0].h_max);
+  EXPECT_EQ(document["rows"][0]["state_kind"], "equilibrium");
+  EXPECT_EQ(document["models"][0]["problem"], problem.id);
+  // The fastest mode of the first body is always known; eigenvalues only where all facts are asked for.
+  EXPECT_TRUE(document["models"][0].contains("fastest_mode"));
+  EXPECT_FALSE(document["models"][0].contains("eigenvalues"));
+}
+
+}  // namespace
+}  // namespace hmax
