@@ -40,6 +40,10 @@ endif()
 set(HMAX_OPTIONAL_PARTS "")
 find_package(Boost 1.74 QUIET)
 set(HMAX_HAVE_BOOST ${Boost_FOUND})
+if(Boost_FOUND)
+  # BOOST_ALL_NO_LIB is of other compilers; with it precompiled headers could not be shared with targets without Boost.
+  set_property(TARGET Boost::headers PROPERTY INTERFACE_COMPILE_DEFINITIONS)
+endif()
 hmax_optional(Boost HMAX_HAVE_BOOST "${Boost_VERSION_STRING}" libboost-dev "the methods odeint_*, and Boost.Odeint as a reference engine")
 
 set(HMAX_SUNDIALS_COMPONENTS arkode cvode nvecserial sunlinsolklu sunmatrixsparse sunnonlinsolfixedpoint)
