@@ -241,7 +241,7 @@ def predict(
     Raises ValueError for input that is wrong.
 
     >>> import hmax
-    >>> answer = hmax.predict(hmax.Body("beam:n=2", load="gravity"), ["rk4"])
+    >>> answer = hmax.predict(hmax.Body("cube:n=2", load="gravity"), ["rk4"])
     >>> print(answer.rows[0].bound, answer.rows[0].state_kind)
     stability equilibrium
     """

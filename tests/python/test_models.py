@@ -179,12 +179,12 @@ def test_wrong_input_is_told(call, words):
 
 def test_limits_of_a_model_are_those_of_the_program(program):
     for options, body in (
-        (["--load", "gravity"], hmax.Body("beam:n=2", load="gravity")),
-        (["--load", "gravity", "--at", "rest"], hmax.Body("beam:n=2", load="gravity")),
-        (["--load", "gravity", "--along", "load"], hmax.Body("beam:n=2", load="gravity")),
-        (["--load", "breathing", "--t-end", "0.5"], hmax.Body("beam:n=2", load="breathing")),
+        (["--load", "gravity"], hmax.Body("cube:n=2", load="gravity")),
+        (["--load", "gravity", "--at", "rest"], hmax.Body("cube:n=2", load="gravity")),
+        (["--load", "gravity", "--along", "load"], hmax.Body("cube:n=2", load="gravity")),
+        (["--load", "breathing", "--t-end", "0.5"], hmax.Body("cube:n=2", load="breathing")),
     ):
-        run = program("stability", "predict", "--mesh", "beam:n=2", *options, "--methods", "rk4,newmark", "--json")
+        run = program("stability", "predict", "--mesh", "cube:n=2", *options, "--methods", "rk4,newmark", "--json")
         told = json.loads(run.stdout)
         asked = {"at": "rest"} if "rest" in options else {}
         if "--along" in options:

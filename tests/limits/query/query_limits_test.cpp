@@ -35,14 +35,14 @@ TEST(LimitQuestion, LooksAlongTheMotionOnlyWhereOneStateDoesNotTellOfIt) {
   EXPECT_EQ(along({}, "none", cubic).path, "");
   EXPECT_FALSE(along({}, "motion", cubic).path_by_default);
   // A body in a load that stands still is in its equilibrium; one that is breathed on is not.
-  EXPECT_EQ(along({}, "", make_problem("fem_green/gravity@beam:n=2")).path, "");
-  const Problem breathing = make_problem("fem_green/breathing@beam:n=2");
+  EXPECT_EQ(along({}, "", make_problem("fem_green/gravity@cube:n=2")).path, "");
+  const Problem breathing = make_problem("fem_green/breathing@cube:n=2");
   EXPECT_EQ(along({}, "", breathing).path, "motion");
   EXPECT_EQ(along({.at = AskedState::rest}, "", breathing).path, "");
 }
 
 TEST(LimitQuestion, RunsFromTheStartOfSmallModelsAndOfMotionsThatWereAskedFor) {
-  const Problem cubic = make_problem("liver_cubic"), body = make_problem("fem_green/breathing@beam:n=2");
+  const Problem cubic = make_problem("liver_cubic"), body = make_problem("fem_green/breathing@cube:n=2");
   EXPECT_FALSE(along({}, "", cubic).runs_from_start);
   EXPECT_TRUE(along({.verify = true}, "", cubic).runs_from_start);
   EXPECT_FALSE(along({.verify = true}, "", body).runs_from_start);
@@ -118,7 +118,7 @@ TEST(QueryLimits, KeepsWhatIsFinishedWhenItIsStopped) {
 }
 
 TEST(QueryLimits, MeansTheSameForProgramsAsForPeople) {
-  const Problem problem = make_problem("fem_green/gravity@beam:n=2");
+  const Problem problem = make_problem("fem_green/gravity@cube:n=2");
   const LimitAnswer answer = ask(along({}, "", problem), problem, some({"rk4"}));
   const auto document = answer_json(answer, {problem});
   ASSERT_EQ(document["rows"].size(), 1U);
