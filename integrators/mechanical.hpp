@@ -1,9 +1,10 @@
 /// The equations of implicit steps of mechanical systems: n unknowns and a symmetric matrix where packed
-/// states would give 2 n and none.
+/// states would give 2 n and none, or operators where nobody has the matrix.
 #pragma once
 
 #include <algorithm>
 #include <complex>
+#include <memory>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -12,6 +13,7 @@
 #include <Eigen/SparseCore>
 
 #include "core/mass_matrix.hpp"
+#include "core/structure_operator.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {
@@ -145,12 +147,44 @@ void set_shifted(const MechanicalJacobian<Real>& J, Scalar s, ShiftedMechanical<
   set_sparse_combination<Real, Scalar>(J.mass, s, J.damping, s * s, J.stiffness, A.reduced);
 }
 
+/// J = (0, I; -K, -C) of a structure with masses of one, by its operators.
+struct OperatorJacobian {
+  std::shared_ptr<const StructureOperator> structure;
+
+  /// Nothing: it is of the system. See saved_state.hpp.
+  template <class Visitor>
+  void visit_state(Visitor& /*visit*/) {}
+};
+/// I + c C + k K of such a structure; where c and k say nothing it stands for C and K.
+struct OperatorSum : OperatorJacobian {
+  double c = 0, k = 0;  ///< [s], [s^2]
+};
+/// I - s J, reduced to I + s C + s^2 K as that of a mechanical system.
+struct ShiftedOperator {
+  OperatorSum reduced;
+};
+
+/// A = I - s J. @throws ComplexEquations  for s that is no double
+template <class Scalar>
+void set_shifted(const OperatorJacobian& J, Scalar s, ShiftedOperator& A) {
+  if constexpr (std::is_same_v<Scalar, double>)
+    A.reduced = {J, s, s * s};
+  else
+    throw ComplexEquations();
+}
+
 namespace detail {
 /// Whether T is a MechanicalJacobian.
 template <class T>
 inline constexpr bool is_mechanical = false;
 template <class Real>
 inline constexpr bool is_mechanical<MechanicalJacobian<Real>> = true;
+
+/// Whether a matrix of type Matrix is of a kind, or may at run time hold one.
+template <class Kind, class Matrix>
+inline constexpr bool may_hold = std::is_same_v<Kind, Matrix>;
+template <class Kind, class... Matrices>
+inline constexpr bool may_hold<Kind, std::variant<Matrices...>> = (std::is_same_v<Kind, Matrices> || ...);
 
 /// Whether a system of this type may write sparse K and C, and how its equations are then kept.
 template <class Sys>
@@ -162,7 +196,8 @@ requires std::is_base_of_v < Eigen::SparseMatrixBase<typename Sys::DofMatrix>,
 typename Sys::DofMatrix > struct EquationsType<Sys> {
   using type = MechanicalJacobian<real_of<typename Sys::State>>;
 };
-/// The type of K and C of systems that decide at run time; their equations are dense, sparse or in parts.
+/// The type of K and C of systems that decide at run time; their equations are dense, sparse, in parts or by
+/// operators.
 template <class Real>
 using DenseOrSparse =
     std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>>;
@@ -171,7 +206,17 @@ requires std::is_same_v<typename Sys::DofMatrix, DenseOrSparse<real_of<typename 
 struct EquationsType<Sys> {
   using Real = real_of<typename Sys::State>;
   using type = std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>,
-                            MechanicalJacobian<Real>>;
+                            MechanicalJacobian<Real>, OperatorJacobian>;
+};
+
+/// How a method of second order keeps K and C.
+template <class Matrix>
+struct StructureType {
+  using type = Matrix;
+};
+template <>
+struct StructureType<DenseOrSparse<double>> {
+  using type = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>, OperatorSum>;
 };
 }  // namespace detail
 
@@ -179,5 +224,10 @@ struct EquationsType<Sys> {
 /// second-order systems with sparse matrices their parts.
 template <class Sys>
 using equations_type = typename detail::EquationsType<Sys>::type;
+
+/// The type in which a method of second order keeps K, C and their sums: DofMatrix, or of systems that decide
+/// at run time also operators.
+template <SecondOrderSystem Sys>
+using structure_type = typename detail::StructureType<typename Sys::DofMatrix>::type;
 
 }  // namespace hmax

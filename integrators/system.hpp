@@ -6,9 +6,12 @@
 #endif
 
 #include <concepts>
+#include <memory>
 #include <type_traits>
 
 #include <Eigen/Core>
+
+#include "core/structure_operator.hpp"
 
 namespace hmax {
 
@@ -88,6 +91,28 @@ concept SecondOrderSystem = System<S> &&
   system.stiffness(t, q, v, matrix);
   system.damping(t, q, v, matrix);
 };
+
+/// The operators of a linear second-order system that has no matrices to write, by its verb
+/// `structure_operator`; null for others.
+template <System S>
+std::shared_ptr<const StructureOperator> structure_operator_of(const S& system) {
+  if constexpr (requires { system.structure_operator(); })
+    return system.structure_operator();
+  else
+    return nullptr;
+}
+
+/// The largest of the numbers that the holders of the unknowns of a system have, of which this one has `own`.
+/// A system whose unknowns are dealt out to processes has a verb of that name, which is not finite where one
+/// number is not; others are alone. What is decided about a step depends on such numbers, so that all decide
+/// the same.
+template <System S>
+constexpr real_of<typename S::State> largest_of_all(const S& system, real_of<typename S::State> own) {
+  if constexpr (requires { system.largest_of_all(own); })
+    return system.largest_of_all(own);
+  else
+    return own;
+}
 
 /// Whether a second-order system writes sparse K and C; an erased one answers at run time.
 template <SecondOrderSystem S>

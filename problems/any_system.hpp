@@ -13,6 +13,7 @@
 #include <Eigen/SparseCore>
 
 #include "core/mass_matrix.hpp"
+#include "core/structure_operator.hpp"
 #include "problems/linearity.hpp"
 
 namespace hmax {
@@ -35,7 +36,7 @@ class BasicAnySystem {
   ///                integrators/system.hpp; its states may be of fixed size and of another real type
   template <class S>
   requires(!std::is_same_v<std::remove_cvref_t<S>, BasicAnySystem>) explicit BasicAnySystem(S system)
-      : self_(std::make_shared<const Model<S>>(std::move(system))) {}
+      : self_(std::make_shared<const Model<S>>(std::move(system))), is_part_(Model<S>::part) {}
 
   [[nodiscard]] Eigen::Index dim() const { return self_->dim(); }
   void rhs(Real t, const State& y, State& dydt) const { self_->rhs(inside(t), y, dydt); }
@@ -84,6 +85,13 @@ class BasicAnySystem {
     self_->damping(inside(t), q, v, C);
   }
 
+  /// Null where the system has matrices, or is of first order.
+  [[nodiscard]] std::shared_ptr<const StructureOperator> structure_operator() const {
+    return self_->structure_operator();
+  }
+  /// See integrators/system.hpp; without a call where the system has all unknowns.
+  [[nodiscard]] Real largest_of_all(Real own) const { return is_part_ ? self_->largest_of_all(own) : own; }
+
   [[nodiscard]] bool has_split() const { return self_->has_split(); }
   [[nodiscard]] bool has_linear_stiff_part() const { return self_->has_linear_stiff_part(); }
   void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(inside(t), y, dydt); }
@@ -121,6 +129,8 @@ class BasicAnySystem {
     virtual void force(Real, const Dofs&, const Dofs&, Dofs&) const = 0;
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
+    virtual std::shared_ptr<const StructureOperator> structure_operator() const = 0;
+    virtual Real largest_of_all(Real) const = 0;
     virtual bool has_split() const = 0;
     virtual bool has_linear_stiff_part() const = 0;
     virtual void rhs_stiff(Real, const State&, State&) const = 0;
@@ -209,6 +219,8 @@ class BasicAnySystem {
     };
 
    public:
+    static constexpr bool part = requires(const S& s) { s.largest_of_all(OwnReal{}); };
+
     explicit Model(S system) : system_(std::move(system)) {}
 
     Eigen::Index dim() const override { return system_.dim(); }
@@ -316,6 +328,19 @@ class BasicAnySystem {
         });
     }
 
+    std::shared_ptr<const StructureOperator> structure_operator() const override {
+      if constexpr (requires { system_.structure_operator(); })
+        return system_.structure_operator();
+      else
+        return nullptr;
+    }
+    Real largest_of_all(Real own) const override {
+      if constexpr (part)
+        return static_cast<Real>(system_.largest_of_all(static_cast<OwnReal>(own)));
+      else
+        return own;
+    }
+
     bool has_split() const override { return split; }
     bool has_linear_stiff_part() const override {
       if constexpr (requires { S::linear_stiff_part; })
@@ -371,6 +396,7 @@ class BasicAnySystem {
   [[nodiscard]] Real inside(Real t) const { return std::clamp(t, from_, to_); }
 
   std::shared_ptr<const Interface> self_;
+  bool is_part_ = false;  ///< of a system whose other unknowns are elsewhere
   /// See confine().
   Real from_ = -std::numeric_limits<Real>::infinity(), to_ = std::numeric_limits<Real>::infinity();
 };

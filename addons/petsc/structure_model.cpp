@@ -77,7 +77,7 @@ class Model final : public DistributedModel {
     check(MatMult(K_, x_, product_), of_products);
     petsc::solve(solver_, product_, out_, "the mass is not divided by");
   }
-  std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) override {
+  std::unique_ptr<StructureOperator::Inverse> inverse_of_sum(double a, double b) override {
     return petsc::inverse_of_sum(K_, M_, a, b);
   }
   SumEnd largest_of_sum(double a, double b, double tolerance) override {

@@ -47,7 +47,7 @@ PetscErrorCode diagonal(Mat shell, Vec out) {
   return 0;
 }
 
-class SumInverse final : public DistributedEquations::Inverse {
+class SumInverse final : public StructureOperator::Inverse {
  public:
   SumInverse(Mat K, Mat M, double a, double b) : sum_{K, M, a, b} {
     MPI_Comm world = MPI_COMM_WORLD;
@@ -104,7 +104,7 @@ int solve(KSP solver, Vec b, Vec x, const std::string& what) {
   return static_cast<int>(iterations);
 }
 
-std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(Mat K, Mat M, double a, double b) {
+std::unique_ptr<StructureOperator::Inverse> inverse_of_sum(Mat K, Mat M, double a, double b) {
   return std::make_unique<SumInverse>(K, M, a, b);
 }
 

@@ -55,7 +55,7 @@ Method implicit_structural(std::string id, std::vector<std::string> aliases, con
   method.l_stable = method.a_stable && annihilates_fast_modes(*method.amplification);
   method.bind = [p](const Problem& problem) {
     return bind_problem(problem, 0, [p]<class Sys>(std::type_identity<Sys>) {
-      return GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, typename Sys::DofMatrix>(p);
+      return GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, structure_type<Sys>>(p);
     });
   };
   return method;

@@ -116,7 +116,7 @@ class Dirk {
     h_ = h;
     end_known_ = false;
     jacobian_.begin(system, t, y);
-    norm_.prepare(y);
+    norm_.prepare(system, y);
     if constexpr (explicit_first)
       if (!start_known_) {
         system.rhs(t, y, k_[0]);
@@ -294,9 +294,9 @@ class Dirk {
       work_.linear_iterations += solver_.solve(d_);
       detail::assign(d_, [&](auto access) { return share * access(d_); });
       detail::assign(z_, [&](auto access) { return access(z_) + access(d_); });
-      return norm_.squared(d_, Y_);
+      return norm_.squared(system, d_, Y_);
     };
-    const auto rounds = [&](bool estimate) { return rounding(h_gamma, estimate); };
+    const auto rounds = [&](bool estimate) { return rounding(system, h_gamma, estimate); };
     NewtonEnd end;
     if (continuation) {
       // From a state that stands still: what velocities would carry too far is not even looked at.
@@ -305,7 +305,7 @@ class Dirk {
           *continuation, attempt_memory_, work_.newton,
           [&] {
             residual();
-            return norm_.largest(d_);
+            return norm_.largest(system, d_);
           },
           [&](Real mu) -> std::optional<Real> {
             // ((1 + mu) I - h gamma J) = (1 + mu) (I - h gamma / (1 + mu) J), J at the iterate.
@@ -333,8 +333,9 @@ class Dirk {
   }
 
   /// The norm of what rounding of f makes of a correction.
-  Real rounding(Real h_gamma, bool estimate) {
-    return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
+  template <System Sys>
+  Real rounding(const Sys& system, Real h_gamma, bool estimate) {
+    return rounding_(system, estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
                      [&](State& x) { work_.linear_iterations += solver_.solve(x); });
   }
 

@@ -110,7 +110,7 @@ class ImexRk {
     }
     const StiffPart<Sys> stiff(system);
     jacobian_.begin(stiff, t, y);
-    norm_.prepare(y);
+    norm_.prepare(system, y);
     // What the attempt learns of the convergence is kept by accept() alone.
     attempt_memory_ = memory_;
     if (!solve_stages(system, t, y, h)) {
@@ -251,9 +251,9 @@ class ImexRk {
           norm_.iterations(), attempt_memory_, work_.newton,
           [&] {
             correct();
-            return norm_.squared(d_, Y_);
+            return norm_.squared(system, d_, Y_);
           },
-          [&](bool estimate) { return rounding(h_gamma, estimate); });
+          [&](bool estimate) { return rounding(system, h_gamma, estimate); });
       if (end != NewtonEnd::converged) {
         work_.failure = to_string(end);
         return false;
@@ -271,8 +271,9 @@ class ImexRk {
   }
 
   /// The norm of what rounding of f makes of a correction.
-  Real rounding(Real h_gamma, bool estimate) {
-    return rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
+  template <System Sys>
+  Real rounding(const Sys& system, Real h_gamma, bool estimate) {
+    return rounding_(system, estimate, jacobian_.matrix(), jacobian_.id(), h_gamma, Y_, z_, norm_,
                      [&](State& x) { work_.linear_iterations += solver_.solve(x); });
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -109,12 +110,6 @@ class ColumnGroups {
 };
 
 namespace detail {
-/// Whether a matrix of this type is, or may at run time hold, a MechanicalJacobian.
-template <class Matrix>
-inline constexpr bool may_be_mechanical = is_mechanical<Matrix>;
-template <class... Matrices>
-inline constexpr bool may_be_mechanical<std::variant<Matrices...>> = (is_mechanical<Matrices> || ...);
-
 /// Has `write` fill a matrix of the type Own that a system knows, and leaves the result in J, which may be of
 /// more kinds. What J held of these kinds goes in, so that patterns are kept.
 template <class Own, class Matrix, class Write>
@@ -125,7 +120,7 @@ void write_as(Matrix& J, const Write& write) {
     Own own;
     std::visit(
         [&]<class Held>(Held& held) {
-          if constexpr (!is_mechanical<Held>) own.template emplace<Held>().swap(held);
+          if constexpr (may_hold<Held, Own>) own.template emplace<Held>().swap(held);
         },
         J);
     write(own);
@@ -173,11 +168,16 @@ class JacobianSource {
   /// @param f0  f(t, y) if it is known
   template <System Sys>
   void evaluate(const Sys& system, Real t, const State& y, Matrix& J, const State* f0 = nullptr) {
-    // Parts of a second-order system first, then its own Jacobian, then differences.
+    // Operators or parts of a second-order system first, then its own Jacobian, then differences.
     if constexpr (detail::is_mechanical<Matrix>) {
       write_parts(system, t, y, J);
     } else {
-      if constexpr (detail::may_be_mechanical<Matrix>)
+      if constexpr (detail::may_hold<OperatorJacobian, Matrix>)
+        if (auto structure = structure_operator_of(system)) {
+          J = OperatorJacobian{std::move(structure)};
+          return;
+        }
+      if constexpr (detail::may_hold<MechanicalJacobian<Real>, Matrix>)
         if (system.dofs() > 0 && has_sparse_matrices(system)) return write_parts(system, t, y, J);
       if constexpr (DifferentiableSystem<Sys>)
         if (has_jacobian(system))

@@ -10,14 +10,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include "core/distributed_equations.hpp"
 #include "integrators/implicit/jacobian.hpp"
 #include "integrators/implicit/newton_settings.hpp"
 #include "integrators/linear/linear_solver.hpp"
@@ -47,7 +45,6 @@ class NewtonNorm {
 
   /// Forgets tolerances and makes room for states of shape (n).
   void init(Eigen::Index n) {
-    distributed_ = DistributedEquations::of_this_run();
     rtol_ = atol_ = 0;
     atols_.resize(0);
     share_ = std::max(static_cast<Real>(settings_.tolerance), rounding);
@@ -64,9 +61,10 @@ class NewtonNorm {
   [[nodiscard]] bool has_tolerances() const { return rtol_ > 0 || atol_ > 0; }
 
   /// Weighs the corrections of an attempt that starts from y, shape (n).
-  void prepare(const State& y) {
+  template <System Sys>
+  void prepare(const Sys& system, const State& y) {
     if (!has_tolerances()) {
-      scale_ = largest(y);
+      scale_ = largest(system, y);
       return;
     }
     for (Eigen::Index i = 0; i < y.size(); ++i) {
@@ -77,12 +75,13 @@ class NewtonNorm {
   }
 
   /// Square of the norm of a correction d, shape (n), that led to the iterate Y.
-  [[nodiscard]] Real squared(const State& d, const State& Y) const {
+  template <System Sys>
+  [[nodiscard]] Real squared(const Sys& system, const State& d, const State& Y) const {
     if (!has_tolerances()) {
-      const Real size = largest(d);
+      const Real size = largest(system, d);
       // The smallest numbers have no relative precision.
       const Real unit =
-          std::max(share_ * std::max({scale_, largest(Y), size}), std::numeric_limits<Real>::min());
+          std::max(share_ * std::max({scale_, largest(system, Y), size}), std::numeric_limits<Real>::min());
       return Eigen::numext::abs2(size / unit);
     }
     Real sum{0};
@@ -90,11 +89,10 @@ class NewtonNorm {
     return sum / static_cast<Real>(d.size());
   }
 
-  /// max |v_i| of the unknowns of all processes; not finite where one is not.
-  [[nodiscard]] Real largest(const State& v) const {
-    const Real own = largest_component(v);
-    if constexpr (is_small_state<State>) return own;
-    return distributed_ ? static_cast<Real>(distributed_->largest(static_cast<double>(own))) : own;
+  /// max |v_i| of all unknowns of the system; not finite where one is not.
+  template <System Sys>
+  [[nodiscard]] static Real largest(const Sys& system, const State& v) {
+    return largest_of_all(system, largest_component(v));
   }
 
   /// Whether no component of y is so near to zero that only the tolerated error of it is known. Extrapolated
@@ -128,8 +126,7 @@ class NewtonNorm {
 
   /// rtol_ and atol_ are kappa times those of the run; scale_ is max |y|.
   Real kappa_, rtol_ = 0, atol_ = 0, scale_ = 0, share_ = rounding;
-  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
-  Eigen::Vector<Real, Eigen::Dynamic> atols_;                ///< of each component; empty: atol_ of all
+  Eigen::Vector<Real, Eigen::Dynamic> atols_;  ///< of each component; empty: atol_ of all
   NewtonSettings settings_;
   /// 1 / max(atol_i + rtol |y_i|, 4 eps |y_i|), shape (n).
   State per_weight_ = blank_state<State>();
@@ -432,7 +429,6 @@ class ShiftedSolver {
   ShiftedSolver(const ShiftedSolver& other) : solver_(other.solver_) {}
   ShiftedSolver& operator=(const ShiftedSolver& other) {
     solver_ = other.solver_;
-    distributed_ = nullptr;
     id_ = 0;
     return *this;
   }
@@ -448,7 +444,6 @@ class ShiftedSolver {
   /// Forgets its factors. Dense equations of n unknowns are then factored and solved without allocations.
   void init(Eigen::Index n) {
     id_ = 0;
-    distributed_ = DistributedEquations::of_this_run();
     if constexpr (!detail::is_variant<Matrix> && !detail::is_mechanical<Matrix> &&
                   !std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
       A_.setIdentity(n, n);
@@ -467,7 +462,6 @@ class ShiftedSolver {
     id_ = id;
     s_ = s;
     ++count;
-    if (distributed_) return regular_ = factor_distributed();
     set_shifted(J, s, A_);
     regular_ = solver_.factor(A_);
     return regular_;
@@ -477,8 +471,6 @@ class ShiftedSolver {
   /// @returns iterations of conjugate gradients, 0 where factors solve
   template <class Vector>
   int solve(Vector& x) {
-    if constexpr (std::is_same_v<Scalar, double>)
-      if (distributed_) return solve_distributed(x);
     return solver_.solve(x);
   }
 
@@ -499,29 +491,6 @@ class ShiftedSolver {
   }
 
  private:
-  /// The matrices of the run take the place of J. @throws ComplexEquations  for complex s
-  bool factor_distributed() {
-    if constexpr (std::is_same_v<Scalar, double>)
-      inverse_ = distributed_->inverse(s_, s_ * s_);
-    else
-      throw ComplexEquations();
-    return inverse_ != nullptr;
-  }
-  /// (I - s J)(q, v) = (b, d) as in mechanical.hpp, with masses of one: (I + s C + s^2 K) v = d - s K b, q =
-  /// b + s v.
-  template <class Vector>
-  int solve_distributed(Vector& x) {
-    const Eigen::Index n = x.size() / 2;
-    Eigen::VectorXd Kb(n);
-    distributed_->stiffness_times(x.data(), Kb.data());
-    x.tail(n) -= s_ * Kb;
-    const int iterations = inverse_->apply(x.data() + n);
-    x.head(n) += s_ * x.tail(n);
-    return iterations;
-  }
-
-  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
-  std::unique_ptr<DistributedEquations::Inverse> inverse_;   ///< then in the place of A_ and its solver
   /// I - s J, and its solver. id_ and s_ say which factors there are.
   with_scalar<Matrix, Scalar> A_ = blank_matrix<with_scalar<Matrix, Scalar>>();
   LinearSolver<with_scalar<Matrix, Scalar>> solver_;

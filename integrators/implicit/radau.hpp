@@ -105,7 +105,7 @@ class RadauIIA5 {
     h_ = h;
     polynomial_known_ = false;
     jacobian_.begin(system, t, y);
-    norm_.prepare(y);
+    norm_.prepare(system, y);
     if (!slope_known_) {
       system.rhs(t, y, slope_);
       slope_known_ = true;
@@ -213,12 +213,12 @@ class RadauIIA5 {
       }
       find_residual(slopes, y, h);
       ++work_.newton;
-      attempt_memory_.error = std::sqrt(find_corrections(1));
+      attempt_memory_.error = std::sqrt(find_corrections(system, 1));
       if (!(attempt_memory_.error <= std::numeric_limits<Real>::max())) return ends(NewtonEnd::not_finite);
       // The residual has left f in the place of z = s f, which rounding is measured by. At a new Jacobian z
       // may still be 0, so that nothing is estimated there.
       transform<Forward>(w_, z_);
-      const bool solved = attempt_memory_.error <= std::max(Real(1), rounding(h, k % renewed != 0));
+      const bool solved = attempt_memory_.error <= std::max(Real(1), rounding(system, h, k % renewed != 0));
       if (!solved) {
         mixing.step(w_, f_);
       } else {
@@ -259,7 +259,7 @@ class RadauIIA5 {
   bool solve_stages(const Sys& system, Real t, const State& y, Real h, std::optional<Real> continuation) {
     // g(t + c_i h) is evaluated once for all iterations.
     const SlopeAt<Sys> slopes[]{{system, t + c(0) * h}, {system, t + c(1) * h}, {system, t + h}};
-    const auto rounds = [&](bool estimate) { return rounding(h, estimate); };
+    const auto rounds = [&](bool estimate) { return rounding(system, h, estimate); };
     NewtonEnd end = NewtonEnd::singular;
     // Continuation begins with all stages at y.
     if (continuation) {
@@ -272,13 +272,13 @@ class RadauIIA5 {
           [&] {
             find_residual(slopes, y, h);
             Real size = 0;
-            for (const State& part : f_) size = std::max(size, largest_component(part));
+            for (const State& part : f_) size = std::max(size, norm_.largest(system, part));
             return size;
           },
           [&](Real mu) -> std::optional<Real> {
             jacobian_.take(system, t + h, Y_[2]);
             if (!factor(h / (1 + mu))) return std::nullopt;
-            return correct(1 / (1 + mu));
+            return correct(system, 1 / (1 + mu));
           },
           rounds);
     } else if (factor(h)) {
@@ -287,7 +287,7 @@ class RadauIIA5 {
           norm_.iterations(), attempt_memory_, work_.newton,
           [&] {
             find_residual(slopes, y, h);
-            return correct(1);
+            return correct(system, 1);
           },
           rounds);
     }
@@ -314,8 +314,9 @@ class RadauIIA5 {
 
   /// Solves for dw, of which a share is added to w; z becomes that of the new w.
   /// @returns the mean square of the norms of what was added
-  Real correct(Real share) {
-    const Real squared = find_corrections(share);
+  template <System Sys>
+  Real correct(const Sys& system, Real share) {
+    const Real squared = find_corrections(system, share);
     for (std::size_t i = 0; i < 3; ++i)
       detail::assign(w_[i], [&](auto access) { return access(w_[i]) + access(f_[i]); });
     transform<Forward>(w_, z_);
@@ -323,7 +324,8 @@ class RadauIIA5 {
   }
 
   /// Leaves a share of dw in f_. @returns the mean square of its norms
-  Real find_corrections(Real share) {
+  template <System Sys>
+  Real find_corrections(const Sys& system, Real share) {
     // The complex equation stands for two real ones: (f_1, f_2) = (Re, Im).
     for (Eigen::Index d = 0; d < pair_.size(); ++d) pair_[d] = Complex(f_[1][d], f_[2][d]);
     work_.linear_iterations += real_.solve(f_[0]);
@@ -335,15 +337,16 @@ class RadauIIA5 {
     Real sum = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       detail::assign(f_[i], [&](auto access) { return share * access(f_[i]); });
-      sum += norm_.squared(f_[i], Y_[2]);
+      sum += norm_.squared(system, f_[i], Y_[2]);
     }
     return sum / 3;
   }
 
   /// The norm of what rounding of f makes of a correction. That of each stage is as large as the real
   /// equation makes it; the transformation enlarges it by about 5.
-  Real rounding(Real h, bool estimate) {
-    return 5 * rounding_(estimate, jacobian_.matrix(), jacobian_.id(), h / gamma, Y_[2], z_[2], norm_,
+  template <System Sys>
+  Real rounding(const Sys& system, Real h, bool estimate) {
+    return 5 * rounding_(system, estimate, jacobian_.matrix(), jacobian_.id(), h / gamma, Y_[2], z_[2], norm_,
                          [&](State& x) { work_.linear_iterations += real_.solve(x); });
   }
 

@@ -5,14 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <type_traits>
 #include <variant>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "core/distributed_equations.hpp"
 #include "integrators/mechanical.hpp"
 #include "integrators/state.hpp"
 #include "integrators/system.hpp"
@@ -49,6 +47,15 @@ void absolute_product(const MechanicalJacobian<Real>& J, const Vector& x, Vector
   out.head(n) = v;
   out.tail(n) = (of_K + of_C).cwiseQuotient(J.mass.diagonal());
 }
+/// Operators show no entries: their largest eigenvalues in place of |K| and |C|.
+template <class Vector>
+void absolute_product(const OperatorJacobian& J, const Vector& x, Vector& out) {
+  using Real = real_of<Vector>;
+  const Eigen::Index n = x.size() / 2;
+  out.head(n) = x.tail(n);
+  out.tail(n) = static_cast<Real>(J.structure->largest_stiffness()) * x.head(n) +
+                static_cast<Real>(J.structure->largest_damping()) * x.tail(n);
+}
 /// The kind of J that the variant holds.
 template <class... Matrices, class Vector>
 void absolute_product(const std::variant<Matrices...>& J, const Vector& x, Vector& out) {
@@ -74,7 +81,6 @@ class ResidualRounding {
   /// Takes |X| where the system has an offset; forgets the correction.
   template <System Sys>
   void init(const Sys& system) {
-    distributed_ = DistributedEquations::of_this_run();
     offset_.setZero(system.dim());
     if constexpr (OffsetSystem<Sys>)
       if (has_offset(system)) system.offset(offset_);
@@ -83,16 +89,17 @@ class ResidualRounding {
   }
 
   /// The norm of that correction.
+  /// @param system    whose f that is
   /// @param estimate  whether it is worth a product and a solution to know it: else 0 unless it is known for
   ///                  this matrix and numbers of the size of Y
   /// @param J         the Jacobian with the number `id`, as in Linearisation
   /// @param z         s f(Y), shape (n)
   /// @param norm      of corrections, as NewtonNorm
   /// @param solve     solve(x) makes x = (I - s J)^-1 x
-  template <class Matrix, class Norm, class Solve>
-  Real operator()(bool estimate, const Matrix& J, std::int64_t id, Real s, const State& Y, const State& z,
-                  const Norm& norm, const Solve& solve) {
-    const Real size = norm.largest(Y);
+  template <System Sys, class Matrix, class Norm, class Solve>
+  Real operator()(const Sys& system, bool estimate, const Matrix& J, std::int64_t id, Real s, const State& Y,
+                  const State& z, const Norm& norm, const Solve& solve) {
+    const Real size = norm.largest(system, Y);
     if (id != id_ || s != s_ || size > 2 * size_ || size < size_ / 2) {
       if (!estimate) return 0;
       id_ = id;
@@ -101,7 +108,7 @@ class ResidualRounding {
       make(J, Y, z);
       solve(correction_);
     }
-    return std::sqrt(norm.squared(correction_, Y));
+    return std::sqrt(norm.squared(system, correction_, Y));
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
@@ -119,10 +126,7 @@ class ResidualRounding {
     numbers_ = offset_;
     for (Eigen::Index i = 0; i < Y.size(); ++i) numbers_[i] += abs(Y[i]) + abs(z[i]);
     correction_ = numbers_;
-    if (distributed_)
-      bound_product();
-    else
-      detail::absolute_product(J, numbers_, correction_);
+    detail::absolute_product(J, numbers_, correction_);
     constexpr Real unit = margin * std::numeric_limits<Real>::epsilon();
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       // The high bits of a product with the golden ratio are without order.
@@ -131,16 +135,6 @@ class ResidualRounding {
     }
   }
 
-  /// |J| (q, v) of rows that have entries in columns of other processes: as large as their eigenvalues make
-  /// it.
-  void bound_product() {
-    const Eigen::Index n = numbers_.size() / 2;
-    correction_.head(n) = numbers_.tail(n);
-    correction_.tail(n) = static_cast<Real>(distributed_->largest_stiffness()) * numbers_.head(n) +
-                          static_cast<Real>(distributed_->largest_damping()) * numbers_.tail(n);
-  }
-
-  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
   /// |X|, the sizes of the numbers that f reads, and the correction, shape (n).
   State offset_ = blank_state<State>(), numbers_ = offset_, correction_ = offset_;
   /// Of which matrix and size of Y the correction is.

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/structure_operator.hpp"
 #include "integrators/linear/block_structure.hpp"
 #include "integrators/linear/blocked_lu.hpp"
 #include "integrators/linear/sparse_solver.hpp"
@@ -20,8 +21,8 @@
 namespace hmax {
 
 namespace detail {
-/// Type of I - s J by type of J: dense stays dense, sparse stays sparse, parts become ShiftedMechanical, a
-/// variant becomes the variant of those.
+/// Type of I - s J by type of J: dense stays dense, sparse stays sparse, parts become ShiftedMechanical,
+/// operators ShiftedOperator, a variant becomes the variant of those.
 template <class Matrix, class Scalar>
 struct WithScalar {
   using type = Eigen::Matrix<Scalar, Matrix::RowsAtCompileTime, Matrix::ColsAtCompileTime>;
@@ -33,6 +34,10 @@ struct WithScalar<Eigen::SparseMatrix<From, Options, Index>, Scalar> {
 template <class Real, class Scalar>
 struct WithScalar<MechanicalJacobian<Real>, Scalar> {
   using type = ShiftedMechanical<Scalar>;
+};
+template <class Scalar>
+struct WithScalar<OperatorJacobian, Scalar> {
+  using type = ShiftedOperator;
 };
 template <class... Matrices, class Scalar>
 struct WithScalar<std::variant<Matrices...>, Scalar> {
@@ -80,7 +85,8 @@ void set_shifted(const Matrix& J, Scalar s, with_scalar<Matrix, Scalar>& A) {
 }
 
 /// A = M + c C + k K: the matrix of a second-order method, with m the lumped masses, shape (n), or a sparse M
-/// for sparse C and K. C, K and A have shape (n, n); of variants, C must hold the same alternative as K.
+/// for sparse C and K; operators are of masses of one. C, K and A have shape (n, n); of variants, C must hold
+/// the same alternative as K.
 /// @throws std::bad_variant_access  where it does not
 template <class Mass, class Matrix, class Real>
 void set_combination(const Mass& m, Real c, const Matrix& C, Real k, const Matrix& K, Matrix& A) {
@@ -90,6 +96,8 @@ void set_combination(const Mass& m, Real c, const Matrix& C, Real k, const Matri
           set_combination(m, c, std::get<Alternative>(C), k, held, detail::alternative<Alternative>(A));
         },
         K);
+  } else if constexpr (std::is_same_v<Matrix, OperatorSum>) {
+    A = {K, static_cast<double>(c), static_cast<double>(k)};
   } else if constexpr (std::is_base_of_v<Eigen::SparseMatrixBase<Matrix>, Matrix>) {
     set_sparse_combination<Real, typename Matrix::Scalar>(m, c, C, k, K, A);
   } else {
@@ -238,7 +246,7 @@ class DenseLu {
 };
 
 /// Solves A x = b, shape (n, n): dense by LU with partial pivoting, sparse by what fits the matrix.
-/// @tparam Matrix  dense or sparse Eigen matrix, ShiftedMechanical, or a variant of these
+/// @tparam Matrix  dense or sparse Eigen matrix, ShiftedMechanical, an operator, or a variant of these
 template <class Matrix>
 class LinearSolver {
  public:
@@ -361,6 +369,58 @@ class LinearSolver<ShiftedMechanical<Scalar>> {
   bool in_space_ = false;     ///< K is made of blocks
   LinearSolver<Eigen::SparseMatrix<Scalar>> solver_;
   Vector moved_, velocity_;
+};
+
+/// (I + c C + k K) x = b by the structure whose operators these are, in its own way.
+template <>
+class LinearSolver<OperatorSum> {
+ public:
+  void set(LinearSolve /*choice*/) {}
+  bool factor(const OperatorSum& A) {
+    inverse_ = A.structure->inverse(A.c, A.k);
+    return inverse_ != nullptr;
+  }
+  /// x = (I + c C + k K)^-1 x, shape (n).
+  /// @returns iterations
+  int solve(Eigen::VectorXd& x) { return inverse_->apply(x.data()); }
+
+ private:
+  std::shared_ptr<StructureOperator::Inverse> inverse_;
+};
+
+/// (I - s J)(q, v) = (b, d) as of a mechanical system, with masses of one:
+///   (I + s C + s^2 K) v = d - s K b,   q = b + s v.
+template <>
+class LinearSolver<ShiftedOperator> {
+ public:
+  void set(LinearSolve /*choice*/) {}
+  bool factor(const ShiftedOperator& A) {
+    A_ = A.reduced;
+    return solver_.factor(A_);
+  }
+  /// x = (b, d) in, (I - s J)^-1 (b, d) out, shape (2 n).
+  /// @returns iterations
+  /// @throws ComplexEquations  for numbers that are no double
+  template <class X>
+  int solve(X& x) {
+    if constexpr (std::is_same_v<typename X::Scalar, double>) {
+      const Eigen::Index n = x.size() / 2;
+      velocity_.resize(n);
+      A_.structure->stiffness_times(x.data(), velocity_.data());
+      velocity_ = x.tail(n) - A_.c * velocity_;
+      const int iterations = solver_.solve(velocity_);
+      x.tail(n) = velocity_;
+      x.head(n) += A_.c * velocity_;
+      return iterations;
+    } else {
+      throw ComplexEquations();
+    }
+  }
+
+ private:
+  OperatorSum A_;
+  LinearSolver<OperatorSum> solver_;
+  Eigen::VectorXd velocity_;
 };
 
 /// The same for a matrix whose kind is chosen at run time. A change of kind makes a new solver.

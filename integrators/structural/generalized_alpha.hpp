@@ -6,12 +6,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
-#include "core/distributed_equations.hpp"
 #include "integrators/implicit/jacobian.hpp"
 #include "integrators/implicit/newton_settings.hpp"
 #include "integrators/linear/linear_solver.hpp"
@@ -85,7 +83,7 @@ static_assert(order_of(newmark_parameters(0.25L, 0.6L)) == 1 && order_of(hht_par
 /// a step that converged slowly. Where the iteration does not converge, automatic and exact go on to Newton's
 /// method from a motionless guess, with K and C at every iterate.
 /// @tparam DofsT    Eigen column vector, shape (n)
-/// @tparam MatrixT  type of K and C, shape (n, n): dense, sparse, or a variant of both
+/// @tparam MatrixT  type of K and C, shape (n, n): dense, sparse, or structure_type of the system
 /// @cost   a force and a solution each iteration; no allocation after init() for dense matrices
 /// @source [chung1993time]
 template <class StateT, class DofsT, class MatrixT>
@@ -124,7 +122,6 @@ class GeneralizedAlpha {
   template <SecondOrderSystem Sys>
   void init(const Sys& system, Real t, const State& y) {
     const Eigen::Index n = system.dofs();
-    distributed_ = DistributedEquations::of_this_run();
     take_mass(system);
     q_ = y.head(n);
     v_ = y.tail(n);
@@ -154,7 +151,7 @@ class GeneralizedAlpha {
         State X = y;
         X.setZero();
         system.offset(X);
-        offset_ = norm(X, 0);
+        offset_ = norm(system, X, 0);
       }
   }
 
@@ -264,12 +261,17 @@ class GeneralizedAlpha {
   /// K and C at (t, q_, v_). K has no part in a method whose positions do not depend on a_new.
   template <SecondOrderSystem Sys>
   void linearise(const Sys& system, Real t, MatrixT& K, MatrixT& C) const {
-    if (distributed_) return;  // has them
-    system.damping(t, q_, v_, C);
+    if constexpr (detail::may_hold<OperatorSum, MatrixT>)
+      if (const auto structure = structure_operator_of(system)) {
+        K = C = OperatorSum{{structure}};
+        return;
+      }
+    using Own = typename Sys::DofMatrix;
+    detail::write_as<Own>(C, [&](Own& own) { system.damping(t, q_, v_, own); });
     if (beta_ == 0)
       K = C;
     else
-      system.stiffness(t, q_, v_, K);
+      detail::write_as<Own>(K, [&](Own& own) { system.stiffness(t, q_, v_, own); });
   }
 
   /// Whether K and C are renewed at the start of this step.
@@ -289,24 +291,12 @@ class GeneralizedAlpha {
   bool factor(Real h, const MatrixT& K, const MatrixT& C) {
     const Real share = (1 - alpha_f_) / (1 - alpha_m_);
     const Real c = share * gamma_ * h, k = share * beta_ * h * h;
-    if (distributed_) {
-      ++work_.factorisations;
-      inverse_ = distributed_->inverse(static_cast<double>(c), static_cast<double>(k));
-      return inverse_ != nullptr;
-    }
     if (couples())
       set_combination(M_.coupled()->matrix(), c, C, k, K, A_);
     else
       set_combination(mass_, c, C, k, K, A_);
     ++work_.factorisations;
     return solver_.factor(A_);
-  }
-
-  /// x = A^-1 x. @returns iterations of conjugate gradients, 0 where factors solve
-  int solve(DofsT& x) {
-    if constexpr (std::is_same_v<DofsT, Eigen::VectorXd>)
-      if (distributed_) return inverse_->apply(x.data());
-    return solver_.solve(x);
   }
 
   /// The a_new of q_new = q, from 0 = h v + h^2 ((1/2 - beta) a + beta a_new); a_new = a where q_new does
@@ -348,21 +338,21 @@ class GeneralizedAlpha {
         detail::for_each_dof(y, [&](Eigen::Index i) {
           force_[i] = force_[i] * share - mass_[i] * (a_new_[i] + alpha_m_ * share * a_[i]);
         });
-      work_.linear_iterations += solve(force_);
+      work_.linear_iterations += solver_.solve(force_);
       a_new_ += force_;
       update_candidate(y, h, y_new);
       ++work_.newton;
 
       // As velocities: the correction, and the motion that it corrects.
-      const Real length = std::abs(h), size = length * norm(force_, 0);
-      const Real motion = norm(y_new, n) + length * norm(a_new_, 0);
+      const Real length = std::abs(h), size = length * norm(system, force_, 0);
+      const Real motion = norm(system, y_new, n) + length * norm(system, a_new_, 0);
       if (!(size <= std::numeric_limits<Real>::max()))
         return fails("the forces are not finite in an iterate of Newton's method");
       if (k > 1) {
         rate = size / before;
         if (rate >= 1) {
           // Nothing but rounding may be left, also of positions, which is more than that of a slow motion.
-          if (size <= 50 * rounding * (motion + (norm(y_new, 0) + offset_) / length))
+          if (size <= 50 * rounding * (motion + (norm(system, y_new, 0) + offset_) / length))
             return solved(size, motion);
           if (!newton) return fails("Newton's method diverges");
         }
@@ -387,15 +377,15 @@ class GeneralizedAlpha {
     return true;
   }
 
-  /// The Euclidean norm of n numbers from `first` on; of one number without a root.
-  template <class Vector>
-  Real norm(const Vector& vector, Eigen::Index first) const {
-    using std::abs, std::sqrt;
-    if constexpr (DofsT::SizeAtCompileTime == 1) return abs(vector[first]);
-    const auto part = vector.segment(first, mass_.size());
-    if (distributed_)
-      return sqrt(static_cast<Real>(distributed_->sum(static_cast<double>(part.squaredNorm()))));
-    return part.norm();
+  /// The Euclidean norm of n numbers from `first` on, without a root of one number; the largest such norm of
+  /// those who hold the unknowns of a system together.
+  template <System Sys, class Vector>
+  Real norm(const Sys& system, const Vector& vector, Eigen::Index first) const {
+    using std::abs;
+    if constexpr (DofsT::SizeAtCompileTime == 1)
+      return abs(vector[first]);
+    else
+      return largest_of_all(system, vector.segment(first, mass_.size()).norm());
   }
 
   /// y_new of a_new_, by Newmark's formulas.
@@ -419,8 +409,6 @@ class GeneralizedAlpha {
                          // and at the iterates of Newton's method
   MatrixT A_ = K_;
   LinearSolver<MatrixT> solver_;
-  std::shared_ptr<const DistributedEquations> distributed_;  ///< of the run; null where it is of one process
-  std::shared_ptr<DistributedEquations::Inverse> inverse_;   ///< then in the place of A_ and its solver
   Real offset_ = 0;               ///< the norm of the positions that q is added to, with their rounding
   Real factored_h_ = 0;           ///< the h of the factors of K_ and C_; NaN: there are none
   Real rate_ = 1, new_rate_ = 1;  ///< of convergence, in the last accepted step and the last attempt

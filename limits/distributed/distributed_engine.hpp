@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/distributed_equations.hpp"
+#include "core/structure_operator.hpp"
 
 namespace hmax {
 
@@ -110,7 +110,7 @@ class DistributedModel {
   virtual void mass_times(const double* x, double* out) = 0;
   virtual void reduced_stiffness_times(const double* x, double* out) = 0;
   /// (a M + b K)^-1 M. Where that is singular or not positive definite its apply() throws.
-  virtual std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) = 0;
+  virtual std::unique_ptr<StructureOperator::Inverse> inverse_of_sum(double a, double b) = 0;
   /// Where damping is general: to `tolerance` of |a| gamma_max + |b| kappa_max.
   virtual SumEnd largest_of_sum(double a, double b, double tolerance) = 0;
   /// Where damping is general: up to `most` eigenvalues of (lambda^2 M + lambda C + K) u = 0 of largest

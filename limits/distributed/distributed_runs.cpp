@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"
-#include "core/distributed_equations.hpp"
+#include "core/structure_operator.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "limits/modes/structure_start.hpp"
 #include "limits/verification.hpp"
@@ -39,9 +39,9 @@ struct Shared {
 
 /// What implicit steps ask of all processes: with C = alpha M + beta K
 ///   I + c M^-1 C + k M^-1 K = M^-1 ((1 + c alpha) M + (k + c beta) K).
-class Equations final : public DistributedEquations {
+class Structure final : public StructureOperator {
  public:
-  explicit Equations(Shared shared) : shared_(shared) {}
+  explicit Structure(Shared shared) : shared_(shared) {}
 
   [[nodiscard]] std::unique_ptr<Inverse> inverse(double c, double k) const override {
     shared_.go_on();
@@ -57,15 +57,6 @@ class Equations final : public DistributedEquations {
   [[nodiscard]] double largest_damping() const override {
     const StructureEnds& ends = shared_.model.ends();
     return std::abs(ends.alpha) + std::abs(ends.beta) * ends.kappa_max;
-  }
-  [[nodiscard]] double sum(double own) const override {
-    shared_.go_on();
-    shared_.model.add_up({&own, 1});
-    return own;
-  }
-  [[nodiscard]] double largest(double own) const override {
-    shared_.go_on();
-    return shared_.model.largest(own);
   }
 
  private:
@@ -97,7 +88,8 @@ class DistributedSystem {
   static constexpr bool autonomous = true;
 
   /// @param fastest  |lambda| of the fastest mode [1/s]
-  DistributedSystem(Shared shared, double fastest) : shared_(shared), fastest_(fastest) {}
+  DistributedSystem(Shared shared, double fastest)
+      : shared_(shared), fastest_(fastest), structure_(std::make_shared<const Structure>(shared)) {}
 
   [[nodiscard]] Eigen::Index dofs() const { return static_cast<Eigen::Index>(shared_.model.rows()); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
@@ -115,8 +107,13 @@ class DistributedSystem {
     shared_.model.reduced_stiffness_times(x.data(), f.data());
     f = -f - ends.alpha * v;
   }
+  [[nodiscard]] std::shared_ptr<const StructureOperator> structure_operator() const { return structure_; }
+  [[nodiscard]] double largest_of_all(double own) const {
+    shared_.go_on();
+    return shared_.model.largest(own);
+  }
   /// No matrix is in one place: of K nothing, of C what damps each unknown alone, which is all that explicit
-  /// steps take. Implicit ones take Equations.
+  /// steps take. Implicit ones take the operators.
   void stiffness(double /*t*/, const Dofs&, const Dofs&, DofMatrix& K) const { K.resize(dofs(), dofs()); }
   void damping(double /*t*/, const Dofs&, const Dofs&, DofMatrix& C) const {
     C.resize(dofs(), dofs());
@@ -131,6 +128,7 @@ class DistributedSystem {
  private:
   Shared shared_;
   double fastest_;
+  std::shared_ptr<const Structure> structure_;
 };
 
 /// Runs of the rows of this process. One that ends early here ends everywhere, and the other way round: each
@@ -146,7 +144,6 @@ ShowSteps steps_of(const Method& method, const ModeStart& start, Shared shared, 
     spec.t_end = h * static_cast<double>(steps);
     spec.h = h;
     spec.max_steps = steps + 2;
-    const DistributedEquations::Run of_all(std::make_shared<const Equations>(shared));
     try {
       const RunRecord record = runner.run(spec, [&](double, const Eigen::Ref<const VectorXd>& y) {
         shared.go_on();

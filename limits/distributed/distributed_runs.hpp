@@ -13,7 +13,7 @@ namespace hmax {
 
 /// Why a method cannot step rows that are dealt out; empty where it can. Each process makes steps of its rows
 /// with the code of the method; accelerations, equations and norms are those of all
-/// (core/distributed_equations.hpp).
+/// (core/structure_operator.hpp).
 std::string why_not_stepped(const Method& method);
 
 /// The user ended the runs; thrown on all processes.

@@ -104,9 +104,9 @@ TEST(ComponentTolerances, WeighTheCorrectionsOfNewtonsMethod) {
   NewtonNorm<Plane> norm(1.0);
   norm.init(2);
   norm.set_tolerances(0.0, Vector(Plane(1e-3, 1e-6)));
-  norm.prepare(Plane(1, 1));
-  EXPECT_NEAR(norm.squared(Plane(1e-3, 0), Plane(1, 1)), 0.5, 1e-12);
-  EXPECT_NEAR(norm.squared(Plane(0, 1e-6), Plane(1, 1)), 0.5, 1e-12);
+  norm.prepare(InUnits{}, Plane(1, 1));
+  EXPECT_NEAR(norm.squared(InUnits{}, Plane(1e-3, 0), Plane(1, 1)), 0.5, 1e-12);
+  EXPECT_NEAR(norm.squared(InUnits{}, Plane(0, 1e-6), Plane(1, 1)), 0.5, 1e-12);
   EXPECT_TRUE(norm.resolves(Plane(1, 1e-5)));
   EXPECT_FALSE(norm.resolves(Plane(1e-4, 1)));
 }

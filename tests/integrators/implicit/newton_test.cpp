@@ -145,52 +145,53 @@ TEST(ResidualRounding, IsTheCorrectionThatRoundingOfTheForceMakes) {
     static void offset(State& X) { X = Eigen::Vector2d(1000, 0); }
   };
   ResidualRounding<Eigen::VectorXd> rounding;
-  rounding.init(Offset{});
+  const Offset system;
+  rounding.init(system);
   NewtonNorm<Eigen::VectorXd> norm;
   norm.init(2);
   const Eigen::VectorXd y = Eigen::Vector2d(1, 1), z = Eigen::Vector2d(0, 0);
-  norm.prepare(y);
+  norm.prepare(system, y);
   const Eigen::MatrixXd J = -100 * Eigen::Matrix2d::Identity();
   const double s = 0.1;
   const auto solve = [&](Eigen::VectorXd& x) { x /= 1 + 100 * s; };
-  EXPECT_EQ(rounding(false, J, 1, s, y, z, norm, solve), 0) << "not known yet";
+  EXPECT_EQ(rounding(system, false, J, 1, s, y, z, norm, solve), 0) << "not known yet";
   const double eps = std::numeric_limits<double>::epsilon();
   const double correction = s * eps * 100 * 1001 / (1 + 100 * s);  // against the unit 4 eps
-  const double found = rounding(true, J, 1, s, y, z, norm, solve);
+  const double found = rounding(system, true, J, 1, s, y, z, norm, solve);
   EXPECT_NEAR(found, ResidualRounding<Eigen::VectorXd>::margin * correction / (4 * eps), 1e-9 * found);
-  EXPECT_EQ(rounding(false, J, 1, s, y, z, norm, solve), found);
-  EXPECT_EQ(rounding(false, J, 2, s, y, z, norm, solve), 0) << "another matrix";
-  EXPECT_EQ(rounding(false, J, 1, s, 1e-6 * y, z, norm, solve), 0) << "smaller numbers";
+  EXPECT_EQ(rounding(system, false, J, 1, s, y, z, norm, solve), found);
+  EXPECT_EQ(rounding(system, false, J, 2, s, y, z, norm, solve), 0) << "another matrix";
+  EXPECT_EQ(rounding(system, false, J, 1, s, 1e-6 * y, z, norm, solve), 0) << "smaller numbers";
 }
 
 TEST(NewtonNorm, MeasuresInAFractionOfTheTolerance) {
   NewtonNorm<Eigen::Vector2d> norm(0.1);
   norm.init(2);
   norm.set_tolerances(1e-3, 1e-6);
-  norm.prepare({2, 0});
-  EXPECT_NEAR(norm.squared({0.1 * (1e-6 + 2e-3), 0}, {2, 0}), 0.5, 1e-12);
-  EXPECT_NEAR(norm.squared({0, 1e-7}, {2, 0}), 0.5, 1e-12);
+  norm.prepare(Oscillator(), {2, 0});
+  EXPECT_NEAR(norm.squared(Oscillator(), {0.1 * (1e-6 + 2e-3), 0}, {2, 0}), 0.5, 1e-12);
+  EXPECT_NEAR(norm.squared(Oscillator(), {0, 1e-7}, {2, 0}), 0.5, 1e-12);
 }
 
 TEST(NewtonNorm, MeasuresInRoundingWhereThereIsNoTolerance) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   NewtonNorm<Eigen::Vector2d> norm;
   norm.init(2);
-  norm.prepare({-8, 0});
-  EXPECT_NEAR(norm.squared({0, 32 * eps}, {1, 1}), 1, 1e-12);
-  EXPECT_NEAR(norm.squared({0, 64 * eps}, {1, -16}), 1, 1e-12);
-  norm.prepare({0, 0});
-  EXPECT_EQ(norm.squared({0, 0}, {0, 0}), 0);
-  EXPECT_TRUE(std::isnan(norm.squared({std::numeric_limits<double>::quiet_NaN(), 0}, {0, 0})));
+  norm.prepare(Oscillator(), {-8, 0});
+  EXPECT_NEAR(norm.squared(Oscillator(), {0, 32 * eps}, {1, 1}), 1, 1e-12);
+  EXPECT_NEAR(norm.squared(Oscillator(), {0, 64 * eps}, {1, -16}), 1, 1e-12);
+  norm.prepare(Oscillator(), {0, 0});
+  EXPECT_EQ(norm.squared(Oscillator(), {0, 0}, {0, 0}), 0);
+  EXPECT_TRUE(std::isnan(norm.squared(Oscillator(), {std::numeric_limits<double>::quiet_NaN(), 0}, {0, 0})));
 }
 
 TEST(NewtonNorm, NeverAsksForMoreThanRounding) {
   NewtonNorm<Eigen::Vector2d> norm;
   norm.init(2);
   norm.set_tolerances(1e-16, 1e-300);
-  norm.prepare({1, 1});
+  norm.prepare(Oscillator(), {1, 1});
   const Eigen::Vector2d rounding = Eigen::Vector2d::Constant(std::numeric_limits<double>::epsilon());
-  EXPECT_LE(norm.squared(rounding, {1, 1}), 1);
+  EXPECT_LE(norm.squared(Oscillator(), rounding, {1, 1}), 1);
 }
 
 /// The Jacobians that `steps` accepted steps with a rate of convergence theta take.

@@ -78,7 +78,7 @@ class Rows final : public DistributedModel {
     stiffness_times(x, out);
     if (count_ > 0 && ++products_ == breaks_at) out[0] = std::numeric_limits<double>::infinity();
   }
-  std::unique_ptr<DistributedEquations::Inverse> inverse_of_sum(double a, double b) override {
+  std::unique_ptr<StructureOperator::Inverse> inverse_of_sum(double a, double b) override {
     return std::make_unique<SumInverse>(*this, a, b);
   }
   SumEnd largest_of_sum(double a, double b, double /*tolerance*/) override {
@@ -136,7 +136,7 @@ class Rows final : public DistributedModel {
 
  private:
   /// (a I + b K)^-1, which each process has in full.
-  class SumInverse final : public DistributedEquations::Inverse {
+  class SumInverse final : public StructureOperator::Inverse {
    public:
     SumInverse(Rows& rows, double a, double b)
         : rows_(rows),
