@@ -132,6 +132,13 @@ void refuse_beside_engine(const PredictOptions& options) {
                     options.at.at.empty() ? "add" : "write"));
 }
 
+void predict_by_engine(const PredictOptions& options, Console& console) {
+  // First of all: while it is open rank 0 alone prints, errors too.
+  const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
+  refuse_beside_engine(options);
+  print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
+}
+
 void print(const LimitAnswer& answer, const LimitQuestion& question, const std::vector<Problem>& problems,
            const std::optional<Store>& store, Console& console) {
   if (console.json) {
@@ -151,12 +158,6 @@ void print(const LimitAnswer& answer, const LimitQuestion& question, const std::
 }
 
 void predict_rows(const PredictOptions& options, Console& console) {
-  if (!options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1]) {
-    // First of all: while it is open rank 0 alone prints, errors too.
-    const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
-    refuse_beside_engine(options);
-    return print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
-  }
   if (!options.out.empty()) refuse_copies("hmax stability predict --out");
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
@@ -237,7 +238,11 @@ void add_stability_predict(CLI::App& stability, Console& console) {
            "under results/runs; none by default",
            "STORE");
   options->jobs = add_jobs(command);
-  set_callback(command, [options, &console] { predict_rows(*options, console); });
+  set_callback(command, [options, &console] {
+    const bool by_engine = !options->engine.empty() &&
+                           parse_choice("--engine", options->engine, engine_names) == engine_names[1];
+    (by_engine ? predict_by_engine : predict_rows)(*options, console);
+  });
 }
 
 }  // namespace hmax
