@@ -1,5 +1,7 @@
 /// hmax doctor and hmax info: what this build was made of, and on which machine it runs.
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "core/errors.hpp"
 #include "core/instruction_set.hpp"
 #include "core/ranks/module.hpp"
 #include "core/ranks/ranks.hpp"
@@ -47,6 +50,7 @@ std::vector<Part> optional_parts() {
 struct Module {
   std::string target, needed_for;
   bool built = false;
+  std::string broken;  ///< why it cannot be used though it is built; empty where it can
 };
 
 /// Whether a folder has a file that begins so.
@@ -59,42 +63,77 @@ bool has_file(const std::filesystem::path& folder, std::string_view beginning) {
 
 bool is_build_tree() { return std::filesystem::exists(program_prefix() / "CMakeCache.txt"); }
 
+/// Opens a module as commands do. @returns why it cannot be opened; empty where it can
+std::string why_not_opened(const std::string& file, const char* symbol) {
+  try {
+    symbol_of_module(file.c_str(), symbol);
+    return {};
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+/// Has Python import the package of a build tree. @returns why it cannot; empty where it can
+std::string why_not_imported(const std::filesystem::path& folder) {
+  // In quotes of the shell, and those of the folder as it knows them.
+  std::string quoted;
+  for (const char letter : folder.string()) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
+  const std::string command = "PYTHONPATH='" + quoted + "' '" HMAX_PYTHON "' -c 'import hmax' 2>&1";
+  std::FILE* const python = popen(command.c_str(), "r");
+  if (!python) return "Python cannot be started; install it again";
+  std::string last;
+  std::array<char, 1024> line;
+  while (std::fgets(line.data(), static_cast<int>(line.size()), python)) last = line.data();
+  if (pclose(python) == 0) return {};
+  while (last.ends_with('\n')) last.pop_back();
+  return fmt::format("the Python module cannot be imported: {}; build or install hmax again", last);
+}
+
 /// The modules for which the libraries were there when hmax was configured. Where an installation has its
 /// Python module is known to Python alone.
 std::vector<Module> modules() {
   std::vector<Module> modules;
-  const auto add = [&](const char* target, const char* needed_for) {
-    const std::filesystem::path file = module_file((std::string(target) + ".so").c_str());
-    modules.push_back({target, needed_for, std::filesystem::exists(file)});
+  const auto add = [&](const char* target, const char* needed_for, const char* symbol) {
+    const std::string file = std::string(target) + ".so";
+    const bool built = std::filesystem::exists(module_file(file.c_str()));
+    modules.push_back({target, needed_for, built, built ? why_not_opened(file, symbol) : ""});
   };
-  if (has_mpi()) add("hmax_mpi", "sweeps under mpirun");
-  if (has_distributed_engine()) add("hmax_petsc", "--engine petsc");
+  if (has_mpi()) add("hmax_mpi", "sweeps under mpirun", make_ranks_symbol);
+  if (has_distributed_engine()) add("hmax_petsc", "--engine petsc", make_engine_symbol);
   const std::vector<Part> parts = optional_parts();
   const auto python = std::ranges::find(parts, "pybind11", &Part::name);
-  if (is_build_tree() && python != parts.end() && !python->version.empty())
-    modules.push_back(
-        {"hmax_python", "the Python module", has_file(program_prefix() / "python/hmax", "_core")});
+  if (is_build_tree() && python != parts.end() && !python->version.empty()) {
+    const std::filesystem::path folder = program_prefix() / "python";
+    const bool built = has_file(folder / "hmax", "_core");
+    modules.push_back({"hmax_python", "the Python module", built, built ? why_not_imported(folder) : ""});
+  }
   return modules;
 }
 
-/// The modules that are not there, and how to get them; empty where all are.
+/// The modules that are not there, and how to get them, and those that cannot be used; empty where all can.
 std::string modules_for_people(const Console& console) {
-  std::string missing, targets;
+  std::string missing, targets, broken;
   for (const Module& module : modules()) {
+    if (!module.broken.empty()) broken += console.strong("Broken: ") + module.broken + "\n";
     if (module.built) continue;
     missing += fmt::format("{}{} ({})", missing.empty() ? "" : ", ", module.target, module.needed_for);
     targets += " " + module.target;
   }
-  if (missing.empty()) return "";
-  return console.strong("Not built: " + missing) +
+  if (missing.empty()) return broken;
+  return broken + console.strong("Not built: " + missing) +
          (is_build_tree() ? fmt::format("; cmake --build {} --target{}\n", program_prefix().string(), targets)
                           : "; install hmax again from a build that has them\n");
 }
 
 Json report() {
   const BuildInfo& build = build_info();
-  Json built = Json::array(), not_built = Json::array();
-  for (const Module& module : modules()) (module.built ? built : not_built).push_back(module.target);
+  Json usable = Json::array(), not_built = Json::array(), broken = Json::array();
+  for (const Module& module : modules()) {
+    if (!module.broken.empty())
+      broken.push_back({{"name", module.target}, {"why", module.broken}});
+    else
+      (module.built ? usable : not_built).push_back(module.target);
+  }
   Json libraries = Json::array(), optional = Json::array(), missing = Json::array();
   for (const Part& part : build.libraries) libraries.push_back(to_json(part));
   for (const Part& part : optional_parts()) {
@@ -111,8 +150,9 @@ Json report() {
           {"libraries", libraries},
           {"optional", optional},
           {"missing", missing},
-          {"modules", built},
+          {"modules", usable},
           {"modules_not_built", not_built},
+          {"modules_broken", broken},
           {"fingerprint", Json::parse(to_json(fingerprint()))}};
 }
 
@@ -132,9 +172,9 @@ std::string parts_for_people(const Console& console) {
   for (const InstructionSet set : instruction_sets()) sets.push_back(to_string(set));
   std::string text = fmt::format("{}\nInstruction set of the kernels: {}; HMAX_KERNELS chooses of {}\n",
                                  table.text(console), sets.front(), fmt::join(sets, ", "));
-  const std::string not_built = modules_for_people(console);
-  text += not_built;
-  if (packages.empty()) return text + (not_built.empty() ? "Nothing is missing.\n" : "");
+  const std::string unusable = modules_for_people(console);
+  text += unusable;
+  if (packages.empty()) return text + (unusable.empty() ? "Nothing is missing.\n" : "");
   return text + console.strong("To add what is missing: apt install" + packages) +
          (rebuild ? ", then configure and build again.\n" : "\n");
 }

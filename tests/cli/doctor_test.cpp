@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/ranks/module.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -73,6 +78,45 @@ TEST(Doctor, NamesModulesThatAreNotBuiltAndTheCommandThatBuildsThem) {
   const Told built = shell.line("tree/bin/hmax doctor");
   EXPECT_NE(built.out.find("cmake --build "), std::string::npos) << built.out;
   EXPECT_NE(built.out.find("--target hmax_"), std::string::npos) << built.out;
+}
+
+/// The modules of MPI and PETSc come with the program wherever their libraries are.
+TEST(Doctor, FindsTheModulesThatAreBuiltWithTheProgram) {
+  const Json report = Shell().hmax("doctor --json").json();
+  EXPECT_TRUE(report.at("modules_broken").empty()) << report.at("modules_broken");
+  for (const Json& part : report.at("optional"))
+    for (const auto& [library, module] : {std::pair{"OpenMPI", "hmax_mpi"}, {"SLEPc", "hmax_petsc"}})
+      if (part.at("name") == library && part.at("present")) {
+        EXPECT_EQ(std::ranges::count(report.at("modules"), Json(module)), 1) << module;
+      }
+}
+
+/// Files with the names of modules that are none.
+TEST(Doctor, OpensEachModuleBeforeItSaysThatNothingIsMissing) {
+  const Shell shell;
+  const std::vector<Json> expected = shell.hmax("doctor --json").json().at("modules");
+  const std::string modules =
+      "tree/" + std::filesystem::relative(module_file("."), program_prefix()).string();
+  ASSERT_EQ(
+      shell.line("mkdir -p tree/bin tree/python/hmax " + modules + " && cp '" HMAX_PROGRAM "' tree/bin/hmax")
+          .exit_code,
+      0);
+  for (const char* file : {"hmax_mpi.so", "hmax_petsc.so"})
+    write_text(shell / (modules + "/" + file), "no module");
+  write_text(shell / "tree/python/hmax/_core.so", "no module");
+  write_text(shell / "tree/python/hmax/__init__.py", "from . import _core\n");
+  write_text(shell / "tree/CMakeCache.txt", "");
+  const Json report = shell.line("tree/bin/hmax doctor --json").json();
+  EXPECT_TRUE(report.at("modules").empty());
+  EXPECT_TRUE(report.at("modules_not_built").empty());
+  std::vector<Json> broken;
+  for (const Json& module : report.at("modules_broken")) broken.push_back(module.at("name"));
+  for (const Json& module : expected) EXPECT_EQ(std::ranges::count(broken, module), 1) << module;
+  if (expected.empty()) GTEST_SKIP() << "this build has no modules";
+  const Told told = shell.line("tree/bin/hmax doctor");
+  EXPECT_NE(told.out.find("Broken: the "), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("build or install hmax again"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("Nothing is missing"), std::string::npos) << told.out;
 }
 
 }  // namespace
