@@ -39,8 +39,7 @@ LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSiz
   const Problem& problem = each.problem;
   Prediction prediction = predict(method, near);
   verify(prediction, method, problem, near);
-  LimitRow row = limit_row(prediction);
-  if (row.verdict.empty()) row.verdict = "not_run";
+  LimitRow row = limit_row(prediction, true);
   row.details = "{}";
   if (each.linear) return row;
   const auto along = limit_along(method, problem, problem.t_end);

@@ -127,6 +127,19 @@ std::string task_along(const LimitQuestion& question, const Problem& problem, st
       question.path_by_default ? "; --along none goes without" : "");
 }
 
+/// Fails where runs contradict a row, and where no row has anything to show.
+void judge_runs(const std::vector<LimitRow>& rows, Console& console) {
+  bool any = false;
+  for (const LimitRow& row : rows) {
+    if (row.verdict == "contradicted") console.exit_code = Exit::failed;
+    any = any || row.is_observed() || !std::isnan(row.from_start);
+  }
+  if (any || interrupt_flag()) return;
+  console.exit_code = Exit::failed;
+  console.remark(
+      "nothing was verified: no row has a limit that runs could show; the notes on the rows say why");
+}
+
 }  // namespace
 
 LimitProgress::LimitProgress(Console& console, const LimitQuestion& question)
@@ -188,7 +201,8 @@ void warn_of_states(const LimitAnswer& answer, const LimitQuestion& question,
 }
 
 std::string words_of(const LimitAnswer& answer, const LimitQuestion& question,
-                     const std::vector<Problem>& problems, const Console& console) {
+                     const std::vector<Problem>& problems, const Console& console,
+                     const std::string& of_engine) {
   std::vector<LimitRow> rows;
   std::string below;
   for (std::size_t i = 0; i < answer.models.size(); ++i) {
@@ -198,7 +212,7 @@ std::string words_of(const LimitAnswer& answer, const LimitQuestion& question,
     if (model.empty()) continue;
     if (problems.size() > 1) below += problems[i].material + ", ";
     below += words_of_model(question, problems[i], model);
-    if (i == 0) below += words_of_body(problems[i], model);
+    if (i == 0) below += words_of_body(problems[i], model) + of_engine;
   }
   const LimitColumns columns{question.verify, question.runs_from_start, question.path};
   return limit_table(rows, columns, console) + (answer.models.empty() ? "" : "\n") + below +
@@ -221,18 +235,6 @@ void judge(const LimitAnswer& answer, const LimitQuestion& question, Console& co
   });
   if (only_grows) console.exit_code = Exit::failed;
   if (question.verify) judge_runs(rows, console);
-}
-
-void judge_runs(const std::vector<LimitRow>& rows, Console& console) {
-  bool any = false;
-  for (const LimitRow& row : rows) {
-    if (row.verdict == "contradicted") console.exit_code = Exit::failed;
-    any = any || row.is_observed() || !std::isnan(row.from_start);
-  }
-  if (any || interrupt_flag()) return;
-  console.exit_code = Exit::failed;
-  console.remark(
-      "nothing was verified: no row has a limit that runs could show; the notes on the rows say why");
 }
 
 }  // namespace hmax

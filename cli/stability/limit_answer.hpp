@@ -44,14 +44,13 @@ void warn_of_states(const LimitAnswer& answer, const LimitQuestion& question,
                     const std::vector<Problem>& problems, Console& console);
 
 /// The table, and below it what holds for it.
+/// @param of_engine  lines about the first model that its facts do not tell
 std::string words_of(const LimitAnswer& answer, const LimitQuestion& question,
-                     const std::vector<Problem>& problems, const Console& console);
+                     const std::vector<Problem>& problems, const Console& console,
+                     const std::string& of_engine = {});
 
 /// Sets the exit code: fails where there is no equilibrium though it was asked for, where every row is of a
 /// model that only grows, where runs contradict a row, and where --verify has nothing to show for any.
 void judge(const LimitAnswer& answer, const LimitQuestion& question, Console& console);
-
-/// Sets the exit code of --verify: fails where runs contradict a row, and where no row has anything to show.
-void judge_runs(const std::vector<LimitRow>& rows, Console& console);
 
 }  // namespace hmax

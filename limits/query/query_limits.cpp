@@ -230,9 +230,8 @@ class Query {
   }
 
   LimitRow row_of(const Method& method, const Prediction& prediction) const {
-    LimitRow row = limit_row(prediction);
+    LimitRow row = limit_row(prediction, question_.verify);
     row.method = name_of_row(method);
-    if (question_.verify && row.verdict.empty()) row.verdict = "not_run";
     Json details = details_json(prediction);
     if (question_.options) details["options"] = options_json(options_of(method));
     row.details = details.dump();

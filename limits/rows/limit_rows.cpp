@@ -35,7 +35,7 @@ OperatingPointKey operating_point_key(const Problem& problem, AskedState asked, 
           .t_end = t_end};
 }
 
-LimitRow limit_row(const Prediction& prediction) {
+LimitRow limit_row(const Prediction& prediction, bool verified) {
   LimitRow row;
   row.method = prediction.method;
   row.bound = name_of(prediction.bound);
@@ -63,6 +63,8 @@ LimitRow limit_row(const Prediction& prediction) {
     row.gap = seen->gap;
     row.steps_used = static_cast<double>(seen->steps);
     row.step_defect = seen->step_defect;
+  } else if (verified) {
+    row.verdict = "not_run";
   }
   return row;
 }

@@ -19,7 +19,8 @@ OperatingPointKey operating_point_key(const Problem& problem, AskedState asked, 
                                       double t_end);
 
 /// A prediction with all that is a number or a word of it; LimitRow::point and LimitRow::details are left.
-LimitRow limit_row(const Prediction& prediction);
+/// @param verified  whether runs were asked for
+LimitRow limit_row(const Prediction& prediction, bool verified = false);
 
 /// Puts the limit along a path into its row.
 /// @param note  why the path ends early; may be empty

@@ -19,6 +19,7 @@ TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
   const Linearised near = linearised(problem);
   Prediction prediction = predict(method, near);
   EXPECT_EQ(limit_row(prediction).verdict, "");
+  EXPECT_EQ(limit_row(prediction, true).verdict, "not_run");
   verify(prediction, method, problem, near);
   const LimitRow row = limit_row(prediction);
   EXPECT_EQ(row.method, "rk4");

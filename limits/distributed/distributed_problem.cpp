@@ -1,11 +1,16 @@
-#include "limits/distributed/body_structure.hpp"
+#include "limits/distributed/distributed_problem.hpp"
 
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/tissue_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/distributed/limits_from_ends.hpp"
 #include "problems/tissue/body_pieces.hpp"
@@ -40,9 +45,7 @@ StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
   return pieces;
 }
 
-}  // namespace
-
-BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& settings) {
+DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   const TissueParameters parameters = tissue_parameters(id, settings);
   LoadedMesh loaded = load_mesh_to_renumber(id.mesh, settings.unit);  // BodyPieces does that
@@ -52,10 +55,10 @@ BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& sett
         "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
   std::vector<std::string> remarks = remarks_on_points(loaded.origin->file);
   loaded.origin = nullptr;
-  BodyInPieces body{.structure = {},
-                    .parameters = named_values(parameters),
-                    .summary = summary_of(loaded.mesh, made),
-                    .remarks = std::move(remarks)};
+  DistributedProblem body{.structure = {},
+                          .parameters = named_values(parameters),
+                          .body = summary_of(loaded.mesh, made),
+                          .remarks = std::move(remarks)};
   try {
     const auto pieces = std::make_shared<const BodyPieces>(loaded.mesh, std::move(made));
     body.structure.alpha = pieces->alpha();
@@ -65,6 +68,28 @@ BodyInPieces body_in_pieces(const std::string& name, const ProblemSettings& sett
     throw InputError(error.what());
   }
   return body;
+}
+
+}  // namespace
+
+DistributedProblem distributed_problem(const std::string& id, const ProblemSettings& settings) {
+  if (is_tissue_id(id)) return body_in_pieces(id, settings);
+  if (!is_matrices_id(id))
+    throw InputError(
+        "--engine petsc takes models of --matrices and --mesh alone; name one, or leave out --engine");
+  // alpha and beta, whether by their options or by --set.
+  double alpha = 0, beta = 0;
+  for (const auto& [name, value] : settings.parameters) {
+    if (name != "alpha" && name != "beta")
+      throw InputError(fmt::format("unknown parameter '{}' of matrices; they have alpha and beta", name));
+    if (!std::isfinite(value))
+      throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
+    (name == "alpha" ? alpha : beta) = value;
+  }
+  return {.structure = distributed_structure(matrix_files(id), alpha, beta),
+          .parameters = {},
+          .body = {},
+          .remarks = {}};
 }
 
 }  // namespace hmax
