@@ -14,6 +14,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/compiled_for.hpp"
+
 namespace hmax {
 
 namespace {
@@ -97,34 +99,11 @@ constexpr std::size_t block = 16;
   std::copy_n(found.data(), rest, out.data() + whole);
 }
 
-using Cosines = void (*)(std::span<const double>, std::span<double>);
-
-[[gnu::flatten]] void cosines_portable(std::span<const double> x, std::span<double> out) {
-  cosines_in_blocks(x, out);
-}
-#ifdef __x86_64__
-[[gnu::flatten, gnu::target("avx2")]] void cosines_avx2(std::span<const double> x, std::span<double> out) {
-  cosines_in_blocks(x, out);
-}
-[[gnu::flatten, gnu::target("avx512f,avx512vl")]] void cosines_avx512(std::span<const double> x,
-                                                                      std::span<double> out) {
-  cosines_in_blocks(x, out);
-}
-#endif
-
-Cosines cosines_by([[maybe_unused]] InstructionSet set) {
-#ifdef __x86_64__
-  if (set == InstructionSet::avx512) return cosines_avx512;
-  if (set == InstructionSet::avx2) return cosines_avx2;
-#endif
-  return cosines_portable;
-}
-
 }  // namespace
 
 void cosines(std::span<const double> x, std::span<double> out, InstructionSet set) {
   if (HMAX_HAVE_MUSL)
-    cosines_by(set)(x, out);
+    CompiledFor<cosines_in_blocks>::of(set)(x, out);
   else
     std::ranges::transform(x, out.begin(), [](double each) { return std::cos(each); });
 }

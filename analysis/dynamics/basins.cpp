@@ -37,14 +37,10 @@ double Basins::share(int of) const {
   return static_cast<double>(std::ranges::count(fate, of)) / static_cast<double>(fate.size());
 }
 
-namespace {
-
-/// Calls fates_of_row(starts, fates, worker) for each row.
 // Cell (column, row) has its centre at lower + ((column + 1/2) / columns, (row + 1/2) / rows) of the
 // window.
-template <class FatesOfRow>
-Basins by_rows(const FatesOfRow& fates_of_row, const Window& window, int columns, int rows,
-               const std::function<bool(double)>& going) {
+Basins basins(const std::vector<FatesOf>& fates_of, const Window& window, int columns, int rows,
+              const std::function<bool(double)>& going) {
   if (columns < 1 || rows < 1 || !(window.size().minCoeff() > 0))
     throw std::invalid_argument("basins need a window with lower < upper and at least one cell");
   const auto width = static_cast<std::size_t>(columns);
@@ -58,7 +54,7 @@ Basins by_rows(const FatesOfRow& fates_of_row, const Window& window, int columns
       starts[std::size_t(column)] =
           (window.lower + window.upper) / 2 + from_middle.cwiseProduct(window.size());
     }
-    fates_of_row(starts, std::span(result.fate).subspan(row * width, width), worker);
+    fates_of[worker](starts, std::span(result.fate).subspan(row * width, width));
   };
   std::mutex asking;
   bool ended = false;
@@ -70,25 +66,6 @@ Basins by_rows(const FatesOfRow& fates_of_row, const Window& window, int columns
         return ended = ended || (going && !going(double(begun++) / rows));
       });
   return result;
-}
-
-}  // namespace
-
-Basins basins(const FateOf& fate_of, const Window& window, int columns, int rows,
-              const std::function<bool(double)>& going) {
-  return by_rows(
-      [&](std::span<const Vector2d> starts, std::span<int> fates, std::size_t worker) {
-        std::ranges::transform(starts, fates.begin(),
-                               [&](const Vector2d& start) { return fate_of(start, worker); });
-      },
-      window, columns, rows, going);
-}
-
-Basins basins(const std::vector<FatesOf>& fates_of, const Window& window, int columns, int rows,
-              const std::function<bool(double)>& going) {
-  return by_rows([&](std::span<const Vector2d> starts, std::span<int> fates,
-                     std::size_t worker) { fates_of[worker](starts, fates); },
-                 window, columns, rows, going);
 }
 
 }  // namespace hmax

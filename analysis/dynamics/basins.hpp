@@ -51,23 +51,16 @@ struct Basins {
   [[nodiscard]] double share(int of) const;
 };
 
-/// The fate of a start. Called by several threads at once, each with its number below jobs().
-using FateOf = std::function<int(const Eigen::Vector2d& start, std::size_t worker)>;
-
 /// The fates of several starts, written to as many numbers. One such function is called by one thread at a
 /// time.
 using FatesOf = std::function<void(std::span<const Eigen::Vector2d> starts, std::span<int> fates)>;
 
-/// Asks for the fate of each of the columns x rows centres once, row by row from below.
-/// Rows are shared by all cores.
-/// @param going    called with the share that is begun before each row, by one thread at a time; no row is
-///                 begun after it answers false, and the cells that are left are undecided
-/// @throws std::invalid_argument when the window is empty or there are no cells
-Basins basins(const FateOf& fate_of, const Window& window, int columns, int rows,
-              const std::function<bool(double)>& going = {});
-
-/// The same, a row in one call.
+/// Asks for the fate of each of the columns x rows centres once, a row in one call, from below. Rows are
+/// shared by all cores.
 /// @param fates_of  one for each thread: at least as many as jobs(), or as there are rows
+/// @param going     called with the share that is begun before each row, by one thread at a time; no row is
+///                  begun after it answers false, and the cells that are left are undecided
+/// @throws std::invalid_argument when the window is empty or there are no cells
 Basins basins(const std::vector<FatesOf>& fates_of, const Window& window, int columns, int rows,
               const std::function<bool(double)>& going = {});
 

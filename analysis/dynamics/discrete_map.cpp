@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/dense_solvers.hpp"
 
@@ -11,17 +10,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// In sizes of the box: points nearer than this are one.
-constexpr double same = 1e-5;
-
-/// @throws std::invalid_argument  for an empty or infinite box, or no starts
-void require_valid(const Box& box, int starts) {
-  if (box.lower.size() == 0 || box.lower.size() != box.upper.size() || !box.lower.allFinite() ||
-      !box.upper.allFinite() || !(box.size().minCoeff() > 0))
-    throw std::invalid_argument("a search for fixed points needs finite bounds with lower < upper");
-  if (starts < 1) throw std::invalid_argument("the search for fixed points needs at least one start");
-}
 
 /// D map at y by central differences: good enough for a step of Newton's method.
 MatrixXd rough_jacobian(const VectorFunction& map, const VectorXd& y, const VectorXd& size) {
@@ -33,35 +21,6 @@ MatrixXd rough_jacobian(const VectorFunction& map, const VectorXd& y, const Vect
     D.col(j) = (map(ahead) - map(behind)) / (ahead(j) - behind(j));
   }
   return D;
-}
-
-/// Lexicographic order, the first component first.
-bool less(const VectorXd& a, const VectorXd& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-}
-
-/// The points with map(y) = y that a grid of starts leads to, each once.
-std::vector<VectorXd> roots(const VectorFunction& map, const Box& box, int starts) {
-  std::vector<VectorXd> found;
-  const VectorXd size = box.size();
-  Eigen::VectorXi at = Eigen::VectorXi::Zero(size.size());
-  for (bool more = true; more;) {
-    const VectorXd start =
-        box.lower + ((at.cast<double>().array() + 0.5) / starts).matrix().cwiseProduct(size);
-    if (const auto y = newton_fixed_point(map, box, start)) {
-      const bool known = std::ranges::any_of(
-          found, [&](const VectorXd& other) { return (other - *y).cwiseQuotient(size).norm() < same; });
-      if (!known) found.push_back(*y);
-    }
-    // The next point of the grid, as an odometer counts.
-    more = false;
-    for (Eigen::Index i = 0; i < at.size() && !more; ++i) {
-      more = ++at(i) < starts;
-      if (!more) at(i) = 0;
-    }
-  }
-  std::ranges::sort(found, less);
-  return found;
 }
 
 }  // namespace
@@ -157,36 +116,6 @@ std::optional<VectorXd> newton_fixed_point(const VectorFunction& map, const Box&
 FixedPoint fixed_point_at(const VectorFunction& map, const VectorXd& y, const VectorXd& scale) {
   const Multipliers mu = multipliers_of(differenced_jacobian(map, y, scale));
   return {y, mu, classify_map(mu)};
-}
-
-std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& box, int starts) {
-  require_valid(box, starts);
-  std::vector<FixedPoint> found;
-  for (const VectorXd& y : roots(map, box, starts)) found.push_back(fixed_point_at(map, y, box.size()));
-  return found;
-}
-
-// Fixed points of Phi^2 that Phi moves by at least 1e-5 of the box.
-std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box, int starts) {
-  require_valid(box, starts);
-  const VectorFunction twice = [&](const VectorXd& y) -> VectorXd { return map(map(y)); };
-  const auto apart = [&](const VectorXd& a, const VectorXd& b) {
-    return (a - b).cwiseQuotient(box.size()).norm() >= same;
-  };
-  std::vector<PeriodTwo> found;
-  for (const VectorXd& y : roots(twice, box, starts)) {
-    const VectorXd other = map(y);
-    if (!apart(y, other)) continue;
-    const bool known = std::ranges::any_of(found, [&](const PeriodTwo& orbit) {
-      return !apart(orbit.states[0], y) || !apart(orbit.states[1], y);
-    });
-    if (known) continue;
-    const Multipliers mu = multipliers_of(differenced_jacobian(map, other, box.size()) *
-                                          differenced_jacobian(map, y, box.size()));
-    const bool first = !less(other, y);
-    found.push_back({{first ? y : other, first ? other : y}, mu, classify_map(mu)});
-  }
-  return found;
 }
 
 bool is_spurious(const VectorFunction& f, double h, const VectorXd& y, const Box& box) {

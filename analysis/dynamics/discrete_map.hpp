@@ -1,4 +1,4 @@
-/// Fixed points and orbits of period two of a map y -> Phi(y), such as one step of a method.
+/// Fixed points and orbits of period two of a map y -> Phi(y), such as one step of a method: what they are.
 #pragma once
 
 #include <array>
@@ -66,20 +66,6 @@ std::optional<Eigen::VectorXd> newton_fixed_point(const VectorFunction& map, con
 /// By differenced_jacobian(); y is taken as it is.
 /// @param scale  shape (n), positive: over which the map changes noticeably
 FixedPoint fixed_point_at(const VectorFunction& map, const Eigen::VectorXd& y, const Eigen::VectorXd& scale);
-
-/// Every fixed point in the box that Newton's method reaches from starts^n points of a grid, in lexicographic
-/// order, each once. Where the map answers with a number that is not finite, as where a step diverges,
-/// nothing is found.
-/// @param starts  of each coordinate; starts^n Newton iterations. Points closer than 1e-5 of the box are
-/// one.
-/// @throws std::invalid_argument when the box is empty or not finite, or starts < 1
-std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& box, int starts = 21);
-
-/// Every orbit of period two with a point in the box that Newton's method on Phi(Phi(y)) - y reaches, in
-/// lexicographic order; fixed points of Phi itself are left out.
-/// Multipliers by the chain rule, D(Phi^2)(a) = D Phi(b) D Phi(a).
-/// @throws std::invalid_argument as find_fixed_points
-std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box, int starts = 31);
 
 /// Whether a fixed point of a step of length h is no equilibrium of y' = f(y): h |f_i| then is a part of the
 /// size of the box that no rounding explains. [iserles1991unified]

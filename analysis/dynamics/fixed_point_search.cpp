@@ -23,6 +23,11 @@ void require_plane(const Box& box) {
     throw std::invalid_argument("a search in the plane needs two finite bounds with lower < upper");
 }
 
+/// Lexicographic order, the first component first.
+bool less(const VectorXd& a, const VectorXd& b) {
+  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
 /// The angle from a to b, in (-pi, pi].
 /// atan2 of cross and dot product, independent of both lengths.
 double turn(const Vector2d& a, const Vector2d& b) { return std::atan2(a(0) * b(1) - a(1) * b(0), a.dot(b)); }
@@ -66,9 +71,7 @@ class CellSearch {
     for (int i = 0; i < sides; i += coarse)
       for (int j = 0; j < sides; j += coarse) explore({i, j, coarse});
     found_.whole = left_ > 0;
-    std::ranges::sort(found_.points, [](const FixedPoint& a, const FixedPoint& b) {
-      return std::lexicographical_compare(a.state.begin(), a.state.end(), b.state.begin(), b.state.end());
-    });
+    std::ranges::sort(found_.points, less, &FixedPoint::state);
     return std::move(found_);
   }
 
@@ -229,20 +232,38 @@ FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box, 
   return found;
 }
 
-// Points of both searches; two nearer than 1e-5 of the box are one.
-FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box) {
-  constexpr double same = 1e-5;  // in sizes of the box, as of find_fixed_points
-  FixedPointSearch found = search_fixed_points(map, box);
-  if (!found.whole) found.points.clear();
-  for (const FixedPoint& point : find_fixed_points(map, box))
-    if (std::ranges::none_of(found.points, [&](const FixedPoint& other) {
-          return (other.state - point.state).cwiseQuotient(box.size()).norm() < same;
-        }))
-      found.points.push_back(point);
-  std::ranges::sort(found.points, [](const FixedPoint& a, const FixedPoint& b) {
-    return std::lexicographical_compare(a.state.begin(), a.state.end(), b.state.begin(), b.state.end());
-  });
-  sum_indices(found);
+// Fixed points of Phi^2 that Phi moves by at least 1e-5 of the box. Newton's method starts from a grid: Phi^2
+// is so steep where a step is long that a search in cells comes to no end.
+std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box) {
+  require_plane(box);
+  constexpr int starts = 31;
+  const VectorXd size = box.size();
+  const VectorFunction twice = [&](const VectorXd& y) -> VectorXd { return map(map(y)); };
+  const auto apart = [&](const VectorXd& a, const VectorXd& b) {
+    return (a - b).cwiseQuotient(size).norm() >= 1e-5;
+  };
+  std::vector<VectorXd> roots;
+  for (int i = 0; i < starts; ++i)
+    for (int j = 0; j < starts; ++j) {
+      const Vector2d middle = Vector2d(j + 0.5, i + 0.5) / starts;
+      const auto y = newton_fixed_point(twice, box, box.lower + middle.cwiseProduct(Vector2d(size)));
+      if (y && std::ranges::all_of(roots, [&](const VectorXd& other) { return apart(other, *y); }))
+        roots.push_back(*y);
+    }
+  std::ranges::sort(roots, less);
+  std::vector<PeriodTwo> found;
+  for (const VectorXd& y : roots) {
+    const VectorXd other = map(y);
+    if (!apart(y, other)) continue;
+    const bool known = std::ranges::any_of(found, [&](const PeriodTwo& orbit) {
+      return !apart(orbit.states[0], y) || !apart(orbit.states[1], y);
+    });
+    if (known) continue;
+    const Multipliers mu =
+        multipliers_of(differenced_jacobian(map, other, size) * differenced_jacobian(map, y, size));
+    const bool first = !less(other, y);
+    found.push_back({{first ? y : other, first ? other : y}, mu, classify_map(mu)});
+  }
   return found;
 }
 

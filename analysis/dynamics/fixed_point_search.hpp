@@ -52,9 +52,11 @@ struct FixedPointSearch : DegreeCheck {
 FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box,
                                      std::int64_t most_steps = 400'000);
 
-/// The same of a map that is cheap: with what find_fixed_points adds, and with that alone where the search is
-/// cut short.
-FixedPointSearch search_cheap_map(const VectorFunction& map, const Box& box);
+/// Every orbit of period two with a point in the box that Newton's method on Phi(Phi(y)) - y reaches from 31 x
+/// 31 starts, in lexicographic order; fixed points of Phi itself are left out.
+/// Multipliers by the chain rule, D(Phi^2)(a) = D Phi(b) D Phi(a).
+/// @throws std::invalid_argument as search_fixed_points
+std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box);
 
 /// Equilibria, with the degree of f.
 struct EquilibriumSet : DegreeCheck {

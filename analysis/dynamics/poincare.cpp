@@ -7,8 +7,9 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
-#include <variant>
+#include <utility>
 
 #include "core/parallel_for.hpp"
 
@@ -54,34 +55,15 @@ Mean mean_of(const std::vector<double>& series) {
 
 }  // namespace
 
-namespace {
-
-/// The computation alone, with the only map.
-/// @param make  makes it of the map
-template <class Make>
-auto alone(const VectorFunction& map, const Make& make) {
-  MapCalls calls;
-  auto task = make(OneMap(calls, 0));
-  task.start();
-  one_by_one([&](std::size_t) { return VectorFunction(std::cref(map)); })(calls);
-  return task.result();
-}
-
 // The start itself is the first look where skip = 0.
-MapTask<std::vector<VectorXd>> look(OneMap map, VectorXd y, int skip, int count) {
+std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int count) {
   if (skip < 0 || count < 0) throw std::invalid_argument("the looks at a motion cannot be fewer than none");
   std::vector<VectorXd> seen;
   for (int i = 0; i < skip + count && y.allFinite(); ++i) {
     if (i >= skip) seen.push_back(y);
-    y = co_await map(std::move(y));
+    y = map(y);
   }
-  co_return seen;
-}
-
-}  // namespace
-
-std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int count) {
-  return alone(map, [&](OneMap one) { return look(one, std::move(y), skip, count); });
+  return seen;
 }
 
 // All pairs of looks p apart must agree, so the whole stretch is periodic, not only its end.
@@ -109,47 +91,73 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
 
 namespace {
 
+constexpr double separation = 1e-6, weak_exponent = 50;  // the latter in units of the absolute error
+constexpr int turning = 20;  // until the separation points where neighbours part fastest
+
+/// The exponent of a motion. Whoever looks for it replaces both states by their images and calls go_on(), as
+/// long as there is none.
 // A finite separation of 1e-6 stands for the tangent vector: terms of second order change the growth by the
 // order of 1e-6.
-MapTask<Exponent> lyapunov(OneMap map, VectorXd y, VectorXd scale, ExponentLimits limits) {
-  constexpr double separation = 1e-6, infinity = std::numeric_limits<double>::infinity();
-  constexpr double weak_exponent = 50;  // in units of the absolute error
-  constexpr int turning = 20;           // until the separation points where neighbours part fastest
-  // Any direction but an invariant one.
-  VectorXd apart = VectorXd::LinSpaced(y.size(), 1, 1.7).cwiseProduct(scale);
-  apart *= separation / apart.cwiseQuotient(scale).norm();
-  std::vector<double> grown;
-  std::optional<double> before;  // the mean over half as many applications, of a weak exponent
-  for (int next = std::max(limits.least, batches), i = -turning;; ++i) {
-    auto [there, beside] = co_await map(y, y + apart);
-    // The separation after one application, |apart| = separation before.
-    apart = beside - there;
-    const double growth = apart.cwiseQuotient(scale).norm() / separation;
-    const int count = std::max(i + 1, 0);
-    y = std::move(there);
-    if (!std::isfinite(growth)) co_return Exponent{std::nan(""), std::nan(""), count, y};
+class ExponentSearch {
+ public:
+  ExponentSearch(const VectorXd& y, VectorXd scale, const ExponentLimits& limits)
+      : scale_(std::move(scale)), limits_(limits), next_(std::max(limits.least, batches)) {
+    // Any direction but an invariant one.
+    VectorXd apart = VectorXd::LinSpaced(y.size(), 1, 1.7).cwiseProduct(scale_);
+    apart *= separation / apart.cwiseQuotient(scale_).norm();
+    states = {y, y + apart};
+  }
+
+  std::array<VectorXd, 2> states;  ///< the motion, and a neighbour
+
+  std::optional<Exponent> go_on() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    auto& [y, beside] = states;
+    // The separation after one application, that before had the size `separation`.
+    VectorXd apart = beside - y;
+    const double growth = apart.cwiseQuotient(scale_).norm() / separation;
+    if (++applications_ > turning) grown_.push_back(std::log(growth));
+    const int count = std::max(applications_ - turning, 0);
+    if (!std::isfinite(growth)) return Exponent{std::nan(""), std::nan(""), count, y};
     // Both orbits met: the separation is lost to rounding.
-    if (growth == 0) co_return Exponent{-infinity, 0, count, y};
+    if (growth == 0) return Exponent{-infinity, 0, count, y};
     apart /= growth;
-    if (i >= 0) grown.push_back(std::log(growth));
-    if (count < next) continue;
-    auto [value, error] = mean_of(grown);
-    if (before) error = std::max(error, std::abs(value - *before));
-    const bool known = error <= std::max(limits.relative * std::abs(value), limits.absolute);
-    const bool weak = std::abs(value) < weak_exponent * limits.absolute;
-    if (count >= limits.most || (known && (!weak || before))) co_return Exponent{value, error, count, y};
+    beside = y + apart;
+    return count < next_ ? std::nullopt : judged(count);
+  }
+
+ private:
+  /// The exponent if it is known well enough, else the count at which it is looked at again.
+  std::optional<Exponent> judged(int count) {
+    auto [value, error] = mean_of(grown_);
+    if (before_) error = std::max(error, std::abs(value - *before_));
+    const bool known = error <= std::max(limits_.relative * std::abs(value), limits_.absolute);
+    const bool weak = std::abs(value) < weak_exponent * limits_.absolute;
+    if (count >= limits_.most || (known && (!weak || before_)))
+      return Exponent{value, error, count, states[0]};
     // A weak exponent is looked at again after twice as many applications, else the error after a quarter
     // more.
-    before = known ? std::optional(value) : std::nullopt;
-    next = std::min(limits.most, known ? 2 * count : count + count / 4);
+    before_ = known ? std::optional(value) : std::nullopt;
+    next_ = std::min(limits_.most, known ? 2 * count : count + count / 4);
+    return std::nullopt;
   }
-}
+
+  VectorXd scale_;
+  ExponentLimits limits_;
+  int next_, applications_ = 0;
+  std::vector<double> grown_;
+  std::optional<double> before_;  ///< the mean over half as many applications, of a weak exponent
+};
 
 }  // namespace
 
-Exponent largest_lyapunov(const VectorFunction& map, VectorXd y, const VectorXd& scale,
+Exponent largest_lyapunov(const VectorFunction& map, const VectorXd& y, const VectorXd& scale,
                           const ExponentLimits& limits) {
-  return alone(map, [&](OneMap one) { return lyapunov(one, std::move(y), scale, limits); });
+  ExponentSearch search(y, scale, limits);
+  for (std::optional<Exponent> exponent;;) {
+    for (VectorXd& state : search.states) state = map(state);
+    if ((exponent = search.go_on())) return *exponent;
+  }
 }
 
 std::string_view name_of(Settling settling) {
@@ -168,94 +176,153 @@ std::string_view name_of(Settling settling) {
 
 namespace {
 
-MapTask<Settled> settled(OneMap map, std::vector<VectorXd> seen, int count, ExponentLimits limits) {
-  constexpr int block = 256, patience = 3000;
-  Settled motion{.settling = Settling::diverges, .looks = std::move(seen)};
-  // Whether the last looks repeat, or there are none any more.
-  const auto ended = [&](const std::vector<VectorXd>& last, int expected) {
-    if (static_cast<int>(last.size()) < expected) {
-      motion.looks = last;
-      return true;
-    }
-    motion.period = period_of(last);
-    if (!motion.period) return false;
-    motion.settling = Settling::periodic;
-    motion.looks.assign(last.end() - std::min(std::max(count, *motion.period), expected), last.end());
-    return true;
-  };
-  if (ended(motion.looks, count) || motion.looks.empty()) co_return motion;
-  VectorXd size = VectorXd::Constant(motion.looks[0].size(), 1e-12);
-  for (const VectorXd& y : motion.looks) size = size.cwiseMax(y.cwiseAbs());
-  // Components that hardly move are measured by the largest.
-  size = size.cwiseMax(1e-3 * size.maxCoeff());
-  while (motion.followed < patience) {
-    // The next 256 looks behind those that are known.
-    VectorXd next = co_await map(motion.looks.back());
-    const auto last = co_await look(map, std::move(next), 0, block);
-    motion.followed += block;
-    if (ended(last, block)) co_return motion;
-    motion.looks.assign(last.end() - std::min(count, block), last.end());
+/// The verdict on a motion, as settle() describes it. Whoever follows the motion replaces the states by their
+/// images and calls go_on(), until it has ended.
+class MotionJudge {
+ public:
+  /// From the start of a motion.
+  MotionJudge(VectorXd y0, int skip, int count, const ExponentLimits& limits)
+      : count_(count), wanted_(count), skip_(skip), limits_(limits), y_(std::move(y0)) {
+    see();
   }
-  const Exponent exponent = co_await lyapunov(map, motion.looks.back(), size, limits);
-  motion.exponent = exponent;
-  motion.followed += exponent.count + block;
-  const auto last = co_await look(map, exponent.end, 0, block);
-  if (ended(last, block)) co_return motion;
-  motion.settling = exponent.positive() ? Settling::chaotic : Settling::unsettled;
-  co_return motion;
-}
+  /// From its first looks.
+  MotionJudge(std::vector<VectorXd> looks, int count, const ExponentLimits& limits)
+      : count_(count), wanted_(count), limits_(limits), last_(std::move(looks)) {
+    judge_looks();
+  }
+
+  [[nodiscard]] bool has_ended() const { return ended_; }
+  /// The motion, while its exponent is computed with a neighbour.
+  std::span<VectorXd> states() { return search_ ? std::span<VectorXd>(search_->states) : std::span(&y_, 1); }
+  Settled& verdict() { return motion_; }
+
+  void go_on() {
+    if (search_) {
+      motion_.exponent = search_->go_on();
+      if (!motion_.exponent) return;
+      motion_.followed += motion_.exponent->count;
+      search_.reset();
+      follow(motion_.exponent->end);
+    }
+    see();
+  }
+
+ private:
+  static constexpr int block = 256, patience = 3000;
+
+  /// Takes the state as a look; `wanted_` of them are judged.
+  void see() {
+    const bool finite = y_.allFinite();
+    if (finite && skip_ > 0) {
+      --skip_;
+      return;
+    }
+    if (finite) last_.push_back(y_);
+    if (!finite || static_cast<int>(last_.size()) >= wanted_) judge_looks();
+  }
+
+  /// Another block of looks, from y on.
+  void follow(VectorXd y) {
+    y_ = std::move(y);
+    last_.clear();
+    wanted_ = block;
+    motion_.followed += block;
+  }
+
+  void judge_looks() {
+    const bool whole = !last_.empty() && static_cast<int>(last_.size()) >= wanted_;
+    motion_.period = whole ? period_of(last_) : std::nullopt;
+    ended_ = !whole || motion_.period || motion_.exponent;
+    if (!whole) return end(Settling::diverges, wanted_);
+    if (motion_.period) return end(Settling::periodic, std::max(count_, *motion_.period));
+    if (motion_.exponent) {
+      motion_.settling = motion_.exponent->positive() ? Settling::chaotic : Settling::unsettled;
+      return;
+    }
+    end(Settling::unsettled, count_);  // so far
+    if (size_.size() == 0) size_ = size_of(last_);
+    if (motion_.followed < patience)
+      follow(last_.back());
+    else
+      search_.emplace(last_.back(), size_, limits_);
+  }
+
+  /// Keeps the last looks.
+  void end(Settling settling, int kept) {
+    motion_.settling = settling;
+    motion_.looks.assign(last_.end() - std::min<std::ptrdiff_t>(kept, std::ssize(last_)), last_.end());
+  }
+
+  /// The largest of each component; those that hardly move are measured by the largest of all.
+  static VectorXd size_of(const std::vector<VectorXd>& looks) {
+    VectorXd size = VectorXd::Constant(looks[0].size(), 1e-12);
+    for (const VectorXd& y : looks) size = size.cwiseMax(y.cwiseAbs());
+    return size.cwiseMax(1e-3 * size.maxCoeff());
+  }
+
+  int count_, wanted_, skip_ = 0;
+  ExponentLimits limits_;
+  VectorXd y_, size_;
+  std::vector<VectorXd> last_;  ///< looks that have not been judged
+  std::optional<ExponentSearch> search_;
+  Settled motion_{.settling = Settling::diverges};
+  bool ended_ = false;
+};
 
 }  // namespace
 
 Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
                const ExponentLimits& limits) {
-  return alone(map, [&](OneMap one) { return settled(one, std::move(seen), count, limits); });
+  MotionJudge judge(std::move(seen), count, limits);
+  while (!judge.has_ended()) {
+    for (VectorXd& y : judge.states()) y = map(y);
+    judge.go_on();
+  }
+  return std::move(judge.verdict());
+}
+
+MapEnsemble one_by_one(std::function<VectorFunction(std::size_t map)> map_at) {
+  return {
+      .apply = [map_at = std::move(map_at), map = VectorFunction(), number = std::optional<std::size_t>()](
+                   std::span<const std::size_t> maps, std::span<VectorXd> states) mutable {
+        for (std::size_t i = 0; i < states.size(); ++i) {
+          if (number != maps[i]) map = map_at(maps[i]);
+          number = maps[i];
+          states[i] = map(states[i]);
+        }
+      }};
 }
 
 namespace {
 
-/// The motions of all values, by computations of several threads.
+/// The motions of all values, by several threads.
 class Diagram {
  public:
-  Diagram(std::size_t values, VectorXd y0, int skip, int count, const std::function<bool(double)>& going)
-      : motions_(values), y0_(std::move(y0)), skip_(skip), count_(count), going_(going) {
-    tell(0);
+  Diagram(std::size_t values, VectorXd y0, int skip, int count, bool follow,
+          const std::function<bool(double)>& going)
+      : motions_(values), start_(std::move(y0)), skip_(skip), count_(count), follow_(follow), going_(going) {
+    tell();
   }
 
-  /// Takes one value after the other, each with a computation of its own.
+  /// Follows some motions at a time until none is left. The exponent is computed to 30 % of itself: only its
+  /// sign is used.
   /// @param tells  whether the thread is the one that asks `going`
-  void work(const MapEnsemble& ensemble, bool tells) {
-    std::vector<MapTask<std::monostate>> tasks;
-    MapCalls calls(
-        [&] {
-          const std::size_t value = next_++;
-          if (value >= motions_.size()) return false;
-          tasks.push_back(at(OneMap(calls, value), value, tells));
-          tasks.back().start();
-          return true;
-        },
-        // Motions may take many images: the thread that tells asks in between, too.
-        [&, asked = std::size_t{0}]() mutable {
-          if (tells && ++asked % 1024 == 0) tell(done_);
-          return ended_.load();
-        });
-    try {
-      ensemble(calls);
-    } catch (...) {
-      ended_ = true;
-      throw;
+  void work(MapEnsemble ensemble, bool tells) {
+    const std::size_t most = follow_ ? 1 : ensemble.motions;
+    std::vector<Motion> open;
+    while (!ended_) {
+      while (open.size() < most) {
+        const std::size_t value = next_++;
+        if (value >= motions_.size()) break;
+        open.push_back({value, MotionJudge(start_, skip_, count_, {.relative = 0.3})});
+      }
+      if (open.empty()) return;
+      apply(ensemble, open);
+      for (Motion& motion : open)
+        if (motion.judge.has_ended()) take(motion);
+      std::erase_if(open, [](const Motion& motion) { return motion.judge.has_ended(); });
+      if (tells) tell();
     }
-    for (auto& task : tasks)
-      if (task.has_ended()) task.result();
-  }
-
-  /// Takes all values in their order in one computation.
-  void follow(const MapEnsemble& ensemble) {
-    MapCalls calls({}, [&] { return ended_.load(); });
-    auto task = along_branch(calls);
-    task.start();
-    ensemble(calls);
-    if (task.has_ended()) task.result();
   }
 
   /// The columns up to the first that is missing.
@@ -267,43 +334,48 @@ class Diagram {
   }
 
  private:
-  void tell(std::size_t done) {
-    if (going_ && !going_(static_cast<double>(done) / static_cast<double>(motions_.size()))) ended_ = true;
-  }
+  struct Motion {
+    std::size_t value;
+    MotionJudge judge;
+  };
 
-  /// The motion at one value. The exponent is computed to 30 % of itself: only its sign is used.
-  MapTask<Settled> motion_from(OneMap map, VectorXd start) {
-    auto first = co_await look(map, std::move(start), skip_, count_);
-    Settled motion = co_await settled(map, std::move(first), count_, {.relative = 0.3});
-    co_return motion;
-  }
-
-  MapTask<std::monostate> at(OneMap map, std::size_t value, bool tells) {
+  /// One application of the map to every motion.
+  void apply(MapEnsemble& ensemble, std::vector<Motion>& open) {
+    std::vector<std::size_t> maps;
+    std::vector<VectorXd> states;
+    for (auto& [value, judge] : open)
+      for (VectorXd& y : judge.states()) {
+        maps.push_back(value);
+        states.push_back(std::move(y));
+      }
     try {
-      motions_[value] = co_await motion_from(map, y0_);
+      ensemble.apply(maps, states);
     } catch (...) {
       ended_ = true;  // for all threads
       throw;
     }
-    const std::size_t done = ++done_;
-    if (tells) tell(done);
-    co_return std::monostate{};
+    auto image = states.begin();
+    for (auto& [value, judge] : open) {
+      for (VectorXd& y : judge.states()) y = std::move(*image++);
+      judge.go_on();
+    }
   }
 
-  MapTask<std::monostate> along_branch(MapCalls& calls) {
-    VectorXd start = y0_;
-    for (std::size_t value = 0; value < motions_.size() && !ended_; ++value) {
-      Settled motion = co_await motion_from(OneMap(calls, value), start);
-      if (motion.settling != Settling::diverges && !motion.looks.empty()) start = motion.looks.back();
-      motions_[value] = std::move(motion);
-      tell(value + 1);
-    }
-    co_return std::monostate{};
+  void take(Motion& motion) {
+    Settled& verdict = motion.judge.verdict();
+    if (follow_ && verdict.settling != Settling::diverges) start_ = verdict.looks.back();
+    motions_[motion.value] = std::move(verdict);
+    ++done_;
+  }
+
+  void tell() {
+    if (going_ && !going_(static_cast<double>(done_) / static_cast<double>(motions_.size()))) ended_ = true;
   }
 
   std::vector<std::optional<Settled>> motions_;
-  VectorXd y0_;
+  VectorXd start_;  ///< of the next motion
   int skip_, count_;
+  bool follow_;
   const std::function<bool(double)>& going_;
   std::atomic<std::size_t> next_ = 0, done_ = 0;  ///< values that are begun, and done
   std::atomic<bool> ended_ = false;
@@ -311,24 +383,13 @@ class Diagram {
 
 }  // namespace
 
-std::vector<BifurcationColumn> bifurcation(const std::vector<MapEnsemble>& ensembles,
-                                           const std::vector<double>& values, const VectorXd& y0, int skip,
-                                           int count, bool follow, const std::function<bool(double)>& going) {
-  Diagram diagram(values.size(), y0, skip, count, going);
-  if (follow)
-    diagram.follow(ensembles.front());
-  else
-    parallel_for(std::min(ensembles.size(), values.size()),
-                 [&](std::size_t i, std::size_t worker) { diagram.work(ensembles[i], worker == 0); });
+std::vector<BifurcationColumn> bifurcation(const MapEnsemble& ensemble, const std::vector<double>& values,
+                                           const VectorXd& y0, int skip, int count, bool follow,
+                                           const std::function<bool(double)>& going) {
+  Diagram diagram(values.size(), y0, skip, count, follow, going);
+  parallel_for(follow ? 1 : std::min(jobs(), values.size()),
+               [&](std::size_t, std::size_t worker) { diagram.work(ensemble, worker == 0); });
   return std::move(diagram).columns(values);
-}
-
-std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
-                                           const std::vector<double>& values, const VectorXd& y0, int skip,
-                                           int count, bool follow, const std::function<bool(double)>& going) {
-  const std::vector<MapEnsemble> ensembles(
-      std::max<std::size_t>(1, jobs()), one_by_one([&](std::size_t value) { return map_at(values[value]); }));
-  return bifurcation(ensembles, values, y0, skip, count, follow, going);
 }
 
 }  // namespace hmax

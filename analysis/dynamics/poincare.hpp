@@ -6,13 +6,13 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "analysis/dynamics/differences.hpp"
-#include "analysis/dynamics/map_calls.hpp"
 #include "integrators/control.hpp"
 #include "integrators/controller.hpp"
 #include "integrators/explicit/explicit_rk.hpp"
@@ -94,7 +94,7 @@ struct Exponent {
 ///   lambda = (1 / N) sum_i ln(|d_i| / |e_i|),   d_i = P(y_i + e_i) - P(y_i),   e_i+1 = d_i |e_0| / |d_i|.
 /// The first 20 applications only turn e into the direction that grows fastest and are not counted.
 /// @param scale  shape (n), positive: the size of the motion
-Exponent largest_lyapunov(const VectorFunction& map, Eigen::VectorXd y, const Eigen::VectorXd& scale,
+Exponent largest_lyapunov(const VectorFunction& map, const Eigen::VectorXd& y, const Eigen::VectorXd& scale,
                           const ExponentLimits& limits = {});
 
 /// What a motion comes to.
@@ -125,32 +125,35 @@ struct Settled {
 Settled settle(const VectorFunction& map, std::vector<Eigen::VectorXd> looks, int count,
                const ExponentLimits& limits);
 
+/// The maps of a diagram, which are numbered as its values. Each thread uses a copy.
+struct MapEnsemble {
+  /// Replaces each state by its image under the map of this number; by one that is not finite where there is
+  /// none.
+  std::function<void(std::span<const std::size_t> maps, std::span<Eigen::VectorXd> states)> apply;
+  std::size_t motions = 1;  ///< that are best followed at a time
+};
+
+/// One image after the other.
+/// @param map_at  makes a map of its number; called by several threads at once
+MapEnsemble one_by_one(std::function<VectorFunction(std::size_t map)> map_at);
+
 /// What is seen at one value of a parameter.
 struct BifurcationColumn {
   double value;
   Settled motion;  ///< its looks are fewer than asked for when it diverges
 };
 
-/// Looks for each value of a parameter. Each motion is judged by `settle`, the exponent only as well as its
-/// sign takes.
+/// Looks for each value of a parameter, on all cores. Each motion is judged by `settle`, the exponent only as
+/// well as its sign takes.
 /// A bifurcation diagram plots the looks over the parameter: period doubling shows as branches that split.
-/// Motions of several values are followed at a time, so that an ensemble can apply their maps side by side;
-/// each is what it is alone.
-/// @param ensembles  of the period maps, numbered as the values; one for each thread, at least one
+/// Each motion is what it is alone.
 /// @param skip, count  looks that are not kept, and kept, at each value
-/// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed
-/// @param going   called by the calling thread with the share that is done; when it returns false the diagram
-///                ends with the values that are done up to the first that is not
-std::vector<BifurcationColumn> bifurcation(const std::vector<MapEnsemble>& ensembles,
-                                           const std::vector<double>& values, const Eigen::VectorXd& y0,
-                                           int skip, int count, bool follow,
-                                           const std::function<bool(double)>& going = {});
-
-/// The same with one map at a time in each thread.
-/// @param map_at  the period map of a value; called by several threads at once unless the branch is followed
-std::vector<BifurcationColumn> bifurcation(const std::function<VectorFunction(double)>& map_at,
-                                           const std::vector<double>& values, const Eigen::VectorXd& y0,
-                                           int skip, int count, bool follow,
+/// @param follow  each value starts where the one before has ended, instead of at y0: the branch is followed,
+///                by one thread
+/// @param going   called by one thread with the share that is done; when it returns false the diagram ends
+///                with the values that are done up to the first that is not
+std::vector<BifurcationColumn> bifurcation(const MapEnsemble& ensemble, const std::vector<double>& values,
+                                           const Eigen::VectorXd& y0, int skip, int count, bool follow,
                                            const std::function<bool(double)>& going = {});
 
 }  // namespace hmax

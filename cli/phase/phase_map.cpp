@@ -43,7 +43,7 @@ MapView map_of(const PhaseView& view, const PhaseOptions& options) {
                .spurious = {},
                .period_two = {}};
   const Box box{view.window.lower, view.window.upper};
-  FixedPointSearch found = search_cheap_map(seen.map, box);
+  FixedPointSearch found = search_fixed_points(seen.map, box);
   seen.fixed_points = std::move(found.points);
   seen.check = found;
   for (const FixedPoint& point : seen.fixed_points)

@@ -437,16 +437,14 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const std::vector<double> periods = periods_of_force(options, values);
   check_length(options, problem_at, periods, steps, seen);
   // One motion after the other makes no ensemble.
-  std::vector<MapEnsemble> ensembles;
-  if (options.follow)
-    ensembles.push_back(
-        one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); }));
-  else
-    ensembles = period_maps(problem_at, periods, steps, jobs());
+  const MapEnsemble maps =
+      options.follow
+          ? one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); })
+          : period_maps(problem_at, periods, steps);
   Progress progress(console, "bifurcation");
   const auto& interrupted = interrupt_flag();
   const auto columns =
-      bifurcation(ensembles, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
+      bifurcation(maps, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
         progress.update(share);
         return !interrupted;
       });

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "analysis/dynamics/map_calls.hpp"
+#include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/method.hpp"
 #include "core/instruction_set.hpp"
 
@@ -28,19 +28,17 @@ inline constexpr std::int64_t most_period_steps = 1'000'000;
 VectorFunction stroboscope(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
                            std::int64_t most_steps = most_period_steps);
 
-/// The period maps of problem_at(i), one ensemble for each thread. Images have the bits of stroboscope().
+/// The period maps of problem_at(i). Images have the bits of stroboscope().
 ///
 /// Maps of oscillators are applied side by side in vector lanes: adaptive ones each at a time of its own,
 /// those of fixed steps of an explicit Runge-Kutta method at the same time, so that the cosine of the force
 /// is known beforehand for all periods; they need one w and one period. Others are applied one by one.
 /// @param problem_at  called by several threads at once
 /// @param periods     [s], of each problem
-/// @param threads     how many ensembles
 /// @param set         of the vector operations; it changes times, not images
 /// @throws InputError as steps_map() where the steps are fixed
-std::vector<MapEnsemble> period_maps(const std::function<Problem(std::size_t i)>& problem_at,
-                                     const std::vector<double>& periods,
-                                     const std::optional<FixedSteps>& steps, std::size_t threads,
-                                     InstructionSet set = instruction_sets().front());
+MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
+                        const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
+                        InstructionSet set = instruction_sets().front());
 
 }  // namespace hmax

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "core/parallel_for.hpp"
 #include "tests/core/jobs.hpp"
 
 namespace hmax {
@@ -47,10 +48,22 @@ TEST(Trap, NeedsAStableEquilibrium) {
     EXPECT_THROW(Trap({0, 0}, J, {1, 1}), std::invalid_argument);
 }
 
+/// The basins of fate_of(start, worker).
+template <class FateOf>
+Basins basins_by(const FateOf& fate_of, const Window& window, int columns, int rows,
+                 const std::function<bool(double)>& going = {}) {
+  std::vector<FatesOf> fates_of;
+  for (std::size_t worker = 0; worker < std::max<std::size_t>(jobs(), 1); ++worker)
+    fates_of.push_back([&, worker](std::span<const Vector2d> starts, std::span<int> fates) {
+      std::ranges::transform(starts, fates.begin(), [&](const Vector2d& y) { return fate_of(y, worker); });
+    });
+  return basins(fates_of, window, columns, rows, going);
+}
+
 /// Fates that the line x = 0 divides, as in x' = x - x^3, v' = -v.
 TEST(Basins, AreDividedByTheSeparatrix) {
   const auto side = [](const Vector2d& y, std::size_t) { return y(0) < 0 ? 0 : 1; };
-  const Basins found = basins(side, {{-2, -1}, {1, 1}}, 30, 4);
+  const Basins found = basins_by(side, {{-2, -1}, {1, 1}}, 30, 4);
   EXPECT_EQ(found.fate.size(), 120U);
   EXPECT_DOUBLE_EQ(found.share(0), 2.0 / 3);
   EXPECT_DOUBLE_EQ(found.share(1), 1.0 / 3);
@@ -62,7 +75,7 @@ TEST(Basins, AreDividedByTheSeparatrix) {
 TEST(Basins, StartsOfASymmetricWindowMirrorEachOtherExactly) {
   const Jobs one(1);
   std::vector<Vector2d> starts;
-  basins(
+  basins_by(
       [&](const Vector2d& y, std::size_t) {
         starts.push_back(y);
         return 0;
@@ -72,8 +85,8 @@ TEST(Basins, StartsOfASymmetricWindowMirrorEachOtherExactly) {
 }
 
 TEST(Basins, CanBeInterrupted) {
-  const Basins found = basins([](const Vector2d&, std::size_t) { return 0; }, {{0, 0}, {1, 1}}, 4, 4,
-                              [](double share) { return share < 0.5; });
+  const Basins found = basins_by([](const Vector2d&, std::size_t) { return 0; }, {{0, 0}, {1, 1}}, 4, 4,
+                                 [](double share) { return share < 0.5; });
   EXPECT_DOUBLE_EQ(found.share(0), 0.5);
   EXPECT_DOUBLE_EQ(found.share(undecided), 0.5);
 }
@@ -86,7 +99,7 @@ TEST(Basins, AreTheSameForAnyNumberOfThreads) {
       if (worker > highest) highest = worker;
       return static_cast<int>(1e6 * y.squaredNorm()) % 7;
     };
-    const Basins found = basins(spiral, {{-2, -1}, {1, 1}}, 40, 30);
+    const Basins found = basins_by(spiral, {{-2, -1}, {1, 1}}, 40, 30);
     EXPECT_LT(highest, threads);
     return found.fate;
   };
@@ -94,22 +107,11 @@ TEST(Basins, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(found_by(1), found_by(5));
 }
 
-TEST(Basins, AreTheSameByRows) {
-  const auto side = [](const Vector2d& y) { return y(0) + y(1) < 0.1 ? 0 : 1; };
-  const auto one = [&](const Vector2d& y, std::size_t) { return side(y); };
-  const FatesOf row = [&](std::span<const Vector2d> starts, std::span<int> fates) {
-    ASSERT_EQ(starts.size(), 30U);
-    std::ranges::transform(starts, fates.begin(), side);
-  };
-  const Window window{{-2, -1}, {1, 1}};
-  EXPECT_EQ(basins(std::vector<FatesOf>(8, row), window, 30, 8).fate, basins(one, window, 30, 8).fate);
-}
-
 TEST(Basins, NeedAWindow) {
   const auto fate = [](const Vector2d&, std::size_t) { return 0; };
-  EXPECT_THROW(basins(fate, {{0, 0}, {0, 1}}, 4, 4), std::invalid_argument);
-  EXPECT_THROW(basins(fate, {{0, 0}, {1, 1}}, 0, 4), std::invalid_argument);
-  EXPECT_EQ(basins(fate, {{0, 0}, {1, 1}}, 1, 1).fate, std::vector{0});
+  EXPECT_THROW(basins_by(fate, {{0, 0}, {0, 1}}, 4, 4), std::invalid_argument);
+  EXPECT_THROW(basins_by(fate, {{0, 0}, {1, 1}}, 0, 4), std::invalid_argument);
+  EXPECT_EQ(basins_by(fate, {{0, 0}, {1, 1}}, 1, 1).fate, std::vector{0});
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
-#include "analysis/dynamics/discrete_map.hpp"
-
 #include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+
+#include "analysis/dynamics/fixed_point_search.hpp"
 
 namespace hmax {
 namespace {
@@ -30,6 +30,29 @@ VectorFunction heun(double h) {
 }
 
 const Box line{one(-2), one(4)};
+
+/// (y, z) -> (Phi(y), 0): what a map of the line does in the plane.
+VectorFunction in_plane(const VectorFunction& map) {
+  return [map](const VectorXd& y) -> VectorXd { return Vector2d(map(y.head(1))(0), 0); };
+}
+Box in_plane(const Box& box) { return {Vector2d(box.lower(0), -1), Vector2d(box.upper(0), 1)}; }
+
+/// Those of a map of the line, where z = 0 with a multiplier of 0.
+std::vector<FixedPoint> find_fixed_points(const VectorFunction& map, const Box& box) {
+  const FixedPointSearch found = search_fixed_points(in_plane(map), in_plane(box));
+  std::vector<FixedPoint> points;
+  for (const FixedPoint& point : found.points) {
+    EXPECT_EQ(point.state(1), 0);
+    points.push_back({point.state.head(1), {point.multipliers[0]}, classify_map({point.multipliers[0]})});
+  }
+  return points;
+}
+std::vector<PeriodTwo> find_period_two_of_line(const VectorFunction& map, const Box& box) {
+  std::vector<PeriodTwo> orbits;
+  for (const auto& [states, mu, type] : find_period_two(in_plane(map), in_plane(box)))
+    orbits.push_back({{states[0].head(1), states[1].head(1)}, {mu[0]}, classify_map({mu[0]})});
+  return orbits;
+}
 
 std::vector<double> states(const std::vector<FixedPoint>& points) {
   std::vector<double> values;
@@ -86,9 +109,9 @@ TEST(DiscreteMap, HeunsRuleGainsTwoFixedPointsBeyondItsLimit) {
 
 /// The same equation for Euler's rule, whose multiplier is 5 - h^2.
 TEST(DiscreteMap, EulersRuleGoesBackAndForthBeyondItsLimit) {
-  EXPECT_TRUE(find_period_two(euler(1.9), line).empty());
+  EXPECT_TRUE(find_period_two_of_line(euler(1.9), line).empty());
   for (const double h : {2.1, 2.4, 2.5, 3.0}) {
-    const auto found = find_period_two(euler(h), line);
+    const auto found = find_period_two_of_line(euler(h), line);
     ASSERT_EQ(found.size(), 1U) << h;
     const double root = std::sqrt(h * h - 4);
     EXPECT_NEAR(found[0].states[0](0), (h + 2 - root) / (2 * h), 1e-11);
@@ -106,7 +129,7 @@ TEST(DiscreteMap, FindsThePointsOfHenonsMap) {
     return Vector2d(1 - a * y(0) * y(0) + y(1), b * y(0));
   };
   const Box box{Vector2d(-2, -1), Vector2d(2, 1)};
-  const auto fixed = find_fixed_points(henon, box);
+  const auto fixed = search_fixed_points(henon, box).points;
   ASSERT_EQ(fixed.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const double root = std::sqrt((1 - b) * (1 - b) + 4 * a);
@@ -149,13 +172,12 @@ TEST(DiscreteMap, PassesOverPlacesWhereTheStepDiverges) {
   expect_near(states(find_fixed_points(map, {one(-1), one(2)})), {0}, 0);
   const VectorFunction nowhere = [](const VectorXd&) { return one(std::nan("")); };
   EXPECT_TRUE(find_fixed_points(nowhere, line).empty());
-  EXPECT_TRUE(find_period_two(nowhere, line).empty());
+  EXPECT_TRUE(find_period_two_of_line(nowhere, line).empty());
 }
 
 TEST(DiscreteMap, RefusesAnEmptyBox) {
   EXPECT_THROW(find_fixed_points(euler(1), {one(1), one(1)}), std::invalid_argument);
-  EXPECT_THROW(find_period_two(euler(1), {one(1), one(std::nan(""))}), std::invalid_argument);
-  EXPECT_THROW(find_fixed_points(euler(1), line, 0), std::invalid_argument);
+  EXPECT_THROW(find_period_two_of_line(euler(1), {one(1), one(std::nan(""))}), std::invalid_argument);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/dynamics/discrete_map.hpp"
+#include "analysis/dynamics/fixed_point_search.hpp"
 #include "core/parallel_for.hpp"
 #include "tests/core/jobs.hpp"
 
@@ -42,7 +42,7 @@ TEST(Poincare, ALinearSystemIsSeenAtOnePointOfItsSteadyState) {
     for (const VectorXd& y : seen) EXPECT_LT((y - steady).norm(), 1e-9) << w;
     EXPECT_EQ(period_of(seen), 1);
     // The only fixed point of the map, with the multipliers exp(lambda T).
-    const auto fixed = find_fixed_points(map_of(liver), {Vector2d(-3, -3), Vector2d(3, 3)}, 5);
+    const auto fixed = search_fixed_points(map_of(liver), {Vector2d(-3, -3), Vector2d(3, 3)}).points;
     ASSERT_EQ(fixed.size(), 1U);
     EXPECT_LT((fixed[0].state - steady).norm(), 1e-9);
     const std::complex<double> lambda(-0.6 / 2.9, std::sqrt(0.7 / 1.45 - std::pow(0.6 / 2.9, 2)));
@@ -86,6 +86,15 @@ TEST(Poincare, ASmallForceOnTheCubicSpringHasItsOwnPeriod) {
   EXPECT_EQ(period_of(looks(map_of(liver), Vector2d(0.5, 1), 60, 40)), 1);
 }
 
+/// The diagram of map_at(value).
+template <class MapAt>
+std::vector<BifurcationColumn> diagram(const MapAt& map_at, const std::vector<double>& values,
+                                       const VectorXd& y0, int skip, int count, bool follow,
+                                       const std::function<bool(double)>& going = {}) {
+  return bifurcation(one_by_one([&](std::size_t i) { return map_at(values[i]); }), values, y0, skip, count,
+                     follow, going);
+}
+
 /// x -> r x (1 - x): one point up to r = 3, two up to 1 + sqrt(6), three in the window of 3.83, and the
 /// exponent ln 2 at r = 4.
 VectorFunction logistic(double r) {
@@ -94,7 +103,7 @@ VectorFunction logistic(double r) {
 
 TEST(Poincare, CountsThePeriodsOfTheLogisticMap) {
   const auto columns =
-      bifurcation(logistic, {2.5, 3.2, 3.5, 3.83, 3.9, 4.5}, VectorXd::Constant(1, 0.3), 2000, 100, false);
+      diagram(logistic, {2.5, 3.2, 3.5, 3.83, 3.9, 4.5}, VectorXd::Constant(1, 0.3), 2000, 100, false);
   ASSERT_EQ(columns.size(), 6U);
   const std::optional<int> expected[] = {1, 2, 4, 3, std::nullopt, std::nullopt};
   for (std::size_t i = 0; i < columns.size(); ++i)
@@ -110,7 +119,7 @@ TEST(Poincare, HasTheSameDiagramForAnyNumberOfThreads) {
     const Jobs those(threads);
     std::vector<double> points;
     for (const BifurcationColumn& column :
-         bifurcation(logistic, {3.1, 3.5, 3.7, 3.8, 3.9, 4.0}, VectorXd::Constant(1, 0.3), 50, 20, false))
+         diagram(logistic, {3.1, 3.5, 3.7, 3.8, 3.9, 4.0}, VectorXd::Constant(1, 0.3), 50, 20, false))
       for (const VectorXd& look : column.motion.looks) points.push_back(look(0));
     return points;
   };
@@ -119,8 +128,8 @@ TEST(Poincare, HasTheSameDiagramForAnyNumberOfThreads) {
 
 TEST(Poincare, ADiagramThatEndsEarlyHasItsFirstColumns) {
   const auto columns_until = [](double end) {
-    return bifurcation(logistic, {3.1, 3.2, 3.3, 3.4, 3.5}, VectorXd::Constant(1, 0.3), 50, 20, false,
-                       [end](double share) { return share < end; });
+    return diagram(logistic, {3.1, 3.2, 3.3, 3.4, 3.5}, VectorXd::Constant(1, 0.3), 50, 20, false,
+                   [end](double share) { return share < end; });
   };
   const Jobs one(1);
   const auto columns = columns_until(0.4);
@@ -187,7 +196,7 @@ TEST(Poincare, ShowsTheWholeOrbitToWhomLooksOnce) {
 /// Runge-Kutta method of order 4 after 8000 periods.
 TEST(Poincare, WaitsForChaosThatDoesNotLast) {
   const auto map_at = [](double P) { return map_of({.m = 1, .c = 0.05, .k3 = 1, .P = P, .w = 1}); };
-  const auto columns = bifurcation(map_at, {5.305, 6.475, 6.525, 8.0, 7.5}, Vector2d(0.5, 1), 200, 64, false);
+  const auto columns = diagram(map_at, {5.305, 6.475, 6.525, 8.0, 7.5}, Vector2d(0.5, 1), 200, 64, false);
   const std::optional<int> expected[] = {4, 3, 6, 1, std::nullopt};
   for (std::size_t i = 0; i < columns.size(); ++i)
     EXPECT_EQ(columns[i].motion.period, expected[i]) << columns[i].value;
@@ -214,8 +223,8 @@ TEST(Poincare, FollowsABranchThroughHysteresis) {
   };
   const std::vector<double> values{1, 0.2, -0.2};
   const VectorXd low = VectorXd::Constant(1, -1);
-  EXPECT_GT(bifurcation(map_at, values, low, 500, 5, true).back().motion.looks[0](0), 0.5);
-  EXPECT_LT(bifurcation(map_at, values, low, 500, 5, false).back().motion.looks[0](0), -0.5);
+  EXPECT_GT(diagram(map_at, values, low, 500, 5, true).back().motion.looks[0](0), 0.5);
+  EXPECT_LT(diagram(map_at, values, low, 500, 5, false).back().motion.looks[0](0), -0.5);
 }
 
 TEST(Poincare, EndsWhereTheMotionDoes) {
@@ -229,8 +238,8 @@ TEST(Poincare, EndsWhereTheMotionDoes) {
 // How many motions other threads have finished by then depends on the machine.
 TEST(Bifurcation, EndsWhereItsProgressSaysSo) {
   const auto columns_up_to_two_thirds = [] {
-    return bifurcation(logistic, {1, 2, 3}, VectorXd::Constant(1, 0.3), 1, 1, false,
-                       [&](double done) { return done < 0.5; });
+    return diagram(logistic, {1, 2, 3}, VectorXd::Constant(1, 0.3), 1, 1, false,
+                   [&](double done) { return done < 0.5; });
   };
   const std::vector<BifurcationColumn> of_any_threads = columns_up_to_two_thirds();
   for (std::size_t i = 0; i < of_any_threads.size(); ++i)
@@ -243,8 +252,8 @@ TEST(Bifurcation, EndsWhereItsProgressSaysSo) {
 TEST(Bifurcation, EndsWithinAMotion) {
   const OneThread alone;
   int asked = 0;
-  const auto columns = bifurcation(logistic, {3.9}, VectorXd::Constant(1, 0.3), 1, 1, false,
-                                   [&](double) { return ++asked < 2; });
+  const auto columns =
+      diagram(logistic, {3.9}, VectorXd::Constant(1, 0.3), 1, 1, false, [&](double) { return ++asked < 2; });
   EXPECT_TRUE(columns.empty());
 }
 
