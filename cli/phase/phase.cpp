@@ -79,8 +79,9 @@ void require_one_view(const PhaseOptions& options) {
         "the map of --method, --basins, --poincare and --bifurcation are views of their own; ask for one of "
         "them at a time");
   const bool strobed = is_strobed(options);
-  if (!strobed && (options.period || !options.periods.empty() || !options.skip.empty()))
-    throw InputError("--period, --periods and --skip need --poincare or --bifurcation; add one of them");
+  if (!strobed && (options.period || options.time_limit || !options.periods.empty() || !options.skip.empty()))
+    throw InputError(
+        "--period, --periods, --skip and --time-limit need --poincare or --bifurcation; add one of them");
   if (options.bifurcation.empty() &&
       (options.from || options.to || options.follow || !options.points.empty()))
     throw InputError("--from, --to, --points and --follow need --bifurcation; name a parameter with it");
@@ -124,26 +125,51 @@ void phase(const PhaseOptions& options, Console& console) {
   console.print(text);
 }
 
-/// The state once in each period of the force, alone or over a parameter.
-void add_section_options(CLI::App& command, PhaseOptions& options) {
+/// Which view, and what belongs to one of them.
+void add_view_options(CLI::App& command, PhaseOptions& options) {
+  set_heading(command, "Views, one at a time; the field with its equilibria by default");
+  options.method.add_to(command);
+  add_number(command, "--h", options.h,
+             "Step size of the method: the view is its step as a map of the plane [s]; with --poincare and "
+             "--bifurcation at most, so that steps divide the period");
+  add_flag(command, "--basins", options.basins,
+           fmt::format("Show the basins of attraction of the stable equilibria, at {}",
+                       in_words(basin_tolerances)));
   add_flag(command, "--poincare", options.poincare,
            fmt::format("Show the Poincare section: the state once in each period of the force, at {} or "
                        "by steps of --method",
                        in_words(stroboscope_tolerances)));
   add_text(command, "--bifurcation", options.bifurcation,
            "Show the bifurcation diagram over this parameter, from --from to --to", "NAME");
-  add_number(command, "--from", options.from, "First value of the parameter");
-  add_number(command, "--to", options.to, "Last value of the parameter");
-  add_text(command, "--points", options.points, "Number of values of the parameter; 200 by default",
+  set_heading(command, "Part of the plane");
+  add_text(command, "--window", options.window,
+           "Part of the plane, with --poincare the part searched for motions of one period; the range of "
+           "the motion from y0 by default",
+           "XMIN,XMAX,VMIN,VMAX");
+  add_number(command, "--at", options.at,
+             "Time at which the field of a driven problem is shown [s]; 0 by default");
+  add_text(command, "--cells", options.cells,
+           "With --basins: columns of the grid of initial states, or columns and rows, like 200,200; 120 by "
+           "default",
            "NUMBER");
-  add_flag(command, "--follow", options.follow,
-           "Start each value at the end of the previous one, instead of at y0");
+}
+
+/// The state once in each period of the force, alone or over a parameter.
+void add_section_options(CLI::App& command, PhaseOptions& options) {
+  set_heading(command, "With --poincare and --bifurcation");
   add_text(command, "--periods", options.periods,
            "Recorded periods; 2000, with --bifurcation 64 for each value, by default", "NUMBER");
   add_text(command, "--skip", options.skip, "Discarded periods before them; 200 by default", "NUMBER");
   add_number(command, "--period", options.period,
              "Period of the force [s]; that of the oscillator by default");
   add_time_limit(command, options.time_limit);
+  set_heading(command, "With --bifurcation");
+  add_number(command, "--from", options.from, "First value of the parameter");
+  add_number(command, "--to", options.to, "Last value of the parameter");
+  add_text(command, "--points", options.points, "Number of values of the parameter; 200 by default",
+           "NUMBER");
+  add_flag(command, "--follow", options.follow,
+           "Start each value at the end of the previous one, instead of at y0");
 }
 
 }  // namespace
@@ -386,24 +412,11 @@ void add_phase(CLI::App& app, Console& console) {
         "--set k3=1 --set m=1 --set w=1 --method rk4 --h 0.02"),
        "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
+  set_heading(command, "Model");
   options->problem.add_without_meshes_to(command);
-  options->method.add_to(command);
-  add_number(command, "--h", options->h,
-             "Step size of the method, whose map of the plane is analysed [s]; with --poincare and "
-             "--bifurcation at most, so that steps divide the period");
-  add_text(command, "--window", options->window,
-           "Part of the plane, with --poincare the part searched for motions of one period; the range of "
-           "the motion from y0 by default",
-           "XMIN,XMAX,VMIN,VMAX");
-  add_number(command, "--at", options->at,
-             "Time at which the field of a driven problem is shown [s]; 0 by default");
-  add_flag(command, "--basins", options->basins,
-           fmt::format("Show the basins of attraction of the stable equilibria, at {}",
-                       in_words(basin_tolerances)));
-  add_text(command, "--cells", options->cells,
-           "Columns of the grid of initial states, or columns and rows, like 200,200; 120 by default",
-           "NUMBER");
+  add_view_options(command, *options);
   add_section_options(command, *options);
+  set_heading(command, "Output");
   add_text(command, "--output", options->output,
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),

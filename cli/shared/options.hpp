@@ -22,6 +22,8 @@ CLI::App& add_command(CLI::App& parent, Console& console, const std::string& nam
                       const std::string& description, const std::vector<std::string>& examples);
 /// A subcommand that is there for its own subcommands.
 CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string& description);
+/// --help shows the options that are added from now on below this line.
+void set_heading(CLI::App& command, const std::string& heading);
 /// One of the subcommands must be given.
 void require_subcommand(CLI::App& command);
 /// One more line of --help, below the examples.

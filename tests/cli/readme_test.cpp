@@ -106,7 +106,7 @@ std::string option_table(const std::string& help) {
   for (std::string line; std::getline(lines, line);) {
     std::smatch found;
     if (!line.starts_with("  ")) {
-      inside = line == "Positionals:" || line == "Options:";
+      inside = line.ends_with(':') && !line.starts_with("Example") && line != "Subcommands:";
     } else if (inside && std::regex_match(line, found, continued)) {
       table += option_row(option, found[1]);
     } else if (inside && std::regex_match(line, found, entry)) {

@@ -372,6 +372,7 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   expect_refused(shell.hmax("phase --problem liver_forced --poincare --at 1"), "--at");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --window 0,1,0,1"), "--window");
   expect_refused(shell.hmax("phase --problem liver_forced --skip 3"), "--poincare");
+  expect_refused(shell.hmax("phase --problem liver_forced --time-limit 9"), "--poincare");
   expect_refused(shell.hmax("phase --problem liver_forced --from 3"), "--bifurcation");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3"), "--to");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3 --to 3"), "no range");
@@ -449,6 +450,20 @@ TEST(Phase, StatesTheTolerancesOfMotions) {
   const std::string help = shell.hmax("phase --help").out;
   for (const char* words : {"rtol 1e-06", "rtol 1e-08", "rtol 1e-11"})
     EXPECT_NE(help.find(words), std::string::npos) << words;
+}
+
+/// Every view under one heading, and the options of one view under that of theirs.
+TEST(Phase, HelpGroupsOptionsByView) {
+  const std::string help = Shell().hmax("phase --help").out;
+  std::size_t before = 0;
+  for (const char* line : {"\nModel:", "--problem", "\nViews, one at a time", "--method", "--basins",
+                           "--poincare", "--bifurcation", "\nPart of the plane:", "--window",
+                           "\nWith --poincare and --bifurcation:", "--periods",
+                           "\nWith --bifurcation:", "--from", "\nOutput:", "--output"}) {
+    const std::size_t at = help.find(line, before);
+    ASSERT_NE(at, std::string::npos) << line << help;
+    before = at;
+  }
 }
 
 /// Of the options that choose a problem: a body on a mesh has no two states, matrices may.
