@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
+#include "plots/drawn/colour_map.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/svg.hpp"
 
@@ -18,15 +19,12 @@ namespace hmax {
 namespace {
 
 constexpr double width = 900, margin = 16, gap = 14;
-constexpr double tallest = 470;               // pixels of the body alone in its row
-constexpr double pieces_of_picture = 14'000;  // faces and parts of faces
-constexpr double pieces_if_coarse = 1'400;    // the same
-constexpr double finest = 6, coarsest = 14;   // pixels of the side of such a part
-constexpr double coarsest_if_coarse = 20;     // the same
-constexpr double shaft_length = 5;            // radii of the ball
-constexpr std::size_t caption_line = 142;     // characters
-constexpr std::size_t title_line = 90;        // characters, which are larger
-constexpr double title_height = 21;           // pixels of a line
+constexpr double tallest = 470;                                       // pixels of the body alone in its row
+constexpr std::size_t most_triangles = 14'000, most_if_coarse = 700;  // that look this way, of a picture
+constexpr double shaft_length = 5;                                    // radii of the tool's ball
+constexpr std::size_t caption_line = 142;                             // characters
+constexpr std::size_t title_line = 90;                                // characters, which are larger
+constexpr double title_height = 21;                                   // pixels of a line
 
 struct Box {
   double low_x = std::numeric_limits<double>::infinity(), low_y = low_x, high_x = -low_x, high_y = -low_x;
@@ -67,16 +65,8 @@ Range range_of(const BodyPicture& picture) {
     for (const double value : view.values)
       if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
   if (!(range.low <= range.high)) return {0, 1};
-  if (picture.colours.diverging) {
-    const double far = std::max(std::abs(range.low), std::abs(range.high));
-    range = {-far, far};
-  }
   if (!(range.high > range.low)) range.high = range.low + std::max(1e-12, 0.1 * std::abs(range.low));
   return range;
-}
-
-const ColourMap& map_of(const BodyColours& colours) {
-  return colours.diverging ? diverging_colours() : sequential_colours();
 }
 
 /// Place of a value in the map.
@@ -85,87 +75,15 @@ double share_of(double value, const Range& range, const BodyColours& colours) {
   return colours.low_is_bad ? 1 - share : share;
 }
 
-SpacePoint normal_of(const BodyView& view, const TriangleCorners& t) {
-  const SpacePoint &a = view.points[static_cast<std::size_t>(t[0])],
-                   &b = view.points[static_cast<std::size_t>(t[1])],
-                   &c = view.points[static_cast<std::size_t>(t[2])];
-  const auto edge = [&](const SpacePoint& p, std::size_t k) { return p[k] - a[k]; };
-  return {edge(b, 1) * edge(c, 2) - edge(b, 2) * edge(c, 1),
-          edge(b, 2) * edge(c, 0) - edge(b, 0) * edge(c, 2),
-          edge(b, 0) * edge(c, 1) - edge(b, 1) * edge(c, 0)};
-}
-bool alike(const SpacePoint& p, const SpacePoint& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2] > 0; }
-
-/// The same surface with all points of a cell of a grid as one, in their middle.
-BodyView joined(const BodyView& view, double cell) {
-  struct Hash {
-    std::size_t operator()(const std::array<std::int64_t, 3>& k) const {
-      return static_cast<std::size_t>(k[0] * 73856093 ^ k[1] * 19349663 ^ k[2] * 83492791);
-    }
-  };
-  const std::vector<SpacePoint>& still = view.rest.empty() ? view.points : view.rest;
-  const bool smooth = view.values.size() == view.points.size();
-  std::unordered_map<std::array<std::int64_t, 3>, std::int32_t, Hash> cells;
-  std::vector<std::int32_t> now(view.points.size());
-  std::vector<bool> used(view.points.size(), false);
-  for (const TriangleCorners& t : view.triangles)
-    for (const std::int32_t corner : t) used[static_cast<std::size_t>(corner)] = true;
-  BodyView fewer = view;
-  fewer.points.clear();
-  fewer.rest.clear();
-  fewer.values.clear();
-  fewer.triangles.clear();
-  std::vector<double> members;
-  const auto add = [](SpacePoint& sum, const SpacePoint& p) {
-    for (std::size_t k = 0; k < 3; ++k) sum[k] += p[k];
-  };
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    if (!used[i]) continue;
-    std::array<std::int64_t, 3> key{};
-    for (std::size_t k = 0; k < 3; ++k) key[k] = std::llround(still[i][k] / cell);
-    const auto [found, fresh] = cells.try_emplace(key, static_cast<std::int32_t>(members.size()));
-    const auto c = static_cast<std::size_t>(found->second);
-    now[i] = found->second;
-    if (fresh) {
-      members.push_back(0);
-      fewer.points.push_back({});
-      if (!view.rest.empty()) fewer.rest.push_back({});
-      if (smooth) fewer.values.push_back(0);
-    }
-    members[c] += 1;
-    add(fewer.points[c], view.points[i]);
-    if (!view.rest.empty()) add(fewer.rest[c], view.rest[i]);
-    if (smooth) fewer.values[c] += view.values[i];
-  }
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    for (double& x : fewer.points[c]) x /= members[c];
-    if (!view.rest.empty())
-      for (double& x : fewer.rest[c]) x /= members[c];
-    if (smooth) fewer.values[c] /= members[c];
-  }
-  for (std::size_t t = 0; t < view.triangles.size(); ++t) {
-    const auto at = [&](std::size_t i) { return now[static_cast<std::size_t>(view.triangles[t][i])]; };
-    if (at(0) == at(1) || at(1) == at(2) || at(2) == at(0)) continue;
-    // What was turned over by joining lies under its neighbours.
-    if (!alike(normal_of(view, view.triangles[t]), normal_of(fewer, {at(0), at(1), at(2)}))) continue;
-    fewer.triangles.push_back({at(0), at(1), at(2)});
-    if (!smooth && !view.values.empty()) fewer.values.push_back(view.values[t]);
-  }
-  for (std::int32_t& i : fewer.held) i = now[static_cast<std::size_t>(i)];
-  return fewer;
-}
-
 std::string bar_number(double value) { return fmt::format("{:g}", std::round(value * 1e12) / 1e12 + 0.0); }
 
 /// The scale of colours with its ticks; ends beyond which there are values are told.
 std::string colour_bar(const BodyPicture& picture, const Range& range, double x, double y, double length) {
-  constexpr int stops = 24;
   std::string svg = "<linearGradient id=\"scale\">";
-  for (int k = 0; k <= stops; ++k) {
-    const double share = double(k) / stops;
-    svg += fmt::format("<stop offset=\"{:.3f}\" stop-color=\"{}\"/>", share,
-                       hex_of(map_of(picture.colours).at(picture.colours.low_is_bad ? 1 - share : share)));
-  }
+  constexpr std::size_t last = colour_stops.size() - 1;
+  for (std::size_t k = 0; k <= last; ++k)
+    svg += fmt::format("<stop offset=\"{:.3f}\" stop-color=\"{}\"/>", static_cast<double>(k) / last,
+                       hex_of(colour_stops[picture.colours.low_is_bad ? last - k : k]));
   svg += fmt::format(
       "</linearGradient>\n<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"12\" fill=\"url(#scale)\" "
       "stroke=\"#808080\" stroke-width=\".6\"/>\n",
@@ -180,10 +98,10 @@ std::string colour_bar(const BodyPicture& picture, const Range& range, double x,
   const double step = tick_of(range, 5), tolerance = 1e-9 * (range.high - range.low);
   for (double k = std::ceil((range.low - tolerance) / step); k * step <= range.high + tolerance; ++k) {
     const double value = k * step, at = x + length * (value - range.low) / (range.high - range.low);
-    const bool first = value - range.low < tolerance, last = range.high - value < tolerance;
-    const std::string mark = first && least < range.low - tolerance  ? "≤ "
-                             : last && most > range.high + tolerance ? "≥ "
-                                                                     : "";
+    const bool at_low = value - range.low < tolerance, at_high = range.high - value < tolerance;
+    const std::string mark = at_low && least < range.low - tolerance    ? "≤ "
+                             : at_high && most > range.high + tolerance ? "≥ "
+                                                                        : "";
     svg += fmt::format("<path stroke=\"#606060\" stroke-width=\".8\" d=\"M{:.1f} {:.1f}v4\"/>\n", at, y + 12);
     svg += svg_text(at, y + 28, mark + bar_number(value), "text-anchor=\"middle\" class=\"small\"");
   }
@@ -207,31 +125,70 @@ std::string scale_bar(double scale, double right, double y) {
                   "text-anchor=\"middle\" class=\"small\"");
 }
 
-std::string arrow(const BodyArrow& force, const Camera& camera, const Placement& place) {
-  const SpacePoint seen = camera.seen(scaled_to(force.direction, 1));
-  const double shown = std::hypot(seen[0], seen[1]);
+const char* const style =
+    ".outline{fill:#808080;stroke:#303030;stroke-width:2;stroke-linejoin:round}"
+    ".body{stroke-linejoin:round;stroke-width:.7}"
+    ".edges{stroke:#000000;stroke-opacity:.25;stroke-width:.6}"
+    ".held{fill:#202020;stroke:#ffffff;stroke-width:.8}";
+
+/// The head of arrows, for `marker-end`: begins at the end of its line.
+constexpr double head_length = 11;
+constexpr const char* arrow_head =
+    "<marker id=\"head\" orient=\"auto\" markerUnits=\"userSpaceOnUse\" markerWidth=\"13\" "
+    "markerHeight=\"12\" refX=\"1\" refY=\"6\"><path fill=\"#202020\" stroke=\"#ffffff\" "
+    "stroke-width=\".8\" d=\"M1 1.4L12 6L1 10.6z\"/></marker>\n";
+
+std::string arrow(const BodyArrow& force, const Camera& camera) {
+  const SpacePoint ahead = scaled_to(force.direction, 1 / camera.scale);
+  const SpacePoint from = camera.seen({0, 0, 0}), to = camera.seen(ahead);
+  const double dx = to[0] - from[0], dy = to[1] - from[1], shown = std::hypot(dx, dy);
   if (shown < 0.05) return "";
-  const double dx = seen[0] / shown, dy = -seen[1] / shown, length = 44 * std::max(0.4, shown), head = 11;
-  auto [x, y] = place.at(camera.seen(force.point));
-  if (force.leaves) {
-    x += length * dx;
-    y += length * dy;
-  }
+  const double ux = dx / shown, uy = dy / shown, length = 44 * std::max(0.4, shown);
+  const SpacePoint at = camera.seen(force.point);
+  const double x = at[0] + (force.leaves ? length * ux : 0), y = at[1] + (force.leaves ? length * uy : 0);
+  const std::string line = fmt::format("d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"", x - length * ux, y - length * uy,
+                                       x - head_length * ux, y - head_length * uy);
   return fmt::format(
-      "<path stroke=\"#ffffff\" stroke-width=\"5\" d=\"M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}\"/><path "
-      "stroke=\"#202020\" stroke-width=\"2.4\" d=\"M{0:.1f} {1:.1f}L{2:.1f} {3:.1f}\"/><path fill=\"#202020\" "
-      "stroke=\"#ffffff\" stroke-width=\".8\" d=\"M{4:.1f} {5:.1f}L{6:.1f} {7:.1f} {8:.1f} {9:.1f}z\"/>\n",
-      x - length * dx, y - length * dy, x - 0.8 * head * dx, y - 0.8 * head * dy, x, y,
-      x - head * dx - 0.42 * head * dy, y - head * dy + 0.42 * head * dx, x - head * dx + 0.42 * head * dy,
-      y - head * dy - 0.42 * head * dx);
+      "<path stroke=\"#ffffff\" stroke-width=\"5\" {0}/><path stroke=\"#202020\" "
+      "stroke-width=\"2.4\" marker-end=\"url(#head)\" {0}/>\n",
+      line);
 }
 
+/// A ball on a shaft, in metal: a circle and a bar from whatever side.
+std::string tool_svg(const BodyTool& tool, const Camera& camera) {
+  const SpacePoint shaft = scaled_to(tool.shaft, 1);
+  const auto along = [&](double radii) {
+    SpacePoint p = tool.centre;
+    for (std::size_t k = 0; k < 3; ++k) p[k] += radii * tool.radius * shaft[k];
+    return camera.seen(p);
+  };
+  const SpacePoint at = along(0), from = along(0.9), to = along(shaft_length);
+  const double radius = tool.radius * camera.scale;
+  const std::string line = fmt::format("d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\"", from[0], from[1], to[0], to[1]);
+  const std::string ball = fmt::format(
+      "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" "
+      "fill=\"url(#metal)\"/>\n",
+      at[0], at[1], radius);
+  const std::string bar = fmt::format(
+      "<path stroke=\"#80878e\" stroke-width=\"{:.1f}\" {}/><path "
+      "stroke=\"#aab1b8\" stroke-width=\"{:.1f}\" {}/>\n",
+      0.72 * radius, line, 0.4 * radius, line);
+  return to[2] > at[2] ? ball + bar : bar + ball;
+}
+constexpr const char* metal =
+    "<radialGradient id=\"metal\" cx=\".36\" cy=\".3\" r=\".75\"><stop offset=\"0\" "
+    "stop-color=\"#f4f6f8\"/><stop offset=\".3\" stop-color=\"#b9c0c7\"/><stop offset=\"1\" "
+    "stop-color=\"#5f676f\"/></radialGradient>\n";
+
 /// The shape at rest: a pale area behind the body.
-std::string ghost_behind(const std::string& id) {
-  return fmt::format("<use href=\"#{}\" fill=\"#ededed\" stroke=\"#ededed\" stroke-width=\".7\"/>\n", id);
+std::string rest_behind(const std::string& id, const Surface& rest) {
+  return fmt::format(
+      "<defs><path id=\"{0}\" d=\"{1}\"/></defs>\n<use href=\"#{0}\" fill=\"#ededed\" "
+      "stroke=\"#ededed\" stroke-width=\".7\"/>\n",
+      id, shape_path(rest));
 }
 /// And its rim before it: the broad line round every triangle, without what is inside of any.
-std::string ghost_rim(const std::string& id) {
+std::string rest_rim(const std::string& id) {
   return fmt::format(
       "<mask id=\"{0}m\"><use href=\"#{0}\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"2.6\" "
       "stroke-linejoin=\"round\"/><use href=\"#{0}\" fill=\"#000000\" stroke=\"#000000\" "
@@ -264,7 +221,8 @@ class Page {
       : picture_(picture),
         camera_(picture.towards),
         range_(range_of(picture)),
-        most_(picture.coarse ? pieces_if_coarse : pieces_of_picture) {}
+        most_((picture.coarse ? most_if_coarse : most_triangles) /
+              std::max<std::size_t>(1, picture.views.size())) {}
 
   std::string write() {
     layout();
@@ -293,64 +251,61 @@ class Page {
     const auto rows =
         (picture_.views.size() + static_cast<std::size_t>(columns_) - 1) / static_cast<std::size_t>(columns_);
     foot_ = top_ + row_ * static_cast<double>(rows) + 8;
-    double area = 0;
-    for (const BodyView& v : picture_.views) area += painted_area(v.points, v.triangles, camera_, scale_);
-    size_ =
-        std::clamp(std::sqrt(area / (0.43 * most_)), finest, picture_.coarse ? coarsest_if_coarse : coarsest);
   }
 
-  /// A view with few enough triangles.
-  BodyView drawn(const BodyView& view) {
-    const double most = 2 * most_ / static_cast<double>(picture_.views.size());
-    if (static_cast<double>(view.triangles.size()) <= most) return view;
-    fewer_ = true;
-    BodyView simple = view;
-    for (double cell = 1.5; static_cast<double>(simple.triangles.size()) > most; cell *= 1.25)
-      simple = joined(view, cell / scale_);
-    return simple;
+  Surface few(const Surface& seen) {
+    fewer_ = fewer_ || seen.triangles.size() > most_;
+    return simplified(seen, most_);
+  }
+
+  Surface surface_of(const BodyView& view) const {
+    std::vector<double> shares(view.values.size());
+    std::ranges::transform(view.values, shares.begin(),
+                           [&](double value) { return share_of(value, range_, picture_.colours); });
+    return {view.points, view.triangles, std::move(shares), view.values.size() == view.points.size()};
   }
 
   std::string view(std::size_t index) {
-    const BodyView simple = drawn(picture_.views[index]);
+    const BodyView& view = picture_.views[index];
     const auto columns = static_cast<std::size_t>(columns_);
     const std::size_t row = index / columns, column = index % columns;
     const double left = margin + share_ * static_cast<double>(column);
     double y = top_ + row_ * static_cast<double>(row);
     const Box& box = boxes_[index];
     std::string svg;
-    if (titled_) svg += svg_text(left, y + 16, simple.title, "font-size=\"14\"");
+    if (titled_) svg += svg_text(left, y + 16, view.title, "font-size=\"14\"");
     y += titled_ ? 24 : 0;
-    for (std::size_t k = 0; k < simple.notes.size(); ++k)
-      svg += svg_text(left, y + 11 + 16 * static_cast<double>(k), simple.notes[k], "class=\"small\"");
+    for (std::size_t k = 0; k < view.notes.size(); ++k)
+      svg += svg_text(left, y + 11 + 16 * static_cast<double>(k), view.notes[k], "class=\"small\"");
     y += 16 * static_cast<double>(notes_);
-    const Placement place{.scale = scale_,
-                          .seen_x = (box.low_x + box.high_x) / 2,
-                          .seen_y = (box.low_y + box.high_y) / 2,
-                          .middle_x = left + (share_ - gap) / 2,
-                          .middle_y = y + 10 + height_of_view_ / 2};
+    Camera camera = camera_;
+    camera.scale = scale_;
+    camera.x = left + (share_ - gap) / 2 - scale_ * (box.low_x + box.high_x) / 2;
+    camera.y = y + 10 + height_of_view_ / 2 - scale_ * (box.low_y + box.high_y) / 2;
+    return svg + body(view, camera, std::to_string(index));
+  }
 
-    const std::string id = fmt::format("rest{}", index);
-    if (!simple.rest.empty()) {
-      svg += fmt::format("<defs><path id=\"{}\" d=\"{}\"/></defs>\n", id,
-                         shape_path(simple.rest, simple.triangles, camera_, place));
-      svg += ghost_behind(id);
+  std::string body(const BodyView& view, const Camera& camera, const std::string& id) {
+    const Surface surface = surface_of(view), whole = seen_by(camera, surface), seen = few(whole);
+    // Those of fewer triangles are none of the mesh.
+    const bool edges = whole.triangles.size() <= most_ && edges_told_apart(whole);
+    std::string svg, rim;
+    if (!view.rest.empty()) {
+      svg += rest_behind("rest" + id, few(seen_by(camera, {view.rest, view.triangles})));
+      rim = rest_rim("rest" + id);
     }
-    std::vector<double> shares(simple.values.size());
-    std::ranges::transform(simple.values, shares.begin(),
-                           [&](double value) { return share_of(value, range_, picture_.colours); });
-    Painter painter(camera_, place);
-    for (const BodyTool& tool : simple.tools)
-      painter.add_tool(tool.centre, tool.radius, scaled_to(tool.shaft, shaft_length * tool.radius));
-    painter.add_surface({.points = simple.points,
-                         .triangles = simple.triangles,
-                         .shares = shares,
-                         .map = map_of(picture_.colours),
-                         .smooth = simple.values.size() == simple.points.size()},
-                        size_);
-    painter.add_dots(simple.points, simple.triangles, simple.held);
-    svg += "<g class=\"body\">\n" + painter.svg() + "</g>\n";
-    if (!simple.rest.empty()) svg += ghost_rim(id);
-    for (const BodyArrow& force : simple.arrows) svg += arrow(force, camera_, place);
+    std::string before;
+    for (const BodyTool& tool : view.tools) (stands_before(tool) ? before : svg) += tool_svg(tool, camera);
+    svg += fmt::format("<path class=\"outline\" d=\"{}\"/>\n", shape_path(seen)) +
+           painted(seen, "v" + id, edges) + before + rim;
+    std::set<std::int32_t> visible;
+    for (const TriangleCorners& t : whole.triangles) visible.insert(t.begin(), t.end());
+    for (const std::int32_t i : view.held)
+      if (visible.contains(i)) {
+        const SpacePoint& p = whole.points[static_cast<std::size_t>(i)];
+        svg += fmt::format("<circle class=\"held\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.4\"/>\n", p[0], p[1]);
+      }
+    for (const BodyArrow& force : view.arrows) svg += arrow(force, camera);
     return svg;
   }
 
@@ -368,9 +323,17 @@ class Page {
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
                "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {3} -->\n"
                "<style>.small{{font-size:11px;fill:#606060}}{2}</style>\n"
-               "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-               width, height, painter_style, own_mark) +
+               "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{4}",
+               width, height, style, own_mark, definitions()) +
            headline;
+  }
+
+  [[nodiscard]] std::string definitions() const {
+    return (any(&BodyView::arrows) ? arrow_head : std::string()) + (any(&BodyView::tools) ? metal : "");
+  }
+  template <class Member>
+  [[nodiscard]] bool any(Member member) const {
+    return std::ranges::any_of(picture_.views, [&](const BodyView& v) { return !(v.*member).empty(); });
   }
 
   /// Lines that fit; a word that does not is cut.
@@ -386,6 +349,9 @@ class Page {
     return lines_of(text, caption_line);
   }
 
+  /// Its shaft leads towards the viewer, and not behind the body.
+  [[nodiscard]] bool stands_before(const BodyTool& tool) const { return camera_.seen(tool.shaft)[2] >= 0; }
+
   /// Scales, key and caption.
   std::string below() const {
     std::string svg;
@@ -394,9 +360,6 @@ class Page {
     svg += scale_bar(scale_, width - margin - 4, foot_ + 12);
     double x = scaled ? margin + 350 : margin;
     const double y = foot_ + 22;
-    const auto any = [&](auto member) {
-      return std::ranges::any_of(picture_.views, [&](const BodyView& v) { return !(v.*member).empty(); });
-    };
     const auto entry = [&](const std::string& sample, const std::string& label) {
       svg += sample + svg_text(x + 22, y, label, "class=\"small\"");
       x += 44 + 6.2 * static_cast<double>(length_of(label));
@@ -410,8 +373,8 @@ class Page {
                         x, y - 9),
             "at rest");
     if (any(&BodyView::arrows))
-      entry(fmt::format("<path fill=\"#202020\" stroke=\"#202020\" stroke-width=\"2\" d=\"M{:.1f} {:.1f}h9l0 "
-                        "-2.5l5 2.5l-5 2.5v-2.5\"/>",
+      entry(fmt::format("<path stroke=\"#202020\" stroke-width=\"2.4\" marker-end=\"url(#head)\" "
+                        "d=\"M{:.1f} {:.1f}h7\"/>",
                         x, y - 4),
             "force");
     double line = foot_ + (scaled ? 64 : 48);
@@ -425,9 +388,9 @@ class Page {
   const BodyPicture& picture_;
   Camera camera_;
   Range range_;
-  double most_;  ///< pieces
+  std::size_t most_;  ///< triangles of a view
   int columns_ = 1;
-  double share_ = 0, scale_ = 1, height_of_view_ = 0, top_ = 0, row_ = 0, foot_ = 0, size_ = finest;
+  double share_ = 0, scale_ = 1, height_of_view_ = 0, top_ = 0, row_ = 0, foot_ = 0;
   std::size_t notes_ = 0;
   bool titled_ = false, fewer_ = false;
   std::vector<Box> boxes_;

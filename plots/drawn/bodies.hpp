@@ -42,7 +42,6 @@ struct BodyView {
 struct BodyColours {
   std::string quantity = {};        ///< with its unit, "displacement [mm]"
   std::optional<Range> range = {};  ///< of all views alike; from the values when absent
-  bool diverging = false;           ///< two signs: blue below the middle, red above
   bool low_is_bad = false;          ///< the strong colours stand for small values
 };
 
@@ -54,7 +53,7 @@ struct BodyPicture {
   SpacePoint towards{0.45, -1, 0.5};  ///< from the bodies to the viewer; z is up
   int columns = 1;
   std::vector<BodyView> views = {};
-  bool coarse = false;  ///< larger pieces, so that the text has a fifth of the length
+  bool coarse = false;  ///< a tenth of the triangles at most
 };
 
 /// The text of the SVG, 900 pixels wide. Surfaces of many triangles are drawn with fewer, which the caption

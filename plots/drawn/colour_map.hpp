@@ -3,37 +3,29 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 namespace hmax {
 
-/// A colour of OKLab, a space in which distances are those that the eye sees.
+/// Red, green, blue, 0 to 255.
+using Rgb = std::array<double, 3>;
+
+/// From the colour of paper over orange and vermillion to dark violet, straight lines between: stops at even
+/// steps along a path of OKLab.
 /// @source  [ottosson2020oklab]
-struct OkLab {
-  double lightness, a, b;  ///< 0 black to 1 white; green to red; blue to yellow
-};
+inline constexpr std::array<Rgb, 9> colour_stops{{{252, 243, 225},
+                                                  {247, 211, 154},
+                                                  {240, 175, 90},
+                                                  {231, 132, 54},
+                                                  {214, 92, 41},
+                                                  {186, 67, 83},
+                                                  {158, 36, 104},
+                                                  {111, 35, 107},
+                                                  {67, 24, 107}}};
 
-/// "#0072b2" and back; what the screen cannot show is clipped.
-OkLab oklab_of(const std::string& hex);
-std::string hex_of(const OkLab& colour);
+/// @param share  0 at the first stop, 1 at the last; clamped
+Rgb colour_at(double share);
 
-/// A way through colours, walked at even speed.
-class ColourMap {
- public:
-  /// @param anchors  "#rrggbb", at least two; straight lines of OKLab join them
-  explicit ColourMap(const std::vector<std::string>& anchors);
-
-  /// @param share  0 at the first anchor, 1 at the last; clamped
-  [[nodiscard]] OkLab at(double share) const;
-
- private:
-  std::vector<OkLab> anchors_;
-  std::vector<double> lengths_;  ///< of the way up to each anchor
-};
-
-/// For quantities that begin at nothing: from the colour of paper over orange and vermillion to dark violet.
-const ColourMap& sequential_colours();
-/// For quantities of two signs, pale in the middle: blue, vermillion.
-const ColourMap& diverging_colours();
+/// "#0072b2". @param bright  darkens, from 1 for the colour itself to 0 for black
+std::string hex_of(const Rgb& colour, double bright = 1);
 
 }  // namespace hmax

@@ -404,12 +404,10 @@ std::string picture_of(const BodyScene& scene) {
   return bodies_svg(picture);
 }
 
-/// The sequential colours at even steps, for the script.
-std::string colour_stops() {
-  constexpr int stops = 64;
+/// The colours at even steps, for the script.
+std::string stops_text() {
   std::string text;
-  for (int k = 0; k < stops; ++k)
-    text += (k == 0 ? "" : " ") + hex_of(sequential_colours().at(double(k) / (stops - 1)));
+  for (const Rgb& colour : colour_stops) text += (text.empty() ? "" : " ") + hex_of(colour);
   return text;
 }
 
@@ -455,7 +453,7 @@ std::string scene_html(std::string_view scene_json, std::string_view id) {
       "<figure class=\"scene\" id=\"{}\" data-towards=\"{} {} {}\" data-colours=\"{}\">\n<figcaption>{}</figcaption>\n"
       "<div class=\"scene-picture\"><img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\"></div>\n"
       "<p class=\"scene-caption\">{}</p>\n<script type=\"application/json\">{}</script>\n</figure>\n",
-      html_text(id), towards[0], towards[1], towards[2], colour_stops(), html_text(scene.title),
+      html_text(id), towards[0], towards[1], towards[2], stops_text(), html_text(scene.title),
       html_text("Picture of the body: " + scene.title), base64(picture_of(scene)), html_text(scene.caption),
       data);
 }
