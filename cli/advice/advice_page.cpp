@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "plots/figure.hpp"
+#include "plots/pages/report.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
 #include "results/table.hpp"
@@ -14,27 +15,25 @@ namespace hmax {
 
 namespace {
 
-PageSection answer_section(const AdviceText& text) {
-  return {
-      .title = "Answer", .lead = text.answer, .text = text.help, .facts = text.facts, .list = text.remedies};
+std::string answer_section(const AdviceText& text) {
+  std::string markdown = fmt::format("## Answer\n\n**{}**\n\n", markdown_text(text.answer));
+  if (!text.help.empty()) markdown += markdown_text(text.help) + "\n\n";
+  return markdown + markdown_facts(text.facts) + markdown_list(text.remedies);
 }
 
 /// The methods that do not suit, where there are some, and the model.
-std::vector<PageSection> sections_after(const AdviceText& text, const AdviceKey& question) {
-  std::vector<PageSection> sections;
-  PageSection reasons{.title = "Methods that do not suit", .list = text.reasons};
-  if (!text.left_out.empty()) reasons.list.push_back(text.left_out);
-  if (!reasons.list.empty()) sections.push_back(std::move(reasons));
-  if (!text.notes.empty()) sections.push_back({.title = "Missing numbers", .list = text.notes});
-  PageSection model{.title = "Model", .facts = {{"model", question.problem}}};
-  const auto add = [&](const char* name, const std::string& words) {
-    if (!words.empty()) model.facts.emplace_back(name, words);
-  };
-  add("material", question.material);
-  add("parameters", question.parameters);
-  add("motion", text.motion);
-  sections.push_back(std::move(model));
-  return sections;
+std::string sections_after(const AdviceText& text, const AdviceKey& question) {
+  std::string markdown;
+  std::vector<std::string> reasons = text.reasons;
+  if (!text.left_out.empty()) reasons.push_back(text.left_out);
+  if (!reasons.empty()) markdown += "## Methods that do not suit\n\n" + markdown_list(reasons);
+  if (!text.notes.empty()) markdown += "## Missing numbers\n\n" + markdown_list(text.notes);
+  std::vector<std::pair<std::string, std::string>> facts{{"model", question.problem},
+                                                         {"material", question.material},
+                                                         {"parameters", question.parameters},
+                                                         {"motion", text.motion}};
+  std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
+  return markdown + "## Model\n\n" + markdown_facts(facts);
 }
 
 std::vector<AdviceRecord> with_key(std::vector<AdviceRecord> rows, const AdviceKey& key) {
@@ -60,10 +59,10 @@ void write_advice_page(const std::filesystem::path& file, const AdviceText& text
                       question.material.empty() ? "" : ", ", question.material, short_number(question.rate)),
       .introduction = (text.body.empty() ? "" : text.body + ". ") +
                       "Which integrator, and how large a step? " + text.question,
-      .before = {answer_section(text)},
+      .before = answer_section(text),
       .after = sections_after(text, question),
-      .table = text.table};
-  write_page(file, answer_report(answer, sections, build_info().version).html);
+      .table = markdown_table(text.table)};
+  write_file(file, answer_report(answer, sections, build_info().version).html);
 }
 
 }  // namespace hmax

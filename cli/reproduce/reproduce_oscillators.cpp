@@ -265,9 +265,9 @@ class Study {
              "output interval (sampled). A dash is a run that did not reach t = 100 s, or a method without "
              "error control.",
          .figures = {drawn(figure, "table_2_running_totals", timing_footer())},
-         .tables = {published, differences_per_column(published),
-                    run_times(rows_.published_model, "fixed", the_five()),
-                    run_times(rows_.published_model, "sampled", the_five())},
+         .tables = {markdown_table(published), markdown_table(differences_per_column(published)),
+                    markdown_table(run_times(rows_.published_model, "fixed", the_five())),
+                    markdown_table(run_times(rows_.published_model, "sampled", the_five()))},
          .printed =
              "Execution times of 1444 s (Euler), 588 s (ode45), 964 s (ode23s), 1336 s (ode113) and 1700 s "
              "(ode23t), nearly independent of the step; conclusion: ode45 is the fastest, Euler and ode23t "
@@ -467,7 +467,8 @@ class Study {
          .text = "Six published material sets, male and female, slim, normal and fat.\n\n" +
                  equilibria_table(liver_family("benchmark_unforced"), Window{{-1, -1}, {1, 1}}),
          .figures = figures,
-         .tables = {published_table("benchmark_liver"), published_table("benchmark_liver_mass")},
+         .tables = {markdown_table(published_table("benchmark_liver")),
+                    markdown_table(published_table("benchmark_liver_mass"))},
          .printed = "Acceleration, velocity and phase plane of the benchmark liver with and without force.",
          .differs =
              "The study calls these livers nonlinear, but its table gives no cubic stiffness: ours are linear. The "

@@ -1,8 +1,6 @@
 /// hmax stability gallery: every region on one page, and the liver's eigenvalues on their way out of three.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <tuple>
 
@@ -23,7 +21,7 @@
 #include "limits/predict.hpp"
 #include "plots/draw.hpp"
 #include "plots/drawn/sliding.hpp"
-#include "plots/pages/page.hpp"
+#include "plots/pages/report.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 
 namespace hmax {
@@ -130,31 +128,6 @@ std::vector<Chapter> chapters_of(const std::string& names, Console& console) {
   return chapters;
 }
 
-/// Draws into the folder of the gallery and reads the pictures for the page.
-class Atelier {
- public:
-  Atelier(fs::path folder, Json& files) : folder_(std::move(folder)), files_(files) {}
-
-  PagePicture draw(const Figure& figure, const std::string& name, const std::string& caption) {
-    const FigureFiles made = hmax::draw(figure, folder_, name);
-    if (!made.drawn()) return {.caption = caption, .problem = made.problem};
-    files_.push_back(made.base.string() + ".svg");
-    std::ifstream in(made.base.string() + ".svg", std::ios::binary);
-    return {.svg = {std::istreambuf_iterator<char>(in), {}}, .caption = caption};
-  }
-
-  PagePicture keep(const std::string& svg, const std::string& name, const std::string& caption) {
-    const fs::path file = folder_ / (name + ".svg");
-    write_page(file, svg);
-    files_.push_back(file.string());
-    return {.svg = svg, .caption = caption};
-  }
-
- private:
-  fs::path folder_;
-  Json& files_;
-};
-
 std::string cell(double value) { return std::isinf(value) ? "unbounded" : short_number(value, 7); }
 
 std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& formulas) {
@@ -173,19 +146,17 @@ std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& f
   return rows;
 }
 
-PageSection section_of(const Chapter& chapter, Atelier& atelier) {
-  PageSection section{.title = chapter.title, .text = chapter.text};
+ReportSection section_of(const Chapter& chapter, const fs::path& folder) {
+  ReportSection section{.title = chapter.title, .text = chapter.text};
   const auto coarse = [](const Formula& formula) { return formula.amplification->measured; };
   // Steps of the code cost a thousand times what a formula costs.
   const bool measured = std::ranges::any_of(chapter.formulas, coarse);
   if (chapter.formulas.size() > 1 && !measured) {
     const NamedFigure together = picture_of(chapter.formulas, {});
-    section.pictures.push_back(
-        atelier.draw(together.figure, "regions_" + chapter.stem, together.figure.title));
+    section.figures.push_back(draw(together.figure, folder, "regions_" + chapter.stem));
     if (chapter.by_cost) {
       const NamedFigure cost = picture_of(chapter.formulas, {.per_evaluation = true});
-      section.pictures.push_back(
-          atelier.draw(cost.figure, "regions_" + chapter.stem + "_per_evaluation", cost.figure.title));
+      section.figures.push_back(draw(cost.figure, folder, "regions_" + chapter.stem + "_per_evaluation"));
     }
   }
   Figure each{.title = chapter.title, .columns = 2, .panel_height = 300};
@@ -193,7 +164,7 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
     const Formula& formula = chapter.formulas[i];
     return panel_of(formula, {.cells = coarse(formula) ? 120 : 300}, 2, 300, 300);
   });
-  section.pictures.push_back(atelier.draw(each, "each_" + chapter.stem, chapter.title + ", one by one"));
+  section.figures.push_back(draw(each, folder, "each_" + chapter.stem));
   for (const auto& [parts, stem, caption] :
        {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
                    "beside a stiff part: the region of what is not stiff, and how far it may swing"},
@@ -211,9 +182,9 @@ PageSection section_of(const Chapter& chapter, Atelier& atelier) {
     for (const std::vector<Panel>& of_formula : panels)
       told.panels.insert(told.panels.end(), of_formula.begin(), of_formula.end());
     if (told.panels.empty()) continue;
-    section.pictures.push_back(atelier.draw(told, stem + chapter.stem, told.title));
+    section.figures.push_back(draw(told, folder, stem + chapter.stem));
   }
-  section.table = limits_table(chapter.formulas);
+  section.tables = {markdown_table(limits_table(chapter.formulas))};
   return section;
 }
 
@@ -246,44 +217,41 @@ SlidingPicture sliding_picture(const std::string& id) {
   return picture;
 }
 
-PageSection sliding_section(Atelier& atelier) {
-  PageSection section{
+/// A picture that gnuplot does not draw.
+FigureFiles kept(const std::string& svg, const fs::path& folder, const std::string& name,
+                 const std::string& alt) {
+  const fs::path file = folder / (name + ".svg");
+  write_file(file, svg);
+  return {.base = folder / name, .made = {file}, .problem = {}, .alt = alt};
+}
+
+ReportSection sliding_section(const fs::path& folder) {
+  ReportSection section{
       .title = "The largest stable step, seen",
       .text =
           "Each eigenvalue of the model, times the step, runs along a ray from the origin as the step "
           "grows. The first that leaves the region sets the largest stable step of its liver."};
   for (const std::string id : {"explicit_euler", "rk4", "dormand_prince_54"}) {
     const SlidingPicture picture = sliding_picture(id);
-    section.pictures.push_back(
-        atelier.keep(sliding_svg(picture), "sliding_" + id, fmt::format("{}: h grows", id)));
+    section.figures.push_back(
+        kept(sliding_svg(picture), folder, "sliding_" + id, fmt::format("{}: h grows", id)));
     std::vector<double> steps;
     for (const double share : {0.15, 0.3, 0.5, 0.75, 1.0}) steps.push_back(share * picture.end);
-    section.pictures.push_back(atelier.keep(sliding_frames_svg(picture, steps), "sliding_" + id + "_frames",
-                                            fmt::format("{}: five steps of it", id)));
+    section.figures.push_back(kept(sliding_frames_svg(picture, steps), folder, "sliding_" + id + "_frames",
+                                   fmt::format("{}: five steps of it", id)));
   }
   return section;
 }
 
-/// A section, and the files of its pictures.
-struct DrawnSection {
-  PageSection section;
-  Json files = Json::array();
-};
-
 /// The opening section and those of all chapters, drawn on all cores.
-std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
-                                      Console& console) {
+std::vector<ReportSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
+                                       Console& console) {
   const auto& interrupted = interrupt_flag();
-  std::vector<DrawnSection> sections(chapters.size() + 1);
-  Atelier opening(folder, sections[0].files);
-  sections[0].section = sliding_section(opening);
+  std::vector<ReportSection> sections(chapters.size() + 1);
+  sections[0] = sliding_section(folder);
   Progress progress(console, "gallery");
   parallel_for(
-      chapters.size(),
-      [&](std::size_t i, std::size_t) {
-        Atelier atelier(folder, sections[i + 1].files);
-        sections[i + 1].section = section_of(chapters[i], atelier);
-      },
+      chapters.size(), [&](std::size_t i, std::size_t) { sections[i + 1] = section_of(chapters[i], folder); },
       [&](std::size_t done) {
         progress.update(static_cast<double>(done) / static_cast<double>(chapters.size()));
       },
@@ -294,31 +262,26 @@ std::vector<DrawnSection> sections_of(const std::vector<Chapter>& chapters, cons
 
 void gallery(const std::string& names, const std::string& output, Console& console) {
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
-  const fs::path page = fs::path(output) / "index.html";
-  check_writable(page, "<!DOCTYPE html>");
+  check_report_place(output);
   const std::vector<Chapter> chapters = chapters_of(names, console);
-  Json files = Json::array();
-  std::vector<PageSection> sections;
-  for (auto& [section, drawn] : sections_of(chapters, output, console)) {
-    sections.push_back(std::move(section));
-    for (auto& file : drawn) files.push_back(std::move(file));
-  }
+  const std::vector<ReportSection> sections = sections_of(chapters, output, console);
   std::size_t shown = 0;
   for (const Chapter& chapter : chapters) shown += chapter.formulas.size();
-  for (const PageSection& section : sections)
-    for (const PagePicture& picture : section.pictures)
-      if (!picture.problem.empty()) {
-        console.remark(picture.problem);
-        break;
-      }
-  write_page(
-      page,
-      page_text(
-          "Stability regions",
-          "z = h lambda, the step times an eigenvalue of the model: a step is stable where "
-          "the method's amplification is at most 1. The curves come from the coefficients "
-          "that the methods step with, or from steps of foreign engines that show none. Scales are equal on both axes.",
-          sections));
+  Json files = Json::array();
+  std::string problem;
+  for (const ReportSection& section : sections)
+    for (const FigureFiles& figure : section.figures)
+      if (figure.drawn())
+        files.push_back(figure.base.string() + ".svg");
+      else
+        problem = figure.problem;
+  if (!problem.empty()) console.remark(problem);
+  const fs::path page = write_report(
+      "Stability regions",
+      "z = h lambda, the step times an eigenvalue of the model: a step is stable where "
+      "the method's amplification is at most 1. The curves come from the coefficients "
+      "that the methods step with, or from steps of foreign engines that show none. Scales are equal on both axes.",
+      sections, output);
   if (console.json)
     return console.print_json({{"page", page.string()}, {"methods", shown}, {"figures", files}});
   console.print(

@@ -27,11 +27,6 @@ std::string navigation(const std::vector<PageLink>& links) {
 
 }  // namespace
 
-std::string scrolling_box(const std::string& label) {
-  return fmt::format("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">",
-                     html_text(label));
-}
-
 std::string_view page_style(std::string_view name) { return text_of(page_styles(), name); }
 std::string_view page_script(std::string_view name) { return text_of(page_scripts(), name); }
 

@@ -29,10 +29,6 @@ struct PageFrame {
 /// and paper, and its tables sort where they are plain tables with a `thead`.
 std::string framed_page(const PageFrame& frame);
 
-/// The opening tag of a `div` in which a wide table scrolls, also with the keyboard.
-/// @param label  for screen readers, shown as it is
-std::string scrolling_box(const std::string& label);
-
 /// A style or a script of page_texts.hpp.
 /// @param name  of a file that exists, without its ending
 std::string_view page_style(std::string_view name);

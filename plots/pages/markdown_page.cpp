@@ -15,10 +15,9 @@
 
 #include <fmt/format.h>
 
-#include "plots/pages/encodings/deflate.hpp"
+#include "plots/pages/encodings/embedded.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
-#include "plots/pages/page.hpp"
 
 namespace hmax {
 
@@ -129,7 +128,7 @@ struct Picture {
   cmark_node* place;  ///< shows it
   bool figure;        ///< in a paragraph of its own
   std::string file, link, alt;
-  enum class Kind { svg, png, packed };
+  enum class Kind { svg, png };
   std::vector<std::pair<Kind, std::string>> forms = {};
   std::size_t form = 0;  ///< number of forms: a link only
 
@@ -145,10 +144,6 @@ void add_forms(Picture& picture, const fs::path& folder) {
   const std::string svg = bytes(".svg"), png = bytes(".png");
   if (!svg.empty()) picture.forms.emplace_back(Picture::Kind::svg, embedded_svg(svg, picture.alt));
   if (!png.empty()) picture.forms.emplace_back(Picture::Kind::png, embedded_png(png, picture.alt));
-  // Needs a script, so only where there is nothing else.
-  if (svg.size() > 100'000 && png.empty())
-    if (const std::string small = deflated(svg); !small.empty())
-      picture.forms.emplace_back(Picture::Kind::packed, packed_svg(small, picture.alt));
 }
 
 /// Whether a node stands in another of this type.
@@ -214,15 +209,10 @@ std::string fit(std::vector<Picture>& pictures, std::size_t room) {
   const auto was_larger = [](const Picture& picture) { return picture.form > 0; };
   const std::size_t png = count([&](const Picture& p) { return was_larger(p) && p.is(Picture::Kind::png); });
   const std::size_t linked = count([&](const Picture& p) { return was_larger(p) && p.is_linked(); });
-  const std::size_t packed = count([](const Picture& p) { return p.is(Picture::Kind::packed); });
-  std::string words = png > 0 ? counted(png, " as PNG") : "", html;
+  std::string words = png > 0 ? counted(png, " as PNG") : "";
   if (linked > 0) words += (words.empty() ? "" : " and ") + counted(linked, " as a link");
-  if (!words.empty())
-    html += fmt::format("<p>The page shows {}, because it would be larger than 5 MB.</p>\n", words);
-  if (packed > 0)
-    html += fmt::format("<noscript><p>{} JavaScript; without it they are links.</p></noscript>\n",
-                        counted(packed, packed == 1 ? " needs" : " need"));
-  return html;
+  if (words.empty()) return {};
+  return fmt::format("<p>The page shows {}, because it would be larger than 5 MB.</p>\n", words);
 }
 
 void show(const Picture& picture) {
@@ -243,14 +233,9 @@ void lead_to_pages(Document& document, const fs::path& folder) {
   }
 }
 
-/// The title, the navigation and the ids.
-struct Headings {
-  std::string title;
-  std::vector<PageLink> links;
-};
-
-Headings take_headings(Document& document) {
-  Headings found;
+/// The title, the navigation and the ids; the text is left.
+MarkdownParts take_headings(Document& document) {
+  MarkdownParts found;
   std::map<std::string, int> times;
   for (cmark_node* heading : document.all("heading")) {
     const std::string words = words_of(heading);
@@ -271,13 +256,18 @@ Headings take_headings(Document& document) {
   return found;
 }
 
+/// Wide tables scroll, also with the keyboard; the label is for screen readers.
 void put_tables_in_boxes(Document& document) {
   std::string section;
   for (cmark_node* node = cmark_node_first_child(document.root()); node; node = cmark_node_next(node)) {
     const std::string type = cmark_node_get_type_string(node);
     if (type == "heading") section = words_of(node);
     if (type != "table") continue;
-    cmark_node_insert_before(node, html_node(CMARK_NODE_CUSTOM_BLOCK, scrolling_box(section)));
+    cmark_node_insert_before(
+        node,
+        html_node(CMARK_NODE_CUSTOM_BLOCK,
+                  fmt::format("<div class=\"scroll prose\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">",
+                              html_text(section))));
     cmark_node* closing = html_node(CMARK_NODE_CUSTOM_BLOCK, "</div>");
     cmark_node_insert_after(node, closing);
     node = closing;
@@ -298,25 +288,30 @@ std::string heading_anchor(std::string_view heading) {
   return anchor;
 }
 
+MarkdownParts markdown_parts(const std::string& markdown) {
+  Document document(markdown);
+  show_markup_as_text(document);
+  put_tables_in_boxes(document);
+  MarkdownParts parts = take_headings(document);
+  parts.html = document.html(document.root());
+  return parts;
+}
+
 std::string markdown_page(const std::string& markdown, const fs::path& folder, std::size_t most_bytes) {
   Document document(markdown);
   show_markup_as_text(document);
   lead_to_pages(document, folder);
   std::vector<Picture> pictures = take_pictures(document, folder);
   put_tables_in_boxes(document);
-  Headings headings = take_headings(document);
-  PageFrame frame{.title = headings.title,
-                  .links = std::move(headings.links),
+  MarkdownParts parts = take_headings(document);
+  PageFrame frame{.title = std::move(parts.title),
+                  .links = std::move(parts.links),
                   .main = document.html(document.root()),
-                  .footer = "<p>The same text in Markdown: <a href=\"README.md\">README.md</a></p>",
-                  .style = std::string(page_style("report"))};
-  frame.script = page_script("packed_figures");
+                  .footer = "<p>The same text in Markdown: <a href=\"README.md\">README.md</a></p>"};
   // Of the frame, of the tags around pictures, and of what is said of them.
   std::size_t other = framed_page(frame).size() + 1000;
   for (const Picture& picture : pictures) other += 100 + picture.alt.size() * 2 + picture.link.size() * 2;
   frame.introduction = fit(pictures, most_bytes > other ? most_bytes - other : 0);
-  if (std::ranges::none_of(pictures, [](const Picture& p) { return p.is(Picture::Kind::packed); }))
-    frame.script.clear();
   for (const Picture& picture : pictures) show(picture);
   frame.main = document.html(document.root());
   // What stands before the first section belongs above the navigation.

@@ -51,20 +51,46 @@ std::string markdown_text(std::string_view text) {
   return escaped;
 }
 
-std::string markdown_table(const Table& table) {
-  std::string text = "|", rule = "|";
-  for (const std::string& name : table.columns) {
-    text += fmt::format(" {} |", markdown_text(name));
-    rule += " ---: |";
-  }
-  text += "\n" + rule + "\n";
-  const std::size_t rows = table.values.empty() ? 0 : table.values[0].size();
-  for (std::size_t i = 0; i < rows; ++i) {
-    text += "|";
-    for (const auto& column : table.values) text += fmt::format(" {} |", cell(column.at(i)));
-    text += "\n";
+std::string markdown_table(const std::vector<std::vector<std::string>>& rows) {
+  const auto has_digit = [](const std::string& text) {
+    return std::ranges::any_of(text, [](char c) { return c >= '0' && c <= '9'; });
+  };
+  std::string text;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const std::string& each : rows[i]) text += fmt::format("| {} ", markdown_text(each));
+    text += "|\n";
+    for (std::size_t k = 0; i == 0 && k < rows[0].size(); ++k) {
+      const bool numbers =
+          std::any_of(rows.begin() + 1, rows.end(),
+                      [&](const std::vector<std::string>& row) { return has_digit(row[k]); });
+      text += k > 0 && numbers ? "| ---: " : "| --- ";
+    }
+    if (i == 0) text += "|\n";
   }
   return text;
+}
+
+std::string markdown_table(const Table& table) {
+  std::vector<std::vector<std::string>> rows{table.columns};
+  for (std::size_t i = 0; !table.values.empty() && i < table.values[0].size(); ++i) {
+    rows.emplace_back();
+    for (const auto& column : table.values) rows.back().push_back(cell(column.at(i)));
+  }
+  return markdown_table(rows);
+}
+
+std::string markdown_list(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += fmt::format("- {}\n", markdown_text(item));
+  return text + "\n";
+}
+
+std::string markdown_facts(const std::vector<std::pair<std::string, std::string>>& facts) {
+  std::string text;
+  for (const auto& [name, words] : facts)
+    text += name.empty() ? fmt::format("  - {}\n", markdown_text(words))
+                         : fmt::format("- **{}**: {}\n", markdown_text(name), markdown_text(words));
+  return text + "\n";
 }
 
 std::string report_text(const std::string& title, const std::string& introduction,
@@ -75,7 +101,7 @@ std::string report_text(const std::string& title, const std::string& introductio
     text += "## " + section.title + "\n\n";
     if (!section.text.empty()) text += section.text + "\n\n";
     for (const FigureFiles& figure : section.figures) text += figure_text(figure, section.title, folder);
-    for (const Table& table : section.tables) text += markdown_table(table) + "\n";
+    for (const std::string& table : section.tables) text += table + "\n";
     if (!section.printed.empty()) text += "**The study printed:** " + section.printed + "\n\n";
     if (!section.differs.empty()) text += "**What differs:** " + section.differs + "\n\n";
   }

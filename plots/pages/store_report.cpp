@@ -9,6 +9,7 @@
 #include "plots/pages/body_scene.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
+#include "plots/pages/markdown_page.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_bodies.hpp"
 #include "plots/pages/report_data.hpp"
@@ -88,11 +89,10 @@ class Parts {
     links_.push_back({"#" + id, title});
     main_ += fmt::format("<section>\n<h2 id=\"{}\">{}</h2>\n{}</section>\n", id, html_text(title), html);
   }
-  void add(const std::vector<PageSection>& sections) {
-    const std::vector<PageLink> links = section_links(sections, written_);
-    links_.insert(links_.end(), links.begin(), links.end());
-    main_ += sections_html(sections, written_);
-    written_ += sections.size();
+  void add_markdown(const std::string& text) {
+    const MarkdownParts parts = markdown_parts(text);
+    links_.insert(links_.end(), parts.links.begin(), parts.links.end());
+    main_ += parts.html;
   }
   [[nodiscard]] const std::vector<PageLink>& links() const { return links_; }
   [[nodiscard]] const std::string& main() const { return main_; }
@@ -100,7 +100,6 @@ class Parts {
  private:
   std::vector<PageLink> links_;
   std::string main_;
-  std::size_t written_ = 0;
 };
 
 void add(Parts& parts, const Section& section) {
@@ -122,7 +121,7 @@ Section advice_section(std::span<const ReportedStore> stores, const AnswerSectio
             "<div class=\"answers\">\n" + report_answers(stores) + "</div>\n"};
   constexpr const char* title = "All methods";
   return {advice_table, title, "", figures,
-          "<noscript>\n" + table_html(answer->table, title) + "</noscript>\n"};
+          "<noscript>\n" + markdown_parts(answer->table).html + "</noscript>\n"};
 }
 
 std::vector<Section> sections_of(std::span<const ReportedStore> stores, const AnswerSections* answer) {
@@ -223,12 +222,12 @@ std::string page_of(std::span<const ReportedStore> stores, const AnswerSections*
     page.script += scene_script();
   }
   if (answer) {
-    parts.add(answer->before);
+    parts.add_markdown(answer->before);
     if (!bodies.empty()) parts.add("bodies", "The body", bodies);
   }
   for (const Section& section : sections_of(stores, answer)) add(parts, section);
   if (answer)
-    parts.add(answer->after);
+    parts.add_markdown(answer->after);
   else if (!bodies.empty())
     parts.add("bodies", "Bodies", bodies);
   parts.add("machines", answer ? "Machine" : "Machines", machines(stores));

@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <vector>
 
-#include "plots/pages/page.hpp"
 #include "plots/pages/reported_store.hpp"
 
 namespace hmax {
@@ -20,10 +18,9 @@ struct StoreReport {
 /// What a page about the answer to one question says around its rows.
 struct AnswerSections {
   std::string title = {}, introduction = {};  ///< shown as they are
-  std::vector<PageSection> before = {};       ///< in place of the answers in words
-  std::vector<PageSection> after = {};
-  std::vector<std::vector<std::string>> table =
-      {};  ///< the rows where there is no JavaScript, headings first
+  std::string before = {};                    ///< Markdown, in place of the answers in words
+  std::string after = {};                     ///< Markdown
+  std::string table = {};                     ///< Markdown: the rows where there is no JavaScript
 };
 
 /// One page without any other file. Texts of stores are shown as they are; none of it becomes markup. Stores

@@ -23,9 +23,9 @@ ReportedStore an_answer() {
 AnswerSections words() {
   return {.title = "liver <1>",
           .introduction = "Which & how?",
-          .before = {{.title = "Answer", .lead = "take rk4"}},
-          .after = {{.title = "Model", .facts = {{"model", "a liver"}}}},
-          .table = {{"method", "h [ms]"}, {"rk4", "10"}}};
+          .before = "## Answer\n\n**take rk4**\n",
+          .after = "## Model\n\n- **model**: a liver\n",
+          .table = "| method | h [ms] |\n| --- | ---: |\n| rk4 | 10 |\n"};
 }
 
 TEST(AnswerReport, HasWordsBodyRowsAndMachineInThisOrder) {
@@ -33,9 +33,10 @@ TEST(AnswerReport, HasWordsBodyRowsAndMachineInThisOrder) {
   EXPECT_NE(page.find("<title>liver &lt;1&gt;</title>"), std::string::npos);
   std::size_t last = 0;
   for (const char* place :
-       {"Which &amp; how?", "<h2 id=\"s0\">Answer</h2>", "take rk4", "<h2 id=\"bodies\">The body</h2>",
-        "id=\"body-1\"", "<h2 id=\"advice-section\">All methods</h2>", "<td>10</td>",
-        "<h2 id=\"s1\">Model</h2>", "<h2 id=\"machines\">Machine</h2>", "id=\"data\""}) {
+       {"Which &amp; how?", "<h2 id=\"answer\">Answer</h2>", "<strong>take rk4</strong>",
+        "<h2 id=\"bodies\">The body</h2>", "id=\"body-1\"", "<h2 id=\"advice-section\">All methods</h2>",
+        "<td align=\"right\">10</td>", "<h2 id=\"model\">Model</h2>", "<h2 id=\"machines\">Machine</h2>",
+        "id=\"data\""}) {
     const std::size_t at = page.find(place, last);
     ASSERT_NE(at, std::string::npos) << place;
     last = at;

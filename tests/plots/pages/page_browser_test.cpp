@@ -3,35 +3,30 @@
 
 #include <gtest/gtest.h>
 
-#include "plots/pages/encodings/deflate.hpp"
-#include "plots/pages/frame.hpp"
-#include "plots/pages/page.hpp"
+#include "plots/pages/markdown_page.hpp"
+#include "plots/pages/report.hpp"
 #include "tests/plots/pages/browser.hpp"
+#include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
 
-constexpr const char* svg =
-    "<svg xmlns='http://www.w3.org/2000/svg' width='30' height='20'><path d=\"M0 0h9\" stroke='#f00'/></svg>";
-
-TEST(PageInABrowser, SortsTablesUnpacksFiguresAndFitsAPhone) {
+TEST(PageInABrowser, SortsTablesShowsFiguresAndFitsAPhone) {
   const std::string program = browser();
   if (program.empty())
     GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
-  const std::vector<PageSection> sections{
-      {.title = "numbers",
-       .facts = {{"one", "1"}, {"two", "2"}},
-       .pictures = {{.svg = svg, .caption = "5 % of \"it\""}},
-       .table = {{"name", "count", "time",
-                  "size of a very long heading that no phone has room for, and more of it"},
-                 {"b10", "1,151", "2.5e-3", "9 ms"},
-                 {"b9", "\u2013", "\u22121", "2 s"},
-                 {"a", "unbounded", "it grows", "10 ms"},
-                 {"b1", "299", "0.01", "4 ms"}}}};
-  const std::string small = deflated(svg);
-  PageFrame frame{
-      .title = "t", .main = sections_html(sections), .script = std::string(page_script("packed_figures"))};
-  if (!small.empty()) frame.main += packed_svg(small, "packed");
+  const Scratch folder;
+  write_text(
+      folder / "a.svg",
+      "<svg xmlns='http://www.w3.org/2000/svg' width='30' height='20'><path d=\"M0 0h9\" stroke='#f00'/></svg>");
+  const std::string text =
+      "# t\n\n## numbers\n\n" + markdown_facts({{"one", "1"}, {"two", "2"}}) + "![5 % of \"it\"](a.svg)\n\n" +
+      markdown_table({{"name", "count", "time",
+                       "size of a very long heading that no phone has room for, and more of it"},
+                      {"b10", "1,151", "2.5e-3", "9 ms"},
+                      {"b9", "\u2013", "\u22121", "2 s"},
+                      {"a", "unbounded", "it grows", "10 ms"},
+                      {"b1", "299", "0.01", "4 ms"}});
   const std::map<std::string, std::string> expected{{"name up", "a b1 b9 b10"},
                                                     {"count up", "299 1,151 unbounded \u2013"},
                                                     {"count down", "unbounded 1,151 299 \u2013"},
@@ -41,10 +36,10 @@ TEST(PageInABrowser, SortsTablesUnpacksFiguresAndFitsAPhone) {
                                                     {"units", "2 s 4 ms 9 ms 10 ms"},
                                                     {"buttons", "4"},
                                                     {"theme changes", "true"},
-                                                    {"pictures", small.empty() ? "30x20" : "30x20 30x20"},
+                                                    {"pictures", "30x20"},
                                                     {"wider than a phone", "nothing"},
                                                     {"errors", "none"}};
-  EXPECT_EQ(findings_on(framed_page(frame), "page_actions.js", program), expected);
+  EXPECT_EQ(findings_on(markdown_page(text, folder.folder()), "page_actions.js", program), expected);
 }
 
 }  // namespace
