@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "plots/figure.hpp"
-#include "plots/pages/report.hpp"
+#include "plots/pages/markdown_text.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
 #include "results/table.hpp"
@@ -28,12 +28,11 @@ std::string sections_after(const AdviceText& text, const AdviceKey& question) {
   if (!text.left_out.empty()) reasons.push_back(text.left_out);
   if (!reasons.empty()) markdown += "## Methods that do not suit\n\n" + markdown_list(reasons);
   if (!text.notes.empty()) markdown += "## Missing numbers\n\n" + markdown_list(text.notes);
-  std::vector<std::pair<std::string, std::string>> facts{{"model", question.problem},
-                                                         {"material", question.material},
-                                                         {"parameters", question.parameters},
-                                                         {"motion", text.motion}};
-  std::erase_if(facts, [](const auto& fact) { return fact.second.empty(); });
-  return markdown + "## Model\n\n" + markdown_facts(facts);
+  return markdown + "## Model\n\n" +
+         markdown_facts({{"model", question.problem},
+                         {"material", question.material},
+                         {"parameters", question.parameters},
+                         {"motion", text.motion}});
 }
 
 std::vector<AdviceRecord> with_key(std::vector<AdviceRecord> rows, const AdviceKey& key) {
@@ -61,7 +60,7 @@ void write_advice_page(const std::filesystem::path& file, const AdviceText& text
                       "Which integrator, and how large a step? " + text.question,
       .before = answer_section(text),
       .after = sections_after(text, question),
-      .table = markdown_table(text.table)};
+      .table = markdown_rows(text.table)};
   write_file(file, answer_report(answer, sections, build_info().version).html);
 }
 

@@ -184,7 +184,7 @@ ReportSection section_of(const Chapter& chapter, const fs::path& folder) {
     if (told.panels.empty()) continue;
     section.figures.push_back(draw(told, folder, stem + chapter.stem));
   }
-  section.tables = {markdown_table(limits_table(chapter.formulas))};
+  section.tables = {markdown_rows(limits_table(chapter.formulas))};
   return section;
 }
 

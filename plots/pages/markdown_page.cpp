@@ -263,11 +263,14 @@ void put_tables_in_boxes(Document& document) {
     const std::string type = cmark_node_get_type_string(node);
     if (type == "heading") section = words_of(node);
     if (type != "table") continue;
-    cmark_node_insert_before(
-        node,
-        html_node(CMARK_NODE_CUSTOM_BLOCK,
-                  fmt::format("<div class=\"scroll prose\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">",
-                              html_text(section))));
+    std::string box = fmt::format(
+        "<div class=\"scroll prose\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">", html_text(section));
+    // As markdown_facts() writes them.
+    if (cmark_node* headings = cmark_node_first_child(node); words_of(headings).empty()) {
+      remove(headings);
+      box = "<div class=\"facts\">";
+    }
+    cmark_node_insert_before(node, html_node(CMARK_NODE_CUSTOM_BLOCK, box));
     cmark_node* closing = html_node(CMARK_NODE_CUSTOM_BLOCK, "</div>");
     cmark_node_insert_after(node, closing);
     node = closing;

@@ -1,24 +1,17 @@
 #include "plots/pages/report.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/draw.hpp"
-#include "plots/gnuplot.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 namespace {
-
-std::string cell(double value) {
-  if (std::isnan(value)) return "–";
-  return fmt::format("{:.6g}", value);
-}
 
 std::string figure_text(const FigureFiles& figure, const std::string& title,
                         const std::filesystem::path& folder) {
@@ -35,63 +28,6 @@ std::string figure_text(const FigureFiles& figure, const std::string& title,
 }
 
 }  // namespace
-
-std::string markdown_text(std::string_view text) {
-  std::string escaped;
-  for (const char c : one_line(text)) {
-    if (c == '<')
-      escaped += "&lt;";
-    else if (c == '&')
-      escaped += "&amp;";
-    else {
-      if (std::string_view("\\`*_[]|>#!").find(c) != std::string_view::npos) escaped += '\\';
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
-std::string markdown_table(const std::vector<std::vector<std::string>>& rows) {
-  const auto has_digit = [](const std::string& text) {
-    return std::ranges::any_of(text, [](char c) { return c >= '0' && c <= '9'; });
-  };
-  std::string text;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (const std::string& each : rows[i]) text += fmt::format("| {} ", markdown_text(each));
-    text += "|\n";
-    for (std::size_t k = 0; i == 0 && k < rows[0].size(); ++k) {
-      const bool numbers =
-          std::any_of(rows.begin() + 1, rows.end(),
-                      [&](const std::vector<std::string>& row) { return has_digit(row[k]); });
-      text += k > 0 && numbers ? "| ---: " : "| --- ";
-    }
-    if (i == 0) text += "|\n";
-  }
-  return text;
-}
-
-std::string markdown_table(const Table& table) {
-  std::vector<std::vector<std::string>> rows{table.columns};
-  for (std::size_t i = 0; !table.values.empty() && i < table.values[0].size(); ++i) {
-    rows.emplace_back();
-    for (const auto& column : table.values) rows.back().push_back(cell(column.at(i)));
-  }
-  return markdown_table(rows);
-}
-
-std::string markdown_list(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += fmt::format("- {}\n", markdown_text(item));
-  return text + "\n";
-}
-
-std::string markdown_facts(const std::vector<std::pair<std::string, std::string>>& facts) {
-  std::string text;
-  for (const auto& [name, words] : facts)
-    text += name.empty() ? fmt::format("  - {}\n", markdown_text(words))
-                         : fmt::format("- **{}**: {}\n", markdown_text(name), markdown_text(words));
-  return text + "\n";
-}
 
 std::string report_text(const std::string& title, const std::string& introduction,
                         const std::vector<ReportSection>& sections, const std::filesystem::path& folder) {

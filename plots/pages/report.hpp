@@ -3,12 +3,10 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "plots/draw.hpp"
-#include "results/table.hpp"
+#include "plots/pages/markdown_text.hpp"
 
 namespace hmax {
 
@@ -22,19 +20,6 @@ struct ReportSection {
   std::string printed = {};              ///< what the study printed
   std::string differs = {};              ///< how this differs, and why
 };
-
-/// `text` with the characters that Markdown and HTML would take for their own escaped, on one line.
-std::string markdown_text(std::string_view text);
-
-/// A table in Markdown, of rows of equal length, the first of them headings. Columns with digits are flush
-/// right, but for the first.
-std::string markdown_table(const std::vector<std::vector<std::string>>& rows);
-/// Numbers with up to six significant digits, NaN as a dash.
-std::string markdown_table(const Table& table);
-
-std::string markdown_list(const std::vector<std::string>& items);
-/// Names and words; what has no name goes on with the last.
-std::string markdown_facts(const std::vector<std::pair<std::string, std::string>>& facts);
 
 /// The README.md of `folder`: figures as pictures (PNG, each a link to its SVG) with links to PDF, script and
 /// data, all relative to `folder`.

@@ -14,6 +14,8 @@
 #include "plots/figure.hpp"
 #include "plots/pages/answer_words.hpp"
 #include "plots/pages/html_text.hpp"
+#include "plots/pages/markdown_page.hpp"
+#include "plots/pages/markdown_text.hpp"
 
 namespace hmax {
 
@@ -100,17 +102,6 @@ std::optional<AnswerWords> words_of(const AdviceKey& key, const ReportedStore& s
   }
 }
 
-std::string html_of(const Facts& facts) {
-  std::string html;
-  for (const auto& [name, words] : facts) {
-    if (words.empty()) continue;
-    // What has no name goes on with the last.
-    if (!name.empty()) html += fmt::format("<dt>{}</dt>", html_text(name));
-    html += fmt::format("<dd>{}</dd>\n", html_text(words));
-  }
-  return html;
-}
-
 /// What is recommended, in the words of the answer where the store has them; or what would help.
 Facts facts_of(const AdviceRecord* best, const AnswerWords* words) {
   Facts facts;
@@ -128,23 +119,22 @@ std::string html_of(const Answer& answer, std::span<const ReportedStore> stores)
   const AdviceKey& key = answer.rows.front().key;
   const auto best = std::ranges::find(answer.rows, "recommended", &AdviceRecord::verdict);
   const bool found = best != answer.rows.end();
-  std::string html =
-      fmt::format("<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n<p class=\"take\">{}</p>\n<dl>\n",
-                  html_text(title_of(key.problem)), key.material.empty() ? "" : ", ", html_text(key.material),
-                  digits(key.rate, 6),
-                  html_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."));
   const std::optional<AnswerWords> words = words_of(key, stores[answer.store]);
   Facts facts{{"model", words ? words->body : ""}, {"question", question_of(key)}, {"motion", key.motion}};
   for (auto& fact : facts_of(found ? &*best : nullptr, words ? &*words : nullptr))
     facts.push_back(std::move(fact));
   if (const std::string others = words_of_others(answer.rows, found ? &*best : nullptr); !others.empty())
     facts.emplace_back("other methods", others);
-  html += html_of(facts);
   const std::size_t number =
       answer.first + (found ? static_cast<std::size_t>(best - answer.rows.begin()) : 0);
-  return html + fmt::format("<dt>source</dt><dd><a href=\"#{}\">row {} of {}</a></dd>\n</dl>\n</article>\n",
-                            row_anchor(advice_table, answer.store, number, stores.size()), number,
-                            html_text(stores[answer.store].name));
+  const std::string markdown = fmt::format(
+      "**{}**\n\n{}[row {} of {}](#{})\n",
+      markdown_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."),
+      markdown_facts(facts), number, markdown_text(stores[answer.store].name),
+      row_anchor(advice_table, answer.store, number, stores.size()));
+  return fmt::format("<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n{}</article>\n",
+                     html_text(title_of(key.problem)), key.material.empty() ? "" : ", ",
+                     html_text(key.material), digits(key.rate, 6), markdown_parts(markdown).html);
 }
 
 }  // namespace

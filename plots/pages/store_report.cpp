@@ -10,6 +10,7 @@
 #include "plots/pages/frame.hpp"
 #include "plots/pages/html_text.hpp"
 #include "plots/pages/markdown_page.hpp"
+#include "plots/pages/markdown_text.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_bodies.hpp"
 #include "plots/pages/report_data.hpp"
@@ -166,26 +167,23 @@ std::string html_of(const Sessions& sessions, const std::string& store) {
   const auto& [first, last] = sessions;
   const Fingerprint& machine = last->fingerprint;
   const bool one = first == last;
-  std::string html = fmt::format(
-      "<article class=\"machine\">\n<h3>{}: {}</h3>\n<p>{}</p>\n<dl>\n", html_text(store),
-      one ? fmt::format("session {}", first->id) : fmt::format("sessions {} to {}", first->id, last->id),
-      html_text(summary(machine)));
-  const auto add = [&](const char* name, const std::string& words) {
-    if (!words.empty() && words != "unknown")
-      html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_text(words));
-  };
-  add("date (UTC)", one ? first->started : first->started + " to " + last->started);
-  add("caches", machine.caches);
-  add("governor", machine.governor);
-  add("kernel", machine.kernel);
-  add("load at start", machine.load);
-  add("instruction set", machine.instruction_set);
-  add("flags", machine.flags);
   std::string libraries;
   for (const auto& [name, version] : machine.libraries)
     libraries += (libraries.empty() ? "" : ", ") + name + " " + version;
-  add("libraries", libraries);
-  return html + "</dl>\n</article>\n";
+  std::vector<std::pair<std::string, std::string>> facts{
+      {"date (UTC)", one ? first->started : first->started + " to " + last->started},
+      {"caches", machine.caches},
+      {"governor", machine.governor},
+      {"kernel", machine.kernel},
+      {"load at start", machine.load},
+      {"instruction set", machine.instruction_set},
+      {"flags", machine.flags},
+      {"libraries", libraries}};
+  std::erase_if(facts, [](const auto& fact) { return fact.second == "unknown"; });
+  return fmt::format(
+      "<article class=\"machine\">\n<h3>{}: {}</h3>\n{}</article>\n", html_text(store),
+      one ? fmt::format("session {}", first->id) : fmt::format("sessions {} to {}", first->id, last->id),
+      markdown_parts(markdown_text(summary(machine)) + "\n\n" + markdown_facts(facts)).html);
 }
 
 std::string machines(std::span<const ReportedStore> stores) {

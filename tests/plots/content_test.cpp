@@ -212,10 +212,10 @@ TEST(Report, NamesCannotBecomeMarkup) {
   EXPECT_EQ(markdown_text("rk2_heun <b>`x`|\n"), "rk2\\_heun &lt;b\\>\\`x\\`\\| ");
   EXPECT_EQ(markdown_table({{}, {"h [s]", "a|b"}, {{0.5, 2}, {NAN, 1e-20}}}),
             "| h \\[s\\] | a\\|b |\n| --- | ---: |\n| 0.5 | – |\n| 2 | 1e-20 |\n");
-  EXPECT_EQ(markdown_table({{"a", "b", "c"}, {"x", "1 %", "<yes>"}, {"y", "-", "no"}}),
+  EXPECT_EQ(markdown_rows({{"a", "b", "c"}, {"x", "1 %", "<yes>"}, {"y", "-", "no"}}),
             "| a | b | c |\n| --- | ---: | --- |\n| x | 1 % | &lt;yes\\> |\n| y | - | no |\n");
-  EXPECT_EQ(markdown_facts({{"error", "1 %"}, {"runs", "*one*"}, {"", "another"}}),
-            "- **error**: 1 %\n- **runs**: \\*one\\*\n  - another\n\n");
+  EXPECT_EQ(markdown_facts({{"error", "1 %"}, {"runs", "*one*"}, {"", "another"}, {"none", ""}}),
+            "| | |\n| --- | --- |\n| error | 1 % |\n| runs | \\*one\\* |\n|  | another |\n\n");
   EXPECT_EQ(markdown_list({"x", "<b>"}), "- x\n- &lt;b\\>\n\n");
 }
 

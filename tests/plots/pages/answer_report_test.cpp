@@ -24,7 +24,7 @@ AnswerSections words() {
   return {.title = "liver <1>",
           .introduction = "Which & how?",
           .before = "## Answer\n\n**take rk4**\n",
-          .after = "## Model\n\n- **model**: a liver\n",
+          .after = "## Model\n\n| | |\n| --- | --- |\n| model | a liver |\n",
           .table = "| method | h [ms] |\n| --- | ---: |\n| rk4 | 10 |\n"};
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/own_files.hpp"
 #include "plots/pages/encodings/embedded.hpp"
+#include "plots/pages/markdown_text.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -46,11 +47,14 @@ TEST(MarkdownPage, HasThemesSortedTablesAndPrint) {
 }
 
 TEST(MarkdownParts, AreWhatAPageShowsOfText) {
-  const MarkdownParts parts = markdown_parts("# t\n\n## A <b>\n\n- **x**: 1\n\n![p](p.svg)\n");
+  const MarkdownParts parts = markdown_parts("# t\n\n## A <b>\n\n- **x**: 1\n\n" +
+                                             markdown_facts({{"error", "1 %"}}) + "![p](p.svg)\n");
   EXPECT_EQ(parts.title, "t");
   ASSERT_EQ(parts.links.size(), 1U);
   EXPECT_EQ(parts.links[0].target, "#a-b");
   EXPECT_TRUE(contains(parts.html, "<li><strong>x</strong>: 1</li>")) << parts.html;
+  EXPECT_TRUE(contains(parts.html, "<div class=\"facts\">\n<table>")) << parts.html;
+  EXPECT_TRUE(contains(parts.html, "<td>error</td>\n<td>1 %</td>")) << parts.html;
   EXPECT_FALSE(contains(parts.html, "<b>"));
 }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "plots/pages/markdown_page.hpp"
-#include "plots/pages/report.hpp"
+#include "plots/pages/markdown_text.hpp"
 #include "tests/plots/pages/browser.hpp"
 #include "tests/results/scratch.hpp"
 
@@ -21,12 +21,12 @@ TEST(PageInABrowser, SortsTablesShowsFiguresAndFitsAPhone) {
       "<svg xmlns='http://www.w3.org/2000/svg' width='30' height='20'><path d=\"M0 0h9\" stroke='#f00'/></svg>");
   const std::string text =
       "# t\n\n## numbers\n\n" + markdown_facts({{"one", "1"}, {"two", "2"}}) + "![5 % of \"it\"](a.svg)\n\n" +
-      markdown_table({{"name", "count", "time",
-                       "size of a very long heading that no phone has room for, and more of it"},
-                      {"b10", "1,151", "2.5e-3", "9 ms"},
-                      {"b9", "\u2013", "\u22121", "2 s"},
-                      {"a", "unbounded", "it grows", "10 ms"},
-                      {"b1", "299", "0.01", "4 ms"}});
+      markdown_rows({{"name", "count", "time",
+                      "size of a very long heading that no phone has room for, and more of it"},
+                     {"b10", "1,151", "2.5e-3", "9 ms"},
+                     {"b9", "\u2013", "\u22121", "2 s"},
+                     {"a", "unbounded", "it grows", "10 ms"},
+                     {"b1", "299", "0.01", "4 ms"}});
   const std::map<std::string, std::string> expected{{"name up", "a b1 b9 b10"},
                                                     {"count up", "299 1,151 unbounded \u2013"},
                                                     {"count down", "unbounded 1,151 299 \u2013"},
