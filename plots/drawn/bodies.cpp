@@ -128,7 +128,7 @@ std::string scale_bar(double scale, double right, double y) {
 const char* const style =
     ".outline{fill:#808080;stroke:#303030;stroke-width:2;stroke-linejoin:round}"
     ".body{stroke-linejoin:round;stroke-width:.7}"
-    ".edges{stroke:#000000;stroke-opacity:.25;stroke-width:.6}"
+    ".edges{stroke:#000000;stroke-opacity:.2;stroke-width:.6}"
     ".held{fill:#202020;stroke:#ffffff;stroke-width:.8}";
 
 /// The head of arrows, for `marker-end`: begins at the end of its line.
