@@ -6,9 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/series.hpp"
@@ -80,19 +77,8 @@ double distance_left(const Motion& a, const Motion& b, double t) {
   return at(static_cast<std::size_t>(std::lround(t / 0.01))) / at(0);
 }
 
-std::string listed(const std::vector<double>& values, const char* unit) {
-  std::vector<std::string> words;
-  for (const double value : values)
-    words.push_back(std::isfinite(value) ? fmt::format("{:.3g}", value) : "never");
-  return fmt::format("{} {}", fmt::join(words, ", "), unit);
-}
-
 bool ascends(const std::vector<double>& values) { return std::ranges::is_sorted(values, std::less<>()); }
 bool descends(const std::vector<double>& values) { return std::ranges::is_sorted(values, std::greater<>()); }
-
-Judgement judged(bool holds, bool in_part = false) {
-  return holds ? Judgement::holds : in_part ? Judgement::holds_in_part : Judgement::does_not_hold;
-}
 
 /// One number of each member of a family.
 template <class Measure>
@@ -112,7 +98,7 @@ std::vector<double> damping_ratios(const LiverFamily& family) {
 // Long enough for the least damped of the linear models to settle.
 constexpr double settled_by = 200;  // [s]
 
-Claim always_settles() {
+Claims always_settles() {
   std::vector<double> ratios, times;
   for (const char* id : {"linear_mass", "linear_stiffness", "linear_damping"}) {
     const LiverFamily& family = liver_family(id);
@@ -121,6 +107,7 @@ Claim always_settles() {
   }
   OscillatorParameters other = liver_problem("liver_linear").parameters;
   const double critical = 2 * std::sqrt(other.k1 * other.m);
+  // The largest displacement of the second half of a minute over that of the first.
   const auto peak_ratio = [&](double c) {
     other.c = c;
     const Motion motion = motion_of(other, {0.5, 1}, 60);
@@ -131,58 +118,41 @@ Claim always_settles() {
   other.c = 2 * critical;
   const int swings = crossings(motion_of(other, {0.5, 1}, 60));
   const double slowest = *std::ranges::max_element(times);
-  return {
-      "3.3 A",
-      "no matter how large or small the value of the parameters, the system will always oscillate to a stabilized "
-      "state",
-      fmt::format(
-          "The {} models that are drawn do, within {:.3g} s: damping ratios {:.3f} to {:.3f}. It needs "
-          "0 < c < 2 sqrt(k m) = {:.3g} N s/m: with c = 0 the second half of a minute is {:.3g} times as "
-          "large as the first, with c = -0.2 {:.3g} times, and with c = {:.3g} the displacement changes its "
-          "sign {} times.",
-          times.size(), slowest, *std::ranges::min_element(ratios), *std::ranges::max_element(ratios),
-          critical, undamped, growing, 2 * critical, swings),
-      judged(undamped < 0.95 && growing < 0.95 && swings > 0, std::isfinite(slowest))};
+  return {{"judgement", judged(undamped < 0.95 && growing < 0.95 && swings > 0, std::isfinite(slowest))},
+          {"models", times.size()},
+          {"slowest", slowest},
+          {"least_ratio", *std::ranges::min_element(ratios)},
+          {"largest_ratio", *std::ranges::max_element(ratios)},
+          {"critical", critical},
+          {"undamped", undamped},
+          {"growing", growing},
+          {"overdamped", 2 * critical},
+          {"swings", swings}};
 }
 
-std::vector<Claim> claims_on_linear() {
-  const std::vector<double> by_mass = of_each(liver_family("linear_mass"), settled_by, settling_time),
-                            by_damping = of_each(liver_family("linear_damping"), settled_by, settling_time),
-                            peaks = of_each(liver_family("linear_stiffness"), 30,
-                                            [](const Motion&motion) { return largest(motion.x); }),
-                            by_stiffness =
-                                of_each(liver_family("linear_stiffness"), settled_by, settling_time),
-                            swings = of_each(
-                                liver_family("linear_damping"), settled_by,
-                                [](const Motion&motion) { return static_cast<double>(crossings(motion)); });
-  const Motion least = motion_of(liver_family("linear_damping").members.front().parameters, {0.5, 1}, 30);
+Claims claims_on_linear() {
+  const LiverFamily &masses = liver_family("linear_mass"), &stiffnesses = liver_family("linear_stiffness"),
+                    &dampings = liver_family("linear_damping");
+  const auto peak = [](const Motion& motion) { return largest(motion.x); };
+  const auto swing = [](const Motion& motion) { return static_cast<double>(crossings(motion)); };
+  const std::vector<double> by_mass = of_each(masses, settled_by, settling_time),
+                            by_damping = of_each(dampings, settled_by, settling_time),
+                            by_stiffness = of_each(stiffnesses, settled_by, settling_time),
+                            peaks = of_each(stiffnesses, 30, peak),
+                            swings = of_each(dampings, settled_by, swing);
+  const Motion least = motion_of(dampings.members.front().parameters, {0.5, 1}, 30);
   const double left = largest({least.x.end() - 700, least.x.end()}) / largest(least.x);
-  return {
-      always_settles(),
-      {"3.3 A", "When the mass of the body is large, time taken to stop the oscillation is prolonged.",
-       fmt::format("m = 1.2, 1.3, 1.4, 1.5 kg settle to 5 % after {}; the envelope is exp(-c t / (2 m)).",
-                   listed(by_mass, "s")),
-       judged(ascends(by_mass), by_mass.back() > by_mass.front())},
-      {"3.3 A", "as the stiffness increases, the amplitude of the system decreases",
-       fmt::format(
-           "k = 4.6, 5.3, 6.0, 6.6 N/m reach {}. They settle to 5 % after {}: the envelope does not depend on k.",
-           listed(peaks, "m"), listed(by_stiffness, "s")),
-       judged(descends(peaks))},
-      {"3.3 A", "the larger the damping coefficient, the system will stop oscillating faster",
-       fmt::format(
-           "c = 0.1, 0.3, 0.8, 1.0 N s/m settle to 5 % after {}. Above the critical damping the return becomes "
-           "slower again.",
-           listed(by_damping, "s")),
-       judged(descends(by_damping))},
-      {"3.3 A", "the lowest damping coefficient (c=0.1) oscillated the most",
-       fmt::format("x changes its sign {} times before it has settled.",
-                   listed(swings, "").substr(0, listed(swings, "").size() - 1)),
-       judged(descends(swings))},
-      {"3.3 A",
-       "[with c=0.1] The body seems to displace to-and-fro position and never reach a resting point.",
-       fmt::format("At t = 30 s {:.0f} % of the amplitude are left; 5 % are after {:.3g} s.", 100 * left,
-                   by_damping.front()),
-       judged(std::isinf(by_damping.front()), left > 0.05)}};
+  return {{"always_settles", always_settles()},
+          {"mass_prolongs",
+           {{"judgement", judged(ascends(by_mass), by_mass.back() > by_mass.front())}, {"times", by_mass}}},
+          {"stiffness_lowers",
+           {{"judgement", judged(descends(peaks))}, {"peaks", peaks}, {"times", by_stiffness}}},
+          {"damping_stops", {{"judgement", judged(descends(by_damping))}, {"times", by_damping}}},
+          {"least_damping_swings", {{"judgement", judged(descends(swings))}, {"swings", swings}}},
+          {"never_rests",
+           {{"judgement", judged(std::isinf(by_damping.front()), left > 0.05)},
+            {"left", left},
+            {"time", by_damping.front()}}}};
 }
 
 /// The part of the points of an orbit at which the phase point turns clockwise about the origin: x v' - v x'
@@ -194,7 +164,9 @@ double clockwise_share(const Motion& motion) {
   return static_cast<double>(count) / static_cast<double>(motion.x.size());
 }
 
-std::vector<Claim> claims_on_figure_5() {
+/// With critical damping and with twice as much: the share of the largest displacement that is left, and that
+/// of clockwise motion.
+Claims claims_on_figure_5() {
   std::array<double, 2> left{}, clockwise{1, 1};
   for (const std::size_t i : {0U, 1U}) {
     const LiverFamily family = damped_as_at_rest(liver_family("cubic_stiffness"), i == 0 ? 1 : 2);
@@ -204,21 +176,15 @@ std::vector<Claim> claims_on_figure_5() {
       clockwise[i] = std::min(clockwise[i], clockwise_share(motion));
     }
   }
-  return {
-      {"3.3 B, figure 5",
-       "even though the system is either critically damped (red) or overdamped (blue), the system is still stable",
-       fmt::format(
-           "After {:.3g} s at most {:.2g} % of the largest displacement are left with critical damping, "
-           "{:.2g} % with twice as much: the phase point comes to rest at 0.",
-           liver_family("cubic_stiffness").t_end, 100 * left[0], 100 * left[1]),
-       judged(left[0] < 0.05 && left[1] < 0.05)},
-      {"3.3 B, figure 5", "converging to zero in a clockwise direction",
-       fmt::format(
-           "x v' - v x' = -(m v² + c x v + k1 x² + k3 x⁴) / m is negative for all x and v as long as "
-           "c² <= 4 k1 m: along the orbits {:.0f} % of the time with critical damping, {:.0f} % with twice as "
-           "much, where the orbit ends along its slow direction.",
-           100 * clockwise[0], 100 * clockwise[1]),
-       judged(clockwise[0] > 0.999 && clockwise[1] > 0.999, clockwise[0] > 0.999)}};
+  return {{"damped_is_stable",
+           {{"judgement", judged(left[0] < 0.05 && left[1] < 0.05)},
+            {"t_end", liver_family("cubic_stiffness").t_end},
+            {"critical", left[0]},
+            {"overdamped", left[1]}}},
+          {"clockwise",
+           {{"judgement", judged(clockwise[0] > 0.999 && clockwise[1] > 0.999, clockwise[0] > 0.999)},
+            {"critical", clockwise[0]},
+            {"overdamped", clockwise[1]}}}};
 }
 
 /// x(t_end) of the cubic family with its damping, relative to the largest of the first ten seconds.
@@ -229,50 +195,33 @@ std::vector<double> growth_of_cubic() {
   });
 }
 
-std::vector<Claim> claims_on_cubic() {
+Claims claims_on_cubic() {
   const std::vector<double> growth = growth_of_cubic();
   const OscillatorParameters& stiff = liver_family("cubic_damping").members.back().parameters;
   const double root = std::sqrt(stiff.c * stiff.c - 4 * stiff.k1 * stiff.m);
-  std::vector<Claim> claims = claims_on_figure_5();
-  const auto ten_seconds = [&](std::size_t i) {
-    return fmt::format(
-        "The largest displacement of the last ten of 80 s is {:.2g} times that of the first ten", growth[i]);
-  };
-  claims.push_back({"3.3 B, figure 6(i)",
-                    "[with c=-0.2] the direction field is diverged from zero [...] the system is instable",
-                    ten_seconds(0) + "; the eigenvalues at 0 have positive real parts.",
-                    judged(growth[0] > 1.05)});
-  claims.push_back(
-      {"3.3 B, figure 6(ii)",
-       "When c= 0 [...] the system is unconditionally stable, however it is not pointing towards zero",
-       ten_seconds(1) +
-           ": a centre, stable in the sense of Lyapunov and not asymptotically. \"Unconditionally "
-           "stable\" is a word for methods; here any c < 0 ends it.",
-       judged(false, std::abs(growth[1] - 1) < 0.01)});
-  claims.push_back({"3.3 B, figure 6(iii)", "where c=2, the system is stable [...] it is converging to zero",
-                    ten_seconds(2) + ".", judged(growth[2] < 0.05)});
-  claims.push_back(
-      {"3.3 B, figure 6(iv)", "where c=10, the system is conditionally stable",
-       fmt::format(
-           "There is no condition: the energy falls as -c v² from every start, and both eigenvalues at 0, {:.3g} "
-           "and {:.3g} 1/s, are negative. {}: the return is slow.",
-           (-stiff.c + root) / (2 * stiff.m), (-stiff.c - root) / (2 * stiff.m), ten_seconds(3)),
-       judged(!(growth[3] < 1))});
-  return claims;
+  return {
+      {"negative_damping", {{"judgement", judged(growth[0] > 1.05)}, {"growth", growth[0]}}},
+      {"no_damping", {{"judgement", judged(false, std::abs(growth[1] - 1) < 0.01)}, {"growth", growth[1]}}},
+      {"damping_of_2", {{"judgement", judged(growth[2] < 0.05)}, {"growth", growth[2]}}},
+      {"damping_of_10",
+       {{"judgement", judged(!(growth[3] < 1))},
+        {"slow", (-stiff.c + root) / (2 * stiff.m)},
+        {"fast", (-stiff.c - root) / (2 * stiff.m)},
+        {"growth", growth[3]}}}};
 }
 
-std::vector<Claim> claims_on_force() {
+Claims claims_on_force() {
   const LiverFamily& family = liver_family("forced_amplitude");
   constexpr double t_end = 200;
-  std::vector<double> left, v, a, periodic, apart;
+  std::vector<double> left, v, a, off, apart;
   for (const LiverFamilyMember& member : family.members) {
     const OscillatorParameters& p = member.parameters;
     const Motion motion = motion_of(p, family.y0, t_end);
-    left.push_back(100 * distance_left(motion, motion_of(p, {0, 0}, t_end), 5));
+    left.push_back(distance_left(motion, motion_of(p, {0, 0}, t_end), 5));
     v.push_back(lasting(motion.v, p));
     a.push_back(lasting(motion.a, p));
     const double before = displacement_at(motion, t_end - 2 * std::numbers::pi / p.w);
-    periodic.push_back(100 * std::abs(motion.x.back() - before) / lasting(motion.x, p));
+    off.push_back(std::abs(motion.x.back() - before) / lasting(motion.x, p));
     for (const Eigen::Vector2d& start :
          {Eigen::Vector2d(0, 0), Eigen::Vector2d(-2, 0), Eigen::Vector2d(2, -2)})
       apart.push_back(distance_left(motion, motion_of(p, start, t_end), 40));
@@ -280,87 +229,56 @@ std::vector<Claim> claims_on_force() {
   const double zeta = damping_ratio(family.members.front().parameters);
   const double farthest = *std::ranges::max_element(apart);
   return {
-      {"3.3 C, figure 7",
-       "When the external force of 0.1N (blue) is exerted [...] critical damping within 0-5 seconds",
-       fmt::format(
-           "The damping ratio of the linear part is {:.4f}, just below critical, with every force. Two starts, "
-           "(0.5, 1) and (0, 0), have {} of their distance left after 5 s (P = 0.1 and 1 N).",
-           zeta, listed(left, "%")),
-       judged(zeta == 1, zeta > 0.95 && *std::ranges::max_element(left) < 10)},
-      {"3.3 C, figure 7", "the body started to oscillate periodically after the critical damping",
-       fmt::format(
-           "At the end of {:.3g} s a period later the displacement is the same within {} of the amplitude.",
-           t_end, listed(periodic, "%")),
-       judged(*std::ranges::max_element(periodic) < 1)},
-      {"3.3 C, figure 7",
-       "As the exerted external force is large, the amplitude of the velocity and acceleration increases.",
-       fmt::format(
-           "From P = 0.1 to 1 N the lasting amplitude of v grows {:.3g} times ({}), that of a {:.3g} times ({}); "
-           "a linear liver's would grow ten times.",
-           v[1] / v[0], listed(v, "m/s"), a[1] / a[0], listed(a, "m/s²")),
-       judged(v[1] > v[0] && a[1] > a[0])},
-      {"3.3 C, figure 8", "forced nonlinear MSM is converging but it is conditionally stable",
-       fmt::format(
-           "It converges: after 40 s three other starts, up to (2, -2), are within {:.1g} of their first "
-           "distance. No condition is seen.",
-           farthest),
-       judged(false, farthest < 0.01)}};
+      {"forced_critically",
+       {{"judgement", judged(zeta == 1, zeta > 0.95 && *std::ranges::max_element(left) < 0.1)},
+        {"ratio", zeta},
+        {"left", left}}},
+      {"forced_periodically", {{"judgement", judged(*std::ranges::max_element(off) < 0.01)}, {"off", off}}},
+      {"force_enlarges",
+       {{"judgement", judged(v[1] > v[0] && a[1] > a[0])},
+        {"v_ratio", v[1] / v[0]},
+        {"v", v},
+        {"a_ratio", a[1] / a[0]},
+        {"a", a}}},
+      {"forced_converges", {{"judgement", judged(false, farthest < 0.01)}, {"farthest", farthest}}}};
 }
 
-std::vector<Claim> claims_on_benchmark() {
+Claims claims_on_benchmark() {
   const LiverFamily &free = liver_family("benchmark_unforced"), &forced = liver_family("benchmark_forced");
   std::vector<double> left, lasts;
   for (const LiverFamilyMember& member : free.members)
-    left.push_back(100 * distance_left(motion_of(member.parameters, free.y0, 2),
-                                       motion_of(member.parameters, {0, 0}, 2), 1));
+    left.push_back(
+        distance_left(motion_of(member.parameters, free.y0, 2), motion_of(member.parameters, {0, 0}, 2), 1));
   const std::vector<double> settle = of_each(free, 60, settling_time), ratios = damping_ratios(free);
   for (const LiverFamilyMember& member : forced.members)
-    lasts.push_back(1000 * lasting(motion_of(member.parameters, forced.y0, 100).x, member.parameters));
+    lasts.push_back(lasting(motion_of(member.parameters, forced.y0, 100).x, member.parameters));
   const auto [low, high] = std::ranges::minmax(ratios);
   const auto [least_left, most_left] = std::ranges::minmax(left);
+  const bool rests = std::isfinite(*std::ranges::max_element(settle)), swings = std::ranges::min(lasts) > 0;
   return {
-      {"3.3 D, figure 8",
-       "regardless on the existence of the forces, each [...] undergoes critical damping within 0-1 seconds",
-       fmt::format(
-           "The six damping ratios are {:.3f} to {:.3f}. After 1 s {:.0f} to {:.0f} % of the distance of two "
-           "starts are left, with and without force: the models are linear.",
-           low, high, least_left, most_left),
-       judged(most_left<5, low> 0.9 && high < 1.2)},
-      {"3.3 D, figure 8",
-       "the unforced nonlinear liver model came to a rest state relatively fast. The forced nonlinear liver model on the "
-       "other hand keep oscillate periodically",
-       fmt::format(
-           "Without force they settle to 5 % after {}; with it they keep swinging by {}. The table has no "
-           "cubic stiffness: these livers are linear.",
-           listed(settle, "s"), listed(lasts, "mm")),
-       judged(std::isfinite(*std::ranges::max_element(settle)) && *std::ranges::min_element(lasts) > 0)},
-      {"3.3 D, figure 8",
-       "the acceleration undergoes overdamped where unforced nonlinear liver model is more overdamped than the forced",
-       fmt::format(
-           "A force changes neither the damping ratio nor the eigenvalues of a linear model; {} of the six are "
-           "overdamped.",
-           std::ranges::count_if(ratios, [](double zeta) { return zeta > 1; })),
-       Judgement::does_not_hold}};
+      {"benchmark_critically",
+       {{"judgement", judged(most_left < 0.05 && low > 0.9 && high < 1.2)},
+        {"low", low},
+        {"high", high},
+        {"least", least_left},
+        {"most", most_left}}},
+      {"benchmark_rests", {{"judgement", judged(rests && swings)}, {"times", settle}, {"lasting", lasts}}},
+      {"benchmark_is_overdamped",
+       {{"judgement", Judgement::does_not_hold},
+        {"overdamped", std::ranges::count_if(ratios, [](double zeta) { return zeta > 1; })}}}};
 }
 
 }  // namespace
 
-std::string_view name_of(Judgement judgement) {
-  switch (judgement) {
-    case Judgement::holds:
-      return "holds";
-    case Judgement::holds_in_part:
-      return "holds in part";
-    case Judgement::does_not_hold:
-      break;
-  }
-  return "does not hold";
+std::string_view judged(bool whole, bool in_part) {
+  return whole ? Judgement::holds : in_part ? Judgement::holds_in_part : Judgement::does_not_hold;
 }
 
-std::vector<Claim> claims_on_motion() {
-  std::vector<Claim> claims;
-  for (const auto& part : {claims_on_linear(), claims_on_cubic(), claims_on_force(), claims_on_benchmark()})
-    claims.insert(claims.end(), part.begin(), part.end());
+Claims claims_on_motion() {
+  Claims claims;
+  for (const Claims& part : {claims_on_linear(), claims_on_figure_5(), claims_on_cubic(), claims_on_force(),
+                             claims_on_benchmark()})
+    claims.update(part);
   return claims;
 }
 

@@ -5,32 +5,33 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "integrators/stats.hpp"
 #include "results/row.hpp"
 
 namespace hmax {
 
-enum class Judgement { holds, holds_in_part, does_not_hold };
-/// "holds", "holds in part", "does not hold"
-std::string_view name_of(Judgement judgement);
-
-/// A sentence that can be tested.
-struct Claim {
-  std::string section;  ///< of the study
-  std::string printed;  ///< its words
-  std::string found;    ///< made of the numbers of runs
-  Judgement judgement = Judgement::holds;
+/// What a test says of a sentence.
+struct Judgement {
+  static constexpr std::string_view holds = "holds", holds_in_part = "holds in part",
+                                    does_not_hold = "does not hold";
 };
+std::string_view judged(bool whole, bool in_part = false);
+
+/// Sentences that can be tested, by names of ours: {"judgement": ..., and the numbers of runs that it rests
+/// on}. Their words stand in the text of the report.
+using Claims = nlohmann::ordered_json;
 
 /// What it says of the motion, sections 3.3 A to D: damping, stiffness, mass, force. Runs of dop_853, the
-/// same on every machine but for rounding.
-std::vector<Claim> claims_on_motion();
+/// same on every machine but for rounding. Lengths in m, times in s, shares of 1.
+Claims claims_on_motion();
 
 /// What it says of the five solvers, sections 2.2 and 3.1.
 /// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least.
 /// Times are
 ///              those of the machine that measured them
-std::vector<Claim> claims_on_solvers(const std::vector<Row>& rows);
+Claims claims_on_solvers(const std::vector<Row>& rows);
 
 /// An adaptive run of liver_forced.
 struct SolverWork {

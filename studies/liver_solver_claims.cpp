@@ -5,9 +5,6 @@
 #include <limits>
 #include <map>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "bench/timing/reference.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
@@ -68,10 +65,6 @@ class Measured {
   std::map<std::pair<std::string, std::string>, std::map<double, const Row*>> rows_;
 };
 
-Judgement judged(bool holds, bool in_part = false) {
-  return holds ? Judgement::holds : in_part ? Judgement::holds_in_part : Judgement::does_not_hold;
-}
-
 /// The five from fast to slow at this step.
 std::vector<const char*> ranking(const Measured& measured, double h) {
   std::vector<const char*> order;
@@ -81,11 +74,12 @@ std::vector<const char*> ranking(const Measured& measured, double h) {
   return order;
 }
 
-std::string in_words(const Measured& measured, double h) {
-  std::vector<std::string> words;
+/// [{"solver": ..., "ms": ...}] from fast to slow, at this step.
+Claims ranked_times(const Measured& measured, double h) {
+  Claims times = Claims::array();
   for (const char* id : ranking(measured, h))
-    words.push_back(fmt::format("{} {:.3g} ms", matlab_name(id), measured.as_studied(id, h)));
-  return fmt::format("{}", fmt::join(words, ", "));
+    times.push_back({{"solver", matlab_name(id)}, {"ms", measured.as_studied(id, h)}});
+  return times;
 }
 
 /// The largest stable steps along the motion [s].
@@ -97,57 +91,44 @@ std::map<std::string, double> limits_of_solvers() {
   return limits;
 }
 
-std::string seconds(double h) {
-  return std::isfinite(h) ? fmt::format("{:.3g} s", h) : std::string("without bound");
-}
-
-std::vector<Claim> claims_on_speed(const Measured& measured) {
+Claims claims_on_speed(const Measured& measured) {
   const auto others_of = [&](double h) {
     std::vector<const char*> order = ranking(measured, h);
     std::erase(order, euler);
     return order;
   };
-  const auto count_first = [&](const char* id, const auto& order_at) {
+  const auto count_first = [&](const auto& order_at) {
     return std::ranges::count_if(liver_step_sizes, [&](double h) {
       const auto order = order_at(h);
-      return !order.empty() && order.front() == id;
+      return !order.empty() && order.front() == ode45;
     });
   };
-  const auto first = count_first(ode45, [&](double h) { return ranking(measured, h); }),
-             first_of_four = count_first(ode45, others_of);
+  const auto of_five = count_first([&](double h) { return ranking(measured, h); }),
+             of_four = count_first(others_of);
   const auto steps = static_cast<std::ptrdiff_t>(liver_step_sizes.size());
   const std::vector<const char*> printed{ode45, ode23s, ode113, euler, ode23t};
   constexpr double h = 0.01, last = 0.00005;
-  const std::vector<const char*> order = ranking(measured, h);
   const char* slowest = ranking(measured, last).empty() ? "" : ranking(measured, last).back();
-  const double ratio = measured.ms("fixed", euler, last) / measured.ms("fixed", ode45, last);
-  return {
-      {"Abstract",
-       "MATLAB ode45 is the fastest method compared to 2nd ordered Euler, MATLAB ode113, ode23s and ode23t.",
-       fmt::format(
-           "With h as step of Euler and as output interval of the others it is the fastest of the five at {} of "
-           "the {} steps, and of the four that choose their steps at {}.",
-           first, steps, first_of_four),
-       judged(first == steps, first_of_four > steps / 2)},
-      {"3.1",
-       "[the CPU times] from minimum to maximum were ode45, ode23s, ode113, 2nd order Euler and ode23t",
-       fmt::format("At h = {} s: {}. The printed order is that in which the solvers were run.", h,
-                   in_words(measured, h)),
-       judged(order == printed)},
-      {"3.1", "Second order Euler [...] the computational time is higher than the aforementioned methods",
-       fmt::format("At fixed steps of {} s it takes {:.2g} of the time of ode45.", last, ratio),
-       judged(ratio > 1)},
-      {"3.1", "Ode23t is the slowest among the five.",
-       fmt::format(
-           "At h = {} s: {}. At fixed steps of that size {:.3g} ms, Euler {:.3g} ms, ode45 {:.3g} ms, ode23s "
-           "{:.3g} ms.",
-           last, in_words(measured, last), measured.ms("fixed", ode23t, last),
-           measured.ms("fixed", euler, last), measured.ms("fixed", ode45, last),
-           measured.ms("fixed", ode23s, last)),
-       judged(slowest == ode23t, measured.ms("fixed", ode23t, last) > measured.ms("fixed", ode23s, last))}};
+  const auto at_last = [&](const char* id) { return measured.ms("fixed", id, last); };
+  const double ratio = at_last(euler) / at_last(ode45);
+  Claims fixed = Claims::array();
+  for (const char* id : {ode23t, euler, ode45, ode23s})
+    fixed.push_back({{"solver", matlab_name(id)}, {"ms", at_last(id)}});
+  return {{"ode45_is_fastest",
+           {{"judgement", judged(of_five == steps, of_four > steps / 2)},
+            {"of_five", of_five},
+            {"steps", steps},
+            {"of_four", of_four}}},
+          {"order_of_times",
+           {{"judgement", judged(ranking(measured, h) == printed)}, {"times", ranked_times(measured, h)}}},
+          {"euler_is_slower", {{"judgement", judged(ratio > 1)}, {"ratio", ratio}}},
+          {"ode23t_is_slowest",
+           {{"judgement", judged(slowest == ode23t, at_last(ode23t) > at_last(ode23s))},
+            {"times", ranked_times(measured, last)},
+            {"fixed", fixed}}}};
 }
 
-std::vector<Claim> claims_on_steps(const Measured& measured) {
+Claims claims_on_steps(const Measured& measured, std::map<std::string, double>& limits) {
   constexpr double large = 0.2, small = 0.0005, last = 0.00005;
   const double fixed = measured.ms("fixed", ode45, small) / measured.ms("fixed", ode45, large),
                sampled = measured.ms("sampled", ode45, small) / measured.ms("sampled", ode45, large),
@@ -156,89 +137,62 @@ std::vector<Claim> claims_on_steps(const Measured& measured) {
                small_error = measured.error("fixed", ode45, small),
                last_error = measured.error("fixed", ode45, last);
   bool falls = true;
-  std::vector<std::string> falling;
+  Claims errors = Claims::array();
   for (const char* id : {euler, ode45, ode23s, ode23t}) {
     const double before = measured.error("fixed", id, 0.05), after = measured.error("fixed", id, 0.005);
     falls = falls && after < before;
-    falling.push_back(fmt::format("{} {:.2g} to {:.2g}", matlab_name(id), before, after));
+    errors.push_back({{"solver", matlab_name(id)}, {"before", before}, {"after", after}});
   }
-  const std::string at_two = std::isfinite(coarse_error) ? fmt::format("its error is {:.2g}", coarse_error)
-                                                         : std::string("its run does not reach the end");
-  return {
-      {"3.1", "The total CPU runtime remain almost constant through the range of time step of 0.0005<h<2.",
-       fmt::format(
-           "From h = {} to {} s, 400 times shorter, ode45 takes {:.3g} times as long with fixed steps, and {:.3g} "
-           "times with h as output interval.",
-           large, small, fixed, sampled),
-       judged(fixed < 1.5 && sampled < 1.5, sampled < 1.5)},
-      {"3.1", "ode45 converges at large time steps (h>2)",
-       fmt::format(
-           "At fixed steps of h = 2 s {} and its largest stable step along the motion is {}. With h as output "
-           "interval it says nothing: the method takes its own, shorter steps.",
-           at_two, seconds(limits_of_solvers()[ode45])),
-       judged(coarse_error < 0.1)},
-      {"3.1", "[ode45] become inaccurate as the time step decreases (h<0.0005)",
-       fmt::format("The error is {:.2g} at h = {} s and {:.2g} at h = {} s: rounding, and nothing else.",
-                   small_error, small, last_error, last),
-       judged(last_error > 1e-6)},
-      {"3.1", "the size of time step is directly proportional to the number of iterations",
-       fmt::format("Inversely: from h = {} to {} s the steps become {:.4g} times as many.", large, small,
-                   more),
-       Judgement::does_not_hold},
-      {"3.1", "reducing the step size increases accuracy",
-       fmt::format("From h = 0.05 to 0.005 s the errors fall: {}. Below, ode45 meets rounding.",
-                   fmt::join(falling, ", ")),
-       judged(falls)}};
+  return {{"time_is_constant",
+           {{"judgement", judged(fixed < 1.5 && sampled < 1.5, sampled < 1.5)},
+            {"fixed", fixed},
+            {"sampled", sampled}}},
+          {"ode45_converges",
+           {{"judgement", judged(coarse_error < 0.1)},
+            {"reached_end", std::isfinite(coarse_error)},
+            {"error", coarse_error},
+            {"limit", limits[ode45]}}},
+          {"ode45_becomes_inaccurate",
+           {{"judgement", judged(last_error > 1e-6)}, {"small", small_error}, {"last", last_error}}},
+          {"steps_and_iterations", {{"judgement", Judgement::does_not_hold}, {"more", more}}},
+          {"smaller_is_better", {{"judgement", judged(falls)}, {"errors", errors}}}};
 }
 
-std::vector<Claim> claims_on_accuracy(const Measured& measured) {
+Claims claims_on_accuracy(const Measured& measured) {
   constexpr double h = 0.01;
   const double fixed_45 = measured.error("fixed", ode45, h), fixed_23s = measured.error("fixed", ode23s, h);
   const double own_45 = measured.error("sampled", ode45, h), own_23s = measured.error("sampled", ode23s, h),
                own_113 = measured.error("sampled", ode113, h);
-  return {
-      {"3.1", "ode23s is less accurate than the ode45 as it takes more computational time",
-       fmt::format(
-           "Less accurate, by its order of 2 against 5: at fixed steps of {} s {:.2g} against {:.2g}. Time is no "
-           "reason; at one tolerance it takes {:.3g} ms against {:.3g} ms because its order needs more steps.",
-           h, fixed_23s, fixed_45, measured.ms("sampled", ode23s, h), measured.ms("sampled", ode45, h)),
-       judged(false, fixed_23s > fixed_45)},
-      {"3.1", "[ode113] is very accurate compares to ode45 and ode23s",
-       fmt::format(
-           "At rtol = atol = 1e-6 the errors are {:.2g} (ode113), {:.2g} (ode45) and {:.2g} (ode23s): the "
-           "tolerance sets them, not the method.",
-           own_113, own_45, own_23s),
-       judged(own_113 < 0.1 * own_45 && own_113 < 0.1 * own_23s, own_113 < own_45)},
-      {"2.4", "ode113 is [...] very accurate since it is the thirteenth order",
-       "Its predictor has an order from 1 to 12 and its corrector one more: 13 is the highest that it may take. It takes "
-       "the one with the longest step, and a loose tolerance needs no high one.",
-       Judgement::holds_in_part}};
+  return {{"ode23s_is_less_accurate",
+           {{"judgement", judged(false, fixed_23s > fixed_45)},
+            {"ode23s", fixed_23s},
+            {"ode45", fixed_45},
+            {"ode23s_ms", measured.ms("sampled", ode23s, h)},
+            {"ode45_ms", measured.ms("sampled", ode45, h)}}},
+          {"ode113_is_accurate",
+           {{"judgement", judged(own_113 < 0.1 * own_45 && own_113 < 0.1 * own_23s, own_113 < own_45)},
+            {"ode113", own_113},
+            {"ode45", own_45},
+            {"ode23s", own_23s}}},
+          {"order_of_ode113", Claims::object({{"judgement", Judgement::holds_in_part}})}};
 }
 
-std::vector<Claim> claims_on_stability(const Measured& measured) {
+Claims claims_on_stability(const Measured& measured, std::map<std::string, double>& limits) {
   constexpr double h = 0.005;
-  auto limits = limits_of_solvers();
   const double slower = measured.ms("fixed", ode23t, h) / measured.ms("fixed", euler, h);
   double most = 0;
   for (const auto& [id, limit] : limits) most = std::max(most, limit);
-  return {
-      {"3.1", "Second order Euler is the most constant and stable among the five.",
-       fmt::format(
-           "Its largest stable step along the motion is {}, the smallest of the five; ode45 {}, ode23s {}, ode23t "
-           "{}. As printed it is the explicit method of first order.",
-           seconds(limits[euler]), seconds(limits[ode45]), seconds(limits[ode23s]), seconds(limits[ode23t])),
-       judged(limits[euler] >= most)},
-      {"2.2",
-       "[implicit integration] allows large time steps therefore increases the stability of the system",
-       fmt::format("The largest stable step of ode23t is {}, that of Euler {}.", seconds(limits[ode23t]),
-                   seconds(limits[euler])),
-       judged(limits[ode23t] > limits[euler])},
-      {"2.2", "However, it is not computationally efficient.",
-       fmt::format(
-           "A step of ode23t costs {:.2g} times one of Euler here, where a step of {} s is stable for both; on "
-           "stiff models it may be hundreds of times longer.",
-           slower, h),
-       judged(false, slower > 1)}};
+  return {{"euler_is_most_stable",
+           {{"judgement", judged(limits[euler] >= most)},
+            {"euler", limits[euler]},
+            {"ode45", limits[ode45]},
+            {"ode23s", limits[ode23s]},
+            {"ode23t", limits[ode23t]}}},
+          {"implicit_is_more_stable",
+           {{"judgement", judged(limits[ode23t] > limits[euler])},
+            {"euler", limits[euler]},
+            {"ode23t", limits[ode23t]}}},
+          {"implicit_is_inefficient", {{"judgement", judged(false, slower > 1)}, {"slower", slower}}}};
 }
 
 }  // namespace
@@ -265,12 +219,13 @@ std::vector<SolverWork> work_at_defaults() {
   return all;
 }
 
-std::vector<Claim> claims_on_solvers(const std::vector<Row>& rows) {
+Claims claims_on_solvers(const std::vector<Row>& rows) {
   const Measured measured(rows);
-  std::vector<Claim> claims;
-  for (const auto& part : {claims_on_speed(measured), claims_on_steps(measured), claims_on_accuracy(measured),
-                           claims_on_stability(measured)})
-    claims.insert(claims.end(), part.begin(), part.end());
+  auto limits = limits_of_solvers();
+  Claims claims;
+  for (const Claims& part : {claims_on_speed(measured), claims_on_steps(measured, limits),
+                             claims_on_accuracy(measured), claims_on_stability(measured, limits)})
+    claims.update(part);
   return claims;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/record.hpp"
 #include "studies/thigh_model.hpp"
 
 namespace hmax {
@@ -29,6 +30,7 @@ struct HapticForce {
   double rms = 0, largest = 0;   ///< error over the largest force of the reference [1]
   double jump = 0;               ///< the largest change within a millisecond [N]
 };
+HMAX_RECORD(HapticForce, name, rms, largest, jump);
 
 /// The reference, tissue and contact at one rate by an adaptive method of order 8; tissue at 1 kHz; and
 /// tissue at 100 Hz, by linearly implicit Euler, with the force held for a frame, the tissue held for a

@@ -7,6 +7,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/methods/method.hpp"
+#include "studies/record.hpp"
 
 namespace hmax {
 
@@ -27,6 +28,7 @@ struct PressedVolume {
   double lost = 0;          ///< share of the volume of the body that is lost [1]
   double spread = 0;        ///< largest relative change of the volume of a tetrahedron [1]
 };
+HMAX_RECORD(PressedVolume, model, nu, displacement, lost, spread);
 /// Springs and Green's strain with nu = 0.3, 0.45 and 0.49, all brought to the same largest displacement.
 /// @param displacement  [m]
 std::vector<PressedVolume> pressed_volumes(std::string_view mesh, double displacement);
@@ -51,6 +53,7 @@ struct LinearSolutions {
   double multiply = 0, solve = 0;  ///< CPU time of a displacement field [s]
   double inverse_bytes = 0;        ///< of the dense inverse
 };
+HMAX_RECORD(LinearSolutions, dofs, invert, factor, multiply, solve, inverse_bytes);
 LinearSolutions linear_solutions(const StaticModel& model);
 
 /// A load that is brought on within a second of `frames` frames, each of which has a number of iterations of
@@ -61,6 +64,7 @@ struct FrameBudget {
       0;  ///< the largest |q - q*| / |q*| of all frames against their equilibria [1]; NaN where it diverged
   double seconds = 0;  ///< median CPU time of a frame
 };
+HMAX_RECORD(FrameBudget, iterations, error, seconds);
 /// One, two and four iterations, linear systems solved directly.
 std::vector<FrameBudget> frame_budgets(const StaticModel& model, int frames);
 

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "studies/record.hpp"
+
 namespace hmax {
 
 /// One mesh: fem_green in its weight, held at a tenth of its height. Times are CPU seconds of one thread, the
@@ -25,6 +27,8 @@ struct ScaleRow {
   double omega = 0;          ///< the root of that eigenvalue [rad/s]
   double peak_memory = 0;    ///< of the process so far [bytes]
 };
+HMAX_RECORD(ScaleRow, mesh, tetrahedra, dofs, force, stiffness, explicit_step, implicit_step, eigenvalue,
+            import, peak_memory);
 
 /// ball:n=K with some 1e3 to 1e6 tetrahedra.
 std::vector<std::string> scale_meshes();

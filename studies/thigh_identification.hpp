@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "studies/record.hpp"
 #include "studies/thigh_model.hpp"
 
 namespace hmax {
@@ -55,6 +56,7 @@ enum class Misfit {
   logarithmic,  ///< log(F / F_measured)
   relative,     ///< F / F_measured - 1
 };
+NLOHMANN_JSON_SERIALIZE_ENUM(Misfit, {{Misfit::logarithmic, "logarithmic"}, {Misfit::relative, "relative"}})
 
 struct FitOptions {
   UnknownSkin skin = UnknownSkin::by_direction;

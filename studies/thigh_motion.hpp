@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "studies/record.hpp"
 #include "studies/thigh_model.hpp"
 
 namespace hmax {
@@ -29,8 +30,9 @@ Problem moving_thigh(const Thigh& thigh, const ThighLoad& load);
 /// every step is unstable, infinity where none is.
 struct ThighLimit {
   std::string method;
-  double at_rest = 0, pressed = 0;
+  double h_rest = 0, h_pressed = 0;
 };
+HMAX_RECORD(ThighLimit, method, h_rest, h_pressed);
 std::vector<ThighLimit> thigh_limits(const std::vector<std::string>& methods, const Thigh& thigh,
                                      const ThighLoad& load);
 

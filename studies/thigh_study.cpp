@@ -36,7 +36,7 @@ ThighStarts started(const ThighStudy& study, Misfit misfit, double of_a, double 
   // The least of both misfits is that of the same fit but for terms of higher order in the noise.
   const FitOptions options{.misfit = misfit};
   const double best = identify(study.identified().fit.thigh, study.data, options).residual;
-  ThighStarts found{.misfit = misfit, .of_a = of_a, .of_b = of_b, .starts = starts};
+  ThighStarts found{.misfit = misfit, .factor_a = of_a, .factor_b = of_b, .starts = starts};
   for (int k = 1; k <= starts; ++k) {
     const Thigh guess = scattered(uniform_guess(study.truth, 3), of_a, of_b, static_cast<std::uint64_t>(k));
     const ThighFit fit = identify(guess, study.data, options);
@@ -44,7 +44,7 @@ ThighStarts started(const ThighStudy& study, Misfit misfit, double of_a, double 
       ++found.found;
     else
       found.worst =
-          std::max(found.worst, overall_error(forces_of(fit.thigh, study.data), forces_of(study.data)));
+          std::fmax(found.worst, overall_error(forces_of(fit.thigh, study.data), forces_of(study.data)));
   }
   return found;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,17 +32,20 @@ struct ThighCase {
 /// Fits from far guesses.
 struct ThighStarts {
   Misfit misfit = Misfit::logarithmic;
-  double of_a = 1, of_b = 1;  ///< largest factors of the guess
+  double factor_a = 1, factor_b = 1;  ///< largest of the guess
   int starts = 0;
-  int found = 0;     ///< ended with the residual of the best fit, to one part in a thousand
-  double worst = 0;  ///< largest overall error of a fit that did not [1]; 0 where all did
+  int found = 0;  ///< ended with the residual of the best fit, to one part in a thousand
+  double worst =
+      std::numeric_limits<double>::quiet_NaN();  ///< largest overall error of a fit that did not [1]
 };
+HMAX_RECORD(ThighStarts, misfit, factor_a, factor_b, starts, found, worst);
 
 /// Errors of springs and network beside forces without noise [1], overall.
 struct ThighTask {
-  std::string name;
+  std::string forces;  ///< which are asked for
   double springs = 0, network = 0;
 };
+HMAX_RECORD(ThighTask, forces, springs, network);
 
 /// A point drawn from the inside of its data to deeper presses.
 struct ThighCurve {

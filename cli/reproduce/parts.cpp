@@ -10,9 +10,10 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/reproduce_stability.hpp"
-#include "cli/reproduce/reproduce_tissue.hpp"
 #include "cli/reproduce/rows_page.hpp"
+#include "cli/reproduce/tissue_page.hpp"
 #include "cli/stability/stability.hpp"
+#include "limits/documents/number_json.hpp"
 #include "plots/pages/report.hpp"
 #include "results/fingerprint.hpp"
 
@@ -27,15 +28,14 @@ double seconds_since(std::chrono::steady_clock::time_point started) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
 }
 
-/// Writes the page of all rows. @returns a link to it, as Markdown
-std::string link_to_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores,
-                         Console& console) {
+/// Writes the page of all rows.
+void write_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores,
+                Console& console) {
   const RowsPage page = write_rows_page(folder, stores);
   if (page.left_out > 0)
     console.remark(fmt::format(
         "{} rows are left out of {}, since it would be larger than 5 MB; the stores have every row",
         page.left_out, page.file.string()));
-  return page.link;
 }
 
 /// What a shard has stored in a folder.
@@ -98,88 +98,12 @@ constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         
                                        "abm_pece_3",        "symplectic_euler", "stormer_verlet",
                                        "central_difference"};
 
-nlohmann::ordered_json to_json(const ThighStudy& study) {
-  const auto array = [](const auto& items, const auto& row) {
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    for (const auto& item : items) rows.push_back(row(item));
-    return rows;
-  };
-  using Json = nlohmann::ordered_json;
-  return {
-      {"points", study.truth.points()},
-      {"forces", value_count(study.data)},
-      {"fits", array(study.cases,
-                     [](const ThighCase& each) -> Json {
-                       return {{"skin", each.skin},
-                               {"unknowns", each.fit.values.size()},
-                               {"converged", each.fit.converged},
-                               {"overall_error", each.overall},
-                               {"within_5_percent", each.recovery.within},
-                               {"largest_error", each.recovery.largest_error},
-                               {"covered", each.recovery.covered}};
-                     })},
-      {"covered", study.covered},
-      {"starts", array(study.starts,
-                       [](const ThighStarts& each) -> Json {
-                         return {{"misfit", each.misfit == Misfit::logarithmic ? "logarithmic" : "relative"},
-                                 {"factor_a", each.of_a},
-                                 {"factor_b", each.of_b},
-                                 {"starts", each.starts},
-                                 {"found", each.found}};
-                       })},
-      {"tasks", array(study.tasks,
-                      [](const ThighTask& each) -> Json {
-                        return {{"forces", each.name}, {"springs", each.springs}, {"network", each.network}};
-                      })},
-      {"limits", array(study.limits,
-                       [](const ThighLimit& each) -> Json {
-                         return {{"method", each.method},
-                                 {"h_rest", number_or_word(each.at_rest)},
-                                 {"h_pressed", number_or_word(each.pressed)}};
-                       })},
-      {"stable_mass", number_or_word(study.stable_mass)},
-      {"constant_jacobian_depth", number_or_word(study.constant_depths.minCoeff())}};
-}
-
-nlohmann::ordered_json to_json(const TissueStudy& study) {
-  nlohmann::ordered_json particles = nlohmann::ordered_json::array();
-  for (const ParticleLimit& limit : study.particles)
-    particles.push_back({{"damping", limit.damping},
-                         {"method", limit.method},
-                         {"h_max", number_or_word(1 / limit.rate)},
-                         {"stiffest", limit.stiffest}});
-  nlohmann::ordered_json paths = nlohmann::ordered_json::array();
-  for (const PathLimit& limit : study.paths)
-    paths.push_back({{"load", limit.load},
-                     {"path", limit.path},
-                     {"model", limit.model},
-                     {"method", limit.method},
-                     {"h_rest", number_or_word(limit.at_rest)},
-                     {"h_min", number_or_word(limit.least)},
-                     {"growing_share", limit.growing}});
-  nlohmann::ordered_json sizes = nlohmann::ordered_json::array();
-  for (const ScaleRow& row : study.sizes)
-    sizes.push_back({{"mesh", row.mesh},
-                     {"tetrahedra", row.tetrahedra},
-                     {"dofs", row.dofs},
-                     {"force", row.force},
-                     {"stiffness", row.stiffness},
-                     {"explicit_step", row.explicit_step},
-                     {"implicit_step", row.implicit_step},
-                     {"eigenvalue", row.eigenvalue},
-                     {"import", row.import},
-                     {"peak_memory", row.peak_memory}});
-  return {{"report", study.report.string()},
-          {"force_ratio", study.force_ratio},
-          {"step_ratio", study.step_ratio},
-          {"deflection_springs", study.deflection_springs},
-          {"deflection_elements", study.deflection_elements},
-          {"unsolved", study.unsolved},
-          {"particles", particles},
-          {"heaviest_particle", study.heaviest_particle},
-          {"paths", paths},
-          {"thigh", to_json(study.thigh)},
-          {"sizes", sizes}};
+/// Infinity as a word, as every document has it.
+void tell_infinity(nlohmann::ordered_json& value) {
+  if (value.is_structured())
+    for (auto& inner : value) tell_infinity(inner);
+  else if (value.is_number_float())
+    value = number_or_word(value.get<double>());
 }
 
 }  // namespace
@@ -205,22 +129,18 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
   if (interrupted) throw Interrupted::with_store((folder / limit_store).string());
   if (shard) return stored_shard(folder, {limit_store}, rows.size() + nonlinear.size(), started);
-  const std::filesystem::path report = reproduce_stability(
-      cases, rows, nonlinear, summary(fingerprint()), folder, link_to_rows(folder, {limit_store}, console));
+  write_rows(folder, {limit_store}, console);
+  const std::filesystem::path report =
+      reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
   const LimitSummary found = summary_of(cases, rows);
   const double seconds = seconds_since(started);
+  nlohmann::ordered_json document{{"report", report.string()}, {"seconds", seconds}};
+  document.update(nlohmann::ordered_json(found));
   return {.report = report,
           .rows = static_cast<std::int64_t>(found.rows),
           .seconds = seconds,
           .failed = found.disagreeing > 0,
-          .document = {{"report", report.string()},
-                       {"rows", found.rows},
-                       {"with_number", found.with_number},
-                       {"unbounded", found.unbounded},
-                       {"disagreeing", found.disagreeing},
-                       {"worst_gap", found.worst_gap},
-                       {"worst", found.worst},
-                       {"seconds", seconds}},
+          .document = document,
           .words = fmt::format(
               "{} pairs of method and model; {} limits within {:.4f} % of what integration shows, {} "
               "without limit, {} disagree.",
@@ -232,26 +152,30 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
-  TissueStudy study;
+  nlohmann::ordered_json document;
   {
     Progress progress(console, "tissue");
     options.machine = summary(fingerprint());
-    study = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
+    document = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
       if (interrupted) throw Interrupted{};
       progress.update(share, what);
     });
   }
-  return {.report = study.report,
-          .rows = static_cast<std::int64_t>(study.particles.size() + study.paths.size() + study.sizes.size()),
-          .seconds = seconds_since(started),
-          .failed = study.unsolved > 0,
-          .document = to_json(study),
-          .words = fmt::format(
-              "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
-              "the same load the liver moves by {:.3g} mm with springs and {:.3g} mm with finite "
-              "elements.",
-              study.force_ratio, study.step_ratio, 1000 * study.deflection_springs,
-              1000 * study.deflection_elements)};
+  const auto number = [&](const char* key) { return document[key].get<double>(); };
+  ReproducedPart part{
+      .report = document["report"].get<std::string>(),
+      .rows = static_cast<std::int64_t>(document["particles"].size() + document["paths"].size() +
+                                        document["sizes"].size()),
+      .seconds = seconds_since(started),
+      .failed = document["unsolved"] > 0,
+      .words = fmt::format(
+          "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
+          "the same load the liver moves by {:.3g} mm with springs and {:.3g} mm with finite elements.",
+          number("force_ratio"), number("step_ratio"), 1000 * number("deflection_springs"),
+          1000 * number("deflection_elements"))};
+  tell_infinity(document);
+  part.document = std::move(document);
+  return part;
 }
 
 ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
@@ -267,7 +191,7 @@ ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Co
   if (shard)
     return stored_shard(folder, {self_exciting_store, sweep_store},
                         rows.self_exciting.size() + rows.published_model.size(), started);
-  rows.rows_link = link_to_rows(folder, {sweep_store, self_exciting_store}, console);
+  write_rows(folder, {sweep_store, self_exciting_store}, console);
   std::filesystem::path report;
   {
     Progress progress(console, "drawing");

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/timing/sweep.hpp"
-#include "cli/reproduce/tissue_study.hpp"
+#include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/commands.hpp"
 
 namespace hmax {

@@ -1,18 +1,16 @@
 /// `hmax reproduce`: published studies done again, figure by figure.
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <memory>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "cli/reproduce/parts.hpp"
-#include "cli/reproduce/source_items.hpp"
+#include "cli/reproduce/report_page.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
@@ -117,13 +115,25 @@ struct AllOptions {
   bool quick = false;
 };
 
+/// Links of the text lead to the texts of the parts; those of the page to the parts that the folder has. Of
+/// others the words are left, and how to make the part.
+void lead_to_parts(std::string& text, const std::filesystem::path& folder) {
+  for (const Part& part : parts()) {
+    const std::regex link(fmt::format(R"(\[([^\]]*)\]\({}\.md#([^)]*)\))", part.name));
+    const bool made = std::filesystem::exists(folder / part.name / "README.md");
+    text = std::regex_replace(text, link,
+                              made ? fmt::format("[$1]({}/README.md#$2)", part.name)
+                                   : fmt::format("not made here; `--part {}` makes it: $1", part.name));
+  }
+}
+
 void reproduce_all(const AllOptions& options, Console& console) {
   const std::filesystem::path folder = options.folder;
   const std::vector<Part> chosen = chosen_parts(options.names);
   check_report_place(folder);
   FinishedParts finished(folder, options.quick);
-  std::vector<ReportSection> sections;
-  Json listed = Json::array();
+  ReportPage page("all", folder);
+  Json shown = Json::array(), listed = Json::array();
   for (const Part& part : chosen) {
     auto done = finished.find(part.name);
     if (!done) {
@@ -131,34 +141,23 @@ void reproduce_all(const AllOptions& options, Console& console) {
       finished.keep(part.name, *done);
     }
     if (done->failed) console.exit_code = Exit::failed;
-    const std::string link = part.name + "/README.md";
-    sections.push_back({.title = part.title,
-                        .text = fmt::format("{}\n\n[The page]({}): {} stored numbers, {:.0f} s.",
-                                            markdown_text(done->words), link, done->rows, done->seconds)});
+    page.link(part.name, part.name + "/README.md", "The page");
+    shown.push_back({{"title", part.title},
+                     {"words", done->words},
+                     {"part", part.name},
+                     {"rows", done->rows},
+                     {"seconds", done->seconds}});
     listed.push_back({{"part", part.name},
                       {"report", done->report.string()},
                       {"rows", done->rows},
                       {"seconds", done->seconds}});
   }
-  const auto page_of = [&](const std::string& part) {
-    std::ifstream file(folder / part / "README.md");
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
-  sections.push_back({.title = "Where everything of the liver study is redone",
-                      .text = items_table(study_items(), page_of)});
-  sections.push_back(
-      {.title = "Where everything of the thesis is redone", .text = items_table(thesis_items(), page_of)});
-  const std::filesystem::path page = write_report(
-      "Two sources, done again",
-      "A study of a liver as one oscillator, and a thesis on deformable organs. Each page shows what was printed, what "
-      "hmax finds, and why they differ." +
-          std::string(options.quick
-                          ? " This is the quick form: coarser meshes and fewer points of the thesis."
-                          : "") +
-          " Computed on: " + markdown_text(summary(fingerprint())) + ".",
-      sections, folder);
-  if (console.json) return console.print_json({{"report", page.string()}, {"parts", listed}});
-  console.print(fmt::format("Open {}\n", page.string()));
+  page.values = {{"machine", summary(fingerprint())}, {"quick", options.quick}, {"parts", shown}};
+  std::string text = page.text();
+  lead_to_parts(text, folder);
+  const std::filesystem::path written = write_report(text, folder);
+  if (console.json) return console.print_json({{"report", written.string()}, {"parts", listed}});
+  console.print(fmt::format("Open {}\n", written.string()));
 }
 
 void add_all(CLI::App& reproduce, Console& console) {

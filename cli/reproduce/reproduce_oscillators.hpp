@@ -15,11 +15,10 @@ struct StudyRows {
   std::vector<Row> published_model;  ///< liver_forced, all methods, nine steps, both readings
   std::vector<Row> self_exciting;    ///< the same model with c = -2, as the study's text says, to t = 10
   std::string machine;               ///< one line: where it was measured
-  std::string rows_link = {};        ///< to the page of all rows, as Markdown; may be empty
 };
 
 /// Draws figures 1 to 8 and table 2 into `folder` and writes a report (README.md, index.html) that shows
-/// each beside what the study printed and what differs.
+/// each beside what the study printed and what differs, with a link to rows.html there.
 /// @param progress  told the name of each section before it is made
 /// @returns the index.html
 /// @throws InputError when the folder cannot be written

@@ -9,9 +9,8 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/families.hpp"
+#include "cli/reproduce/report_page.hpp"
 #include "limits/prediction.hpp"
-#include "plots/draw.hpp"
-#include "plots/pages/report.hpp"
 #include "results/limits/limit_exports.hpp"
 #include "results/table.hpp"
 
@@ -20,14 +19,9 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 bool has_gap(const LimitRow& row) { return row.is_observed() && std::isfinite(row.gap); }
-
-/// For people: five digits.
-std::string shown(double value) {
-  if (std::isnan(value)) return "-";
-  return std::isinf(value) ? "unbounded" : fmt::format("{:.5g}", value);
-}
 
 constexpr const char *linear_file = "limits.csv", *nonlinear_file = "nonlinear.csv";
 
@@ -100,17 +94,15 @@ Figure predicted_vs_observed(const std::vector<StudyRow>& rows, const std::strin
   return figure;
 }
 
-/// One row a method, one column a material: what an engineer reads.
-std::string material_table(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
+/// One row a method with a limit, one column a material.
+void add_materials(Json& values, const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
+  values["materials"] = values["limits"] = Json::array();
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < cases.size(); ++i)
-    if (cases[i].family == "benchmark liver") columns.push_back(i);
-  std::string text = "| method |", rule = "| --- |";
-  for (const std::size_t i : columns) {
-    text += " " + cases[i].label + " |";
-    rule += " ---: |";
-  }
-  text += "\n" + rule + "\n";
+    if (cases[i].family == "benchmark liver") {
+      columns.push_back(i);
+      values["materials"].push_back(cases[i].label);
+    }
   std::vector<std::string> order;
   std::map<std::string, std::map<std::size_t, const LimitRow*>> of;
   for (const auto& [which, row] : rows) {
@@ -118,30 +110,30 @@ std::string material_table(const std::vector<LimitCase>& cases, const std::vecto
     of[row.method][which] = &row;
   }
   for (const std::string& method : order) {
-    const bool bounded = std::ranges::any_of(columns, [&](std::size_t i) {
-      return of[method].contains(i) && of[method][i]->bound == name_of(Bound::stability);
-    });
-    if (!bounded) continue;
-    text += "| " + markdown_text(method) + " |";
-    for (const std::size_t i : columns)
-      text += " " + (of[method].contains(i) ? shown(of[method][i]->h_max) : "-") + " |";
-    text += "\n";
+    Json h_max = Json::array();
+    bool bounded = false;
+    for (const std::size_t i : columns) {
+      const auto found = of[method].find(i);
+      const bool there = found != of[method].end();
+      h_max.push_back(there ? found->second->h_max : NAN);
+      bounded = bounded || (there && found->second->bound == name_of(Bound::stability));
+    }
+    if (bounded) values["limits"].push_back({{"method", method}, {"h_max", h_max}});
   }
-  return text;
 }
 
-std::string nonlinear_table(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
-  std::string text =
-      "| case | method | at rest | small motion, observed | along the motion, least | at t | from the start, observed |\n"
-      "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
-  for (const auto& [which, row] : rows) {
-    const std::string at_rest = row.bound == name_of(Bound::model) ? "the model grows" : shown(row.h_max);
-    text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(cases[which].label),
-                        markdown_text(row.method), at_rest, shown(row.observed), shown(row.along_least),
-                        std::isfinite(row.along_least) ? fmt::format("{:.3g}", row.along_at) : "-",
-                        shown(row.from_start));
-  }
-  return text;
+Json nonlinear_rows(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows) {
+  Json listed = Json::array();
+  for (const auto& [which, row] : rows)
+    listed.push_back({{"case", cases[which].label},
+                      {"method", row.method},
+                      {"grows", row.bound == name_of(Bound::model)},
+                      {"at_rest", row.h_max},
+                      {"observed", row.observed},
+                      {"along_least", row.along_least},
+                      {"along_at", std::isfinite(row.along_least) ? row.along_at : NAN},
+                      {"from_start", row.from_start}});
+  return listed;
 }
 
 }  // namespace
@@ -172,43 +164,19 @@ void check_limit_files(const fs::path& folder) {
 
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,
                              const std::vector<StudyRow>& nonlinear, const std::string& machine,
-                             const fs::path& folder, const std::string& rows_link) {
+                             const fs::path& folder) {
   write_rows(folder / linear_file, rows);
   write_rows(folder / nonlinear_file, nonlinear);
-  const LimitSummary summary = summary_of(cases, rows);
-  std::vector<ReportSection> sections;
-  sections.push_back(
-      {.title = "Predicted and observed",
-       .text = fmt::format(
-           "{} pairs of method and model, of which {} were integrated with the code that they are about; the others have "
-           "steps of their own or a model that grows. {} have a limit: the largest "
-           "difference is {:.4f} % ({}). {} have none and were integrated at a million times the slowest time scale. "
-           "{} disagree.\n\nEvery row with its eigenvalue: [limits.csv](limits.csv).",
-           summary.rows, summary.integrated, summary.with_number, 100 * summary.worst_gap, summary.worst,
-           summary.unbounded, summary.disagreeing),
-       .figures = {draw(predicted_vs_observed(rows, machine), folder, "hmax_predicted_vs_observed")}});
-  sections.push_back(
-      {.title = "The largest stable step of the benchmark livers [s]",
-       .text = "Light and heavy are the ends of the published range of masses. Methods that are stable "
-               "at every step are left out.\n\n" +
-               material_table(cases, rows)});
-  sections.push_back(
-      {.title = "Nonlinear and driven models: three predictions and two observations [s]",
-       .text =
-           "At rest: the limit of the model linearised at its equilibrium, and what a small motion about it shows. "
-           "Along the motion: the least limit of the tangent k1 + 3 k3 x² along the motion from the published "
-           "start, and when. From the start: the first step, sought upwards in strides of 0.01 to 2 %, whose run leaves "
-           "three times the size of the true motion; windows of failures narrower than a stride may lie below it. The "
-           "cubic spring stiffens with amplitude, so the motion passes "
-           "points whose limit is below that at rest; it passes them quickly, so that the run often bears a longer "
-           "step than the least of them, and now and then not even that one. 0: the mode is amplified by any step, which a "
-           "short run need not show. A dash: no run tells it, because the model grows, the run is too short for steps of "
-           "that length, or already the shortest step leaves the motion.\n\n" +
-           nonlinear_table(cases, nonlinear) + "\nAll numbers: [nonlinear.csv](nonlinear.csv)."});
-  return write_report("Step limits of the liver oscillators",
-                      "`hmax reproduce stability` made this page. " + markdown_text(machine) +
-                          (rows_link.empty() ? "" : "\n\n" + rows_link),
-                      sections, folder);
+  ReportPage page("stability", folder);
+  page.values = summary_of(cases, rows);
+  page.values["machine"] = machine;
+  page.values["nonlinear"] = nonlinear_rows(cases, nonlinear);
+  add_materials(page.values, cases, rows);
+  page.link_to_rows();
+  page.link(linear_file, linear_file);
+  page.link(nonlinear_file, nonlinear_file);
+  page.draw(predicted_vs_observed(rows, machine), "hmax_predicted_vs_observed");
+  return page.write();
 }
 
 }  // namespace hmax

@@ -1,5 +1,3 @@
-#include "cli/reproduce/reproduce_tissue.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,14 +15,14 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/static_comparison.hpp"
-#include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "cli/reproduce/tissue_page.hpp"
 #include "core/errors.hpp"
-#include "plots/draw.hpp"
-#include "plots/pages/report.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 
 namespace hmax {
+
+using Json = nlohmann::ordered_json;
 
 namespace {
 constexpr const char* material = "male_normal";
@@ -49,16 +47,9 @@ std::string made_of(const Problem& problem) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double pressing = 0.5;          // on springs and elements [N]
 constexpr double pressing_solvers = 0.2;  // where every solver finds the equilibrium [N]
 constexpr std::array<std::string_view, 2> meshes{"phantom", "liver"};
-
-FigureFiles picture(const BodyPicture& picture, const fs::path& folder, const std::string& name) {
-  write_picture(folder / (name + ".svg"), picture);
-  return {folder / name, {folder / (name + ".svg")}, {}};
-}
 
 std::string millimetres(double metres) { return fmt::format("{:.3g} mm", 1000 * metres); }
 
@@ -66,7 +57,7 @@ StaticSolution equilibrium(const Problem& problem, double share = 1, int load_st
   return solve_static(static_model(problem, share), {.load_steps = load_steps}, thread_cpu_seconds);
 }
 
-ReportSection the_meshes(const fs::path& folder) {
+void the_meshes(TissuePage& tissue) {
   BodyPicture bodies{.title = "The meshes of the study, by the quality of their elements",
                      .caption =
                          "Counts are those of the study, shapes are ours (problems/meshes). Mean ratio: 1 "
@@ -83,22 +74,21 @@ ReportSection the_meshes(const fs::path& folder) {
                               quality.min_mean_ratio)};
     bodies.views.push_back(std::move(view));
   }
-  return {.title = "Two meshes", .figures = {picture(bodies, folder, "meshes")}};
+  tissue.draw(bodies, "meshes");
 }
 
 /// The same force on springs and elements, as pictures of the liver.
-ReportSection deflections(const fs::path& folder, TissueStudy& study) {
+void deflections(TissuePage& tissue) {
   BodyPicture bodies{
       .title = fmt::format("The liver under {:g} N: springs deform more than elements", pressing),
       .colours = {},
       .columns = 2};
-  double* const found[]{&study.deflection_springs, &study.deflection_elements};
-  int k = 0;
-  for (const auto& [model, title] :
-       {std::pair{"mass_spring", "Mass-spring"}, {"fem_green", "Finite elements, Green's strain"}}) {
+  for (const auto& [model, key, title] :
+       {std::tuple{"mass_spring", "deflection_springs", "Mass-spring"},
+        {"fem_green", "deflection_elements", "Finite elements, Green's strain"}}) {
     const Problem problem = study_tissue(model, "liver", "press", {{"force", pressing}});
     const StaticSolution solution = equilibrium(problem);
-    *found[k++] = largest_displacement(solution.q);
+    tissue.document[key] = largest_displacement(solution.q);
     BodyView view = body_view(*problem.body, 0, solution.q, BodyValue::displacement);
     view.title = title;
     view.notes = {fmt::format("largest displacement {}{}", millimetres(largest_displacement(solution.q)),
@@ -106,21 +96,16 @@ ReportSection deflections(const fs::path& folder, TissueStudy& study) {
     bodies.views.push_back(std::move(view));
     bodies.caption = made_of(problem) + " Static solutions by Newton's method.";
   }
-  if (study.deflection_springs < study.deflection_elements)
+  if (tissue.document["deflection_springs"] < tissue.document["deflection_elements"])
     bodies.title = fmt::format("The liver under {:g} N: elements deform more than springs", pressing);
   bodies.colours = colours_of(BodyValue::displacement, bodies.views);
-  return {
-      .title = "The same load on springs and on finite elements",
-      .text =
-          "Springs get their stiffness from Young's modulus by the volume around each edge; they have the "
-          "energy of a solid with Poisson's ratio 1/4 under uniform dilation, and of none else.",
-      .figures = {picture(bodies, folder, "springs_and_elements")}};
+  tissue.draw(bodies, "springs_and_elements");
 }
 
 /// Displacement against force, all models, both meshes.
-ReportSection load_paths(const fs::path& folder, const std::string& machine) {
+void load_paths(TissuePage& tissue) {
   Figure figure{.title = "Displacement of a pressed patch", .columns = 2};
-  figure.footer = machine;
+  figure.footer = tissue.options.machine;
   for (const std::string_view mesh : meshes) {
     const double most = mesh == "liver" ? 2 * pressing : pressing;  // [N]
     Panel panel{
@@ -142,47 +127,40 @@ ReportSection load_paths(const fs::path& folder, const std::string& machine) {
     }
     figure.panels.push_back(std::move(panel));
   }
-  return {
-      .title = "Force against displacement",
-      .text =
-          "Small strain is a straight line; Green's strain stiffens when pulled and softens when pressed. A "
-          "curve ends where no equilibrium was found.",
-      .figures = {draw(figure, folder, "load_paths")}};
+  tissue.page.draw(figure, "load_paths");
 }
 
 /// Ways to solve, beside each other.
-ReportSection solvers(const fs::path& folder, const std::string& machine, TissueStudy& study) {
+void solvers(TissuePage& tissue) {
   const Problem problem = study_tissue("fem_green", "liver", "press", {{"force", pressing_solvers}});
   const StaticModel model = static_model(problem, 1);
   StaticSettings settings{.iterations = 400, .inner_tolerance = 1e-2};
   settings.relaxation = best_relaxation(model, settings);
   const std::vector<StaticWay> ways = all_ways(model, settings);
-  std::string table =
-      "| method | linear systems by | outcome | iterations | CPU time [ms] | iterations a second |\n"
-      "| --- | --- | --- | ---: | ---: | ---: |\n";
+  Json rows = Json::array();
+  int unsolved = 0;
   for (const StaticWay& way : ways) {
     const double seconds = way.seconds();
-    if (!way.solution.converged) ++study.unsolved;
-    table += fmt::format("| {} | {} | {} | {} | {:.4g} | {:.4g} |\n", markdown_text(name_of(way.method)),
-                         name_of(way.inner), way.solution.converged ? "converged" : "not converged",
-                         way.solution.iterations, 1000 * seconds,
-                         seconds > 0 ? way.solution.iterations / seconds : NAN);
+    if (!way.solution.converged) ++unsolved;
+    rows.push_back({{"method", name_of(way.method)},
+                    {"inner", name_of(way.inner)},
+                    {"converged", way.solution.converged},
+                    {"iterations", way.solution.iterations},
+                    {"seconds", seconds},
+                    {"rate", seconds > 0 ? way.solution.iterations / seconds : NAN}});
   }
-  return {
-      .title = "Static solvers",
-      .text =
-          made_of(problem) +
-          fmt::format(" {:g} N, residual below 1e-9 of the load; {}, the best for the stiffness at rest.\n\n",
-                      pressing_solvers, iterations_in_words(settings)) +
-          table,
-      .figures = {draw(
-          residual_figure(ways, "Newton's method needs few iterations, the modified one cheap ones", machine),
-          folder, "residuals")},
-      .printed = "60 iterations a second of Newton's method (2001)."};
+  tissue.page.values["solvers"] = {{"made_of", made_of(problem)},
+                                   {"force", pressing_solvers},
+                                   {"iterations", iterations_in_words(settings)},
+                                   {"ways", rows}};
+  tissue.document["unsolved"] = unsolved;
+  tissue.page.draw(residual_figure(ways, "Newton's method needs few iterations, the modified one cheap ones",
+                                   tissue.options.machine),
+                   "residuals");
 }
 
 /// The first shapes in which the held liver swings.
-ReportSection modes(const fs::path& folder) {
+void modes(TissuePage& tissue) {
   const Problem problem = study_tissue("fem_green", "liver", "gravity", {});
   const TissueBody& body = *problem.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
@@ -206,11 +184,11 @@ ReportSection modes(const fs::path& folder) {
     view.notes = {fmt::format("damping ratio {:.2f}", mode.gamma / (2 * omega))};
     bodies.views.push_back(std::move(view));
   }
-  return {.title = "Modes", .figures = {picture(bodies, folder, "modes")}};
+  tissue.draw(bodies, "modes");
 }
 
 /// A tool that moves into the liver.
-ReportSection pressed_by_a_tool(const fs::path& folder) {
+void pressed_by_a_tool(TissuePage& tissue) {
   constexpr double h = 0.005;
   const Problem problem = study_tissue("fem_green", "liver", "tool", {{"depth", 0.025}});
   const Runner runner = find_method("linearly_implicit_euler").bind(problem);
@@ -233,14 +211,13 @@ ReportSection pressed_by_a_tool(const fs::path& folder) {
     bodies.views.push_back(std::move(view));
   }
   bodies.colours = colours_of(BodyValue::displacement, bodies.views);
-  return {.title = "A tool", .figures = {picture(bodies, folder, "tool")}};
+  tissue.draw(bodies, "tool");
 }
 
 /// CPU times of forces and steps.
-ReportSection costs(TissueStudy& study) {
-  std::string table =
-      "| mesh | model | forces [µs] | step of linearly implicit Euler [µs] |\n"
-      "| --- | --- | ---: | ---: |\n";
+void costs(TissuePage& tissue) {
+  Json bodies = Json::array();
+  double force_ratio = 0, step_ratio = 0;  // of the last mesh
   constexpr double h = 0.01;
   for (const std::string_view mesh : meshes) {
     std::array<double, 2> force{}, step{};
@@ -265,75 +242,73 @@ ReportSection costs(TissueStudy& study) {
     for (std::size_t k = 0; k < 2; ++k) {
       force[k] = least(2 * k);
       step[k] = least(2 * k + 1) / steps;
-      table += fmt::format("| {} | {} | {:.4g} | {:.4g} |\n", mesh, k == 0 ? "mass\\_spring" : "fem\\_green",
-                           1e6 * force[k], 1e6 * step[k]);
+      bodies.push_back({{"mesh", mesh},
+                        {"model", k == 0 ? "mass_spring" : "fem_green"},
+                        {"force", force[k]},
+                        {"step", step[k]}});
     }
-    study.force_ratio = force[1] / force[0];
-    study.step_ratio = step[1] / step[0];
+    force_ratio = force[1] / force[0];
+    step_ratio = step[1] / step[0];
   }
-  return {
-      .title = "What finite elements cost beside springs",
-      .text = table +
-              fmt::format("\nOn the liver the forces of finite elements cost {:.2g} times those of springs, "
-                          "a step {:.2g} times. Best of seven samples each.",
-                          study.force_ratio, study.step_ratio),
-      .printed = "finite elements cost 4 times as much as springs."};
+  tissue.page.values["costs"] = {
+      {"bodies", bodies}, {"force_ratio", force_ratio}, {"step_ratio", step_ratio}};
+  tissue.document["force_ratio"] = force_ratio;
+  tissue.document["step_ratio"] = step_ratio;
 }
 
 }  // namespace
 
-TissueStudy reproduce_tissue(const fs::path& folder, const TissueOptions& options,
-                             const std::function<void(double, const std::string&)>& progress) {
-  TissueStudy study;
-  const std::string& machine = options.machine;
-  std::vector<ReportSection> sections;
+void TissuePage::draw(const BodyPicture& picture, const std::string& name) {
+  const std::filesystem::path base = page.folder / name, file = page.folder / (name + ".svg");
+  write_picture(file, picture);
+  page.show(FigureFiles{base, {file}, {}, picture.title});
+}
+
+Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,
+                      const std::function<void(double, const std::string&)>& progress) {
+  TissuePage tissue{options, {"tissue", folder}};
   const StaticModel pressed =
       static_model(study_tissue("fem_green", options.mesh(), "press", {{"force", pressing_solvers}}), 1);
-  std::vector<std::pair<const char*, std::function<ReportSection()>>> parts{
-      {"meshes", [&] { return the_meshes(folder); }},
-      {"springs and elements", [&] { return deflections(folder, study); }},
-      {"figure 9", [&] { return figure_9(folder, options); }},
-      {"load paths", [&] { return load_paths(folder, machine); }},
-      {"solvers", [&] { return solvers(folder, machine, study); }},
-      {"linear systems", [&] { return inner_systems(pressed, best_relaxation(pressed, {})); }},
-      {"pre-inversion", [&] { return pre_inversion(pressed); }},
-      {"pseudo-dynamic", [&] { return pseudo_dynamics(pressed); }},
-      {"rotation", [&] { return turned_body(folder); }},
-      {"volume", [] { return kept_volume(); }},
-      {"order and stages", [] { return order_and_stages(); }},
-      {"regions", [&] { return regions_and_eigenvalues(folder, options); }},
-      {"constant Jacobian", [&] { return rates(options); }},
-      {"force feedback", [&] { return force_feedback(folder); }},
-      {"steps and masses", [&] { return particle_limits(folder, options, study); }},
-      {"steps under loads", [&] { return path_limits(folder, options, study); }},
-      {"costs", [&] { return costs(study); }},
-      {"modes", [&] { return modes(folder); }},
-      {"tool", [&] { return pressed_by_a_tool(folder); }},
+  const auto solving = [&](auto section) {
+    return [&, section](TissuePage& page) { section(page, pressed); };
   };
-  const auto share = [&] { return static_cast<double>(sections.size()) / static_cast<double>(parts.size()); };
-  parts.emplace_back("thigh", [&] {
-    return identified_thigh(folder, options, study,
-                            [&](const std::string& what) { progress(share(), what); });
-  });
-  if (options.scale)
-    parts.emplace_back("sizes", [&] {
-      return costs_over_size(folder, options, study,
-                             [&](double, const std::string& mesh) { progress(share(), mesh); });
-    });
-  for (const auto& [name, make] : parts) {
-    progress(share(), name);
-    sections.push_back(make());
+  double share = 0;
+  const auto telling = [&](auto section) {
+    return [&, section](TissuePage& page) {
+      section(page, [&](const std::string& what) { progress(share, what); });
+    };
+  };
+  std::vector<std::pair<const char*, std::function<void(TissuePage&)>>> sections{
+      {"meshes", the_meshes},
+      {"springs and elements", deflections},
+      {"figure 9", figure_9},
+      {"load paths", load_paths},
+      {"solvers", solvers},
+      {"linear systems", solving(inner_systems)},
+      {"pre-inversion", solving(pre_inversion)},
+      {"pseudo-dynamic", solving(pseudo_dynamics)},
+      {"rotation", turned_body},
+      {"volume", kept_volume},
+      {"order and stages", order_and_stages},
+      {"regions", regions_and_eigenvalues},
+      {"constant Jacobian", constant_jacobian},
+      {"force feedback", force_feedback},
+      {"steps and masses", particle_limits},
+      {"steps under loads", path_limits},
+      {"costs", costs},
+      {"modes", modes},
+      {"tool", pressed_by_a_tool},
+      {"thigh", telling(identified_thigh)}};
+  tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
+  tissue.document["sizes"] = Json::array();
+  if (options.scale) sections.emplace_back("sizes", telling(costs_over_size));
+  for (const auto& [name, make] : sections) {
+    progress(share, name);
+    make(tissue);
+    share += 1 / static_cast<double>(sections.size());
   }
-  study.report = write_report(
-      "Springs and finite elements on the phantom and the liver",
-      "`hmax reproduce tissue` made this page" +
-          std::string(options.quick
-                          ? " in the quick form: coarser meshes, fewer points and repetitions, so that its "
-                            "numbers are those of the sources in part only. "
-                          : ". ") +
-          markdown_text(machine),
-      sections, folder);
-  return study;
+  tissue.document["report"] = tissue.page.write().string();
+  return tissue.document;
 }
 
 }  // namespace hmax

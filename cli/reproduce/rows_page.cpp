@@ -13,8 +13,7 @@ RowsPage write_rows_page(const std::filesystem::path& folder, const std::vector<
   const StoreReport page = store_report(contents, build_info().version);
   const std::filesystem::path file = folder / "rows.html";
   write_file(file, page.html);
-  return {
-      .file = file, .left_out = page.left_out, .link = "[Every row, with figures to hover over](rows.html)."};
+  return {.file = file, .left_out = page.left_out};
 }
 
 }  // namespace hmax

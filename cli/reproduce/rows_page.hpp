@@ -11,7 +11,6 @@ namespace hmax {
 struct RowsPage {
   std::filesystem::path file;
   std::size_t left_out = 0;  ///< rows for which 5 MB are too little; the page says so
-  std::string link;          ///< to the page from one beside it, as Markdown
 };
 
 /// Writes the page of `hmax report` over stores of `folder`: its rows.html.

@@ -10,31 +10,17 @@
 
 namespace hmax {
 
-/// One section of a report. Texts are Markdown; pass names from files through `markdown_text`.
-struct ReportSection {
-  std::string title;
-  std::string text = {};
-  std::vector<FigureFiles> figures =
-      {};  ///< shown when drawn; otherwise the reason is told and the script linked
-  std::vector<std::string> tables = {};  ///< Markdown, shown in full: keep them short
-  std::string printed = {};              ///< what the study printed
-  std::string differs = {};              ///< how this differs, and why
-};
-
-/// The README.md of `folder`: figures as pictures (PNG, each a link to its SVG) with links to PDF, script and
-/// data, all relative to `folder`.
-std::string report_text(const std::string& title, const std::string& introduction,
-                        const std::vector<ReportSection>& sections, const std::filesystem::path& folder);
+/// A figure in Markdown: its picture (PNG, a link to its SVG) with links to PDF, script and data, relative to
+/// `folder`; where it was not drawn the reason, and the script.
+std::string figure_markdown(const FigureFiles& figure, const std::filesystem::path& folder);
 
 /// @throws InputError where a report in `folder` would replace files that hmax did not write, before anything
 /// is computed
 void check_report_place(const std::filesystem::path& folder);
 
-/// Writes `report_text` to folder / README.md, and the same as `markdown_page` to folder / index.html.
+/// Writes a text in Markdown to folder / README.md, and the same as `markdown_page` to folder / index.html.
 /// @returns the index.html
 /// @throws InputError when they cannot be written
-std::filesystem::path write_report(const std::string& title, const std::string& introduction,
-                                   const std::vector<ReportSection>& sections,
-                                   const std::filesystem::path& folder);
+std::filesystem::path write_report(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace hmax

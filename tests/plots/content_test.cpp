@@ -195,17 +195,13 @@ TEST(RunningTotals, TheOrderOfRunningFollowsTheClock) {
 }
 
 TEST(Report, ShowsFiguresWithRelativeLinksAndTellsWhatIsMissing) {
-  const FigureFiles drawn{"out/figures/steps", {}, ""}, missing{"out/phase", {}, "gnuplot is not installed"};
-  const std::string text = report_text(
-      "Study", "Hello.",
-      {{.title = "Figure 1", .figures = {drawn, missing}, .printed = "one thing", .differs = "another"}},
-      "out");
-  EXPECT_NE(text.find("# Study\n\nHello.\n\n## Figure 1\n"), std::string::npos);
-  EXPECT_NE(text.find("[![Figure 1](figures/steps.png)](figures/steps.svg)"), std::string::npos) << text;
-  EXPECT_NE(text.find("_Not drawn: gnuplot is not installed_ · [script](phase.gp)"), std::string::npos)
-      << text;
-  EXPECT_NE(text.find("**The study printed:** one thing"), std::string::npos);
-  EXPECT_NE(text.find("**What differs:** another\n"), std::string::npos);
+  const FigureFiles drawn{"out/figures/steps", {}, "", "falls_as h"},
+      missing{"out/phase", {}, "gnuplot is not installed"};
+  EXPECT_EQ(figure_markdown(drawn, "out"),
+            "[![falls\\_as h](figures/steps.png)](figures/steps.svg)\n\n[SVG](figures/steps.svg) · "
+            "[PDF](figures/steps.pdf) · [script](figures/steps.gp) · [data](figures/steps.dat)");
+  EXPECT_EQ(figure_markdown(missing, "out"),
+            "_Not drawn: gnuplot is not installed_ · [script](phase.gp) · [data](phase.dat)");
 }
 
 TEST(Report, NamesCannotBecomeMarkup) {

@@ -61,10 +61,10 @@ TEST(ThighLimits, OfExplicitEulerAreDampingOverTheSquareOfTheFrequency) {
   const auto limits = thigh_limits({"explicit_euler", "linearly_implicit_euler"}, thigh, load);
   const double at_rest = load.damping / largest(Eigen::VectorXd::Zero(16)),
                at_depth = load.damping / largest(pressed(thigh));
-  EXPECT_NEAR(limits[0].at_rest, at_rest, 1e-9 * at_rest);
-  EXPECT_NEAR(limits[0].pressed, at_depth, 1e-9 * at_depth);
-  EXPECT_LT(limits[0].pressed, limits[0].at_rest);
-  EXPECT_TRUE(std::isinf(limits[1].pressed));
+  EXPECT_NEAR(limits[0].h_rest, at_rest, 1e-9 * at_rest);
+  EXPECT_NEAR(limits[0].h_pressed, at_depth, 1e-9 * at_depth);
+  EXPECT_LT(limits[0].h_pressed, limits[0].h_rest);
+  EXPECT_TRUE(std::isinf(limits[1].h_pressed));
 }
 
 TEST(ThighLimits, GrowWithTheMassUntilAStepIsStable) {
@@ -73,7 +73,7 @@ TEST(ThighLimits, GrowWithTheMassUntilAStepIsStable) {
   ThighLoad heavy = load;
   heavy.mass = stable_mass("explicit_euler", thigh, load, h);
   EXPECT_GT(heavy.mass, load.mass);
-  const double limit = thigh_limits({"explicit_euler"}, thigh, heavy).front().pressed;
+  const double limit = thigh_limits({"explicit_euler"}, thigh, heavy).front().h_pressed;
   EXPECT_GE(limit, h);
   EXPECT_LT(limit, 1.02 * h);
   EXPECT_EQ(stable_mass("linearly_implicit_euler", thigh, load, h), load.mass);

@@ -69,7 +69,7 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
 
   const RowsPage all = write_rows_page(scratch.folder(), {"limits.sqlite"});
   EXPECT_EQ(all.left_out, 0U);
-  const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch.folder(), all.link);
+  const fs::path report = reproduce_stability(some, rows, nonlinear, "a machine", scratch.folder());
   EXPECT_EQ(report, scratch / "index.html");
   EXPECT_NE(text_of(report).find("<a href=\"rows.html\">Every row, with figures to hover over</a>"),
             std::string::npos);

@@ -2,20 +2,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "catalogue/methods/catalogue.hpp"
-#include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "cli/reproduce/tissue_page.hpp"
 #include "limits/along/trajectory_limit.hpp"
-#include "plots/draw.hpp"
 #include "studies/particle_limits.hpp"
 
 namespace hmax {
 
 namespace {
 
-namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 // What the thesis printed of its explicit integration, and the study's liver:male_normal.
 constexpr double printed_rate = 280;    // [1/s]
@@ -80,15 +80,6 @@ Panel drawn(const RatePanel& wanted, std::span<const Method> methods, const Rang
   return panel;
 }
 
-std::string rate_in_words(double rate) {
-  if (std::isinf(rate)) return "no step is stable";
-  const double digit = std::pow(10, std::floor(std::log10(rate)) - 2);  // three of them
-  return fmt::format("{:.0f}", std::round(rate / digit) * digit);
-}
-std::string stiffest_in_words(double young) {
-  return young > 0 ? fmt::format("{:.3g}", young / 1000) : "none";
-}
-
 std::string whole_words() { return fmt::format("one damper of {:g} N s/m on the body", study_damper); }
 std::string springs_words() { return fmt::format("dampers of k / ({:g}/s) along the springs", printed_rate); }
 
@@ -103,25 +94,36 @@ struct DampedBodies {
   }
 };
 
-/// Limits of the three bodies as a table; each goes into the study too.
-std::string limits_table(const DampedBodies& bodies, std::span<const Method> methods, TissueStudy& study) {
-  std::string table = fmt::format(
-      "| damping | method | steps a second at {:g} g and {:g} kPa | stiffest E at {:g} g and {:g} steps a second "
-      "[kPa] |\n| --- | --- | ---: | ---: |\n",
-      1000 * printed_mass, study_young / 1000, 1000 * printed_mass, printed_rate);
+/// Limits of the three bodies: rows of the text, and of the document.
+void add_limits(TissuePage& tissue, const DampedBodies& bodies, std::span<const Method> methods) {
+  constexpr double low = 100, high = 1e6;  // E of the search [Pa]
+  Json values{
+      {"mesh", bodies.bare.mesh}, {"young", study_young}, {"spring", mean_spring_stiffness(bodies.bare)},
+      {"rate", printed_rate},     {"mass", printed_mass}, {"heaviest", tissue.document["heaviest_particle"]}};
+  std::map<std::pair<std::string, std::string>, std::pair<double, double>> found;  // rate, stiffest
   for (const auto& [damping, body] : {std::pair<std::string, const ParticleBody&>{"none", bodies.bare},
                                       {whole_words(), bodies.whole},
                                       {springs_words(), bodies.springs}}) {
     const std::vector<double> rates = stable_step_rates(methods, body);
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      constexpr double low = 100, high = 1e6;  // [Pa]
-      const double stiffest = stiffest_stable(methods[i], body, printed_rate, low, high);
-      study.particles.push_back({damping, methods[i].id, rates[i], stiffest > low ? stiffest : 0});
-      table += fmt::format("| {} | {} | {} | {} |\n", damping, markdown_text(methods[i].id),
-                           rate_in_words(rates[i]), stiffest_in_words(study.particles.back().stiffest));
+      double stiffest = stiffest_stable(methods[i], body, printed_rate, low, high);
+      if (stiffest <= low) stiffest = 0;
+      found[{damping, methods[i].id}] = {rates[i], stiffest};
+      tissue.document["particles"].push_back(
+          {{"damping", damping}, {"method", methods[i].id}, {"h_max", 1 / rates[i]}, {"stiffest", stiffest}});
+      values["limits"].push_back({{"damping", damping},
+                                  {"method", methods[i].id},
+                                  {"unstable", std::isinf(rates[i])},
+                                  {"needed", rates[i]},
+                                  {"any", stiffest > 0},
+                                  {"stiffest", stiffest}});
     }
   }
-  return table;
+  values["rk4"] = found[{"none", "rk4"}].second;
+  values["symplectic"] = found[{"none", "symplectic_euler"}].second;
+  values["whole"] = found[{whole_words(), "explicit_euler"}].first;
+  values["damped"] = found[{springs_words(), "explicit_euler"}].second;
+  tissue.page.values["particles"] = values;
 }
 
 /// Steps a second over the mass of a particle and over the stiffness, for both kinds of damping.
@@ -161,53 +163,16 @@ Figure rates_figure(const DampedBodies& bodies, std::span<const Method> methods,
   return figure;
 }
 
-/// What the table and the figure say, in words.
-std::string limits_in_words(const ParticleBody& bare, const std::string& table, const TissueStudy& study) {
-  const auto of = [&](std::string_view damping, std::string_view method) -> const ParticleLimit& {
-    return *std::ranges::find_if(study.particles, [&](const ParticleLimit& limit) {
-      return limit.damping == damping && limit.method == method;
-    });
-  };
-  return fmt::format(
-      "Every particle of the {} of springs has the same mass. E = {:g} kPa is that of the study, a mean "
-      "spring of {:.3g} N/m; the study's damper acts on the whole body, or dampers along the springs are "
-      "chosen so that explicit Euler is just stable at {:g} steps a second. Limits are those of the body at rest.\n\n"
-      "{}\n"
-      "- Undamped, the steps that a body needs in a second fall with the root of the mass. With {:g} a second "
-      "and {:g} g a body of up to {} kPa is stable with RK4 and of up to {} kPa with symplectic Euler, and "
-      "none with explicit Euler, which lets every undamped motion grow.\n"
-      "- Explicit Euler needs h < c/k of every motion that swings, whatever the mass. One damper on the whole body "
-      "leaves it with {} steps a second at {:g} kPa, at any mass; dampers along the springs of at least "
-      "c = k / ({:g}/s) let it take {:g}, up to {} kPa at {:g} g. The same dampers cost symplectic Euler steps, "
-      "since it takes them explicitly.\n"
-      "- \"Not stable\" for a large mass can then mean two things. A step of explicit Euler that is too long "
-      "for its dampers stays so however heavy the particles are. And weight: beyond {:.2g} g a particle the "
-      "body that hangs in it has no equilibrium without an element turned inside out (grey), which no step "
-      "mends.",
-      bare.mesh, study_young / 1000, mean_spring_stiffness(bare), printed_rate, table, printed_rate,
-      1000 * printed_mass, stiffest_in_words(of("none", "rk4").stiffest),
-      stiffest_in_words(of("none", "symplectic_euler").stiffest),
-      rate_in_words(of(whole_words(), "explicit_euler").rate), study_young / 1000, printed_rate, printed_rate,
-      stiffest_in_words(of(springs_words(), "explicit_euler").stiffest), 1000 * printed_mass,
-      1000 * study.heaviest_particle);
-}
-
 }  // namespace
 
-ReportSection particle_limits(const fs::path& folder, const TissueOptions& options, TissueStudy& study) {
+void particle_limits(TissuePage& tissue) {
   std::vector<Method> methods;
   for (const char* id : particle_methods) methods.push_back(find_method(id));
-  const DampedBodies bodies(options.mesh());
-  study.heaviest_particle = heaviest_hanging(bodies.bare);
-  const std::string table = limits_table(bodies, methods, study);
-  const Figure figure = rates_figure(bodies, methods, study.heaviest_particle, options);
-  return {.title = "Steps a second against the mass of a particle and the stiffness",
-          .text = limits_in_words(bodies.bare, table, study),
-          .figures = {draw(figure, folder, "particles")},
-          .printed = fmt::format(
-              "explicit integration with {:g} steps a second at {:g} g a particle; \"not stable\" "
-              "with a \"large mass\". Neither stiffness nor damping is given.",
-              printed_rate, 1000 * printed_mass)};
+  const DampedBodies bodies(tissue.options.mesh());
+  const double heaviest = heaviest_hanging(bodies.bare);
+  tissue.document["heaviest_particle"] = heaviest;
+  add_limits(tissue, bodies, methods);
+  tissue.page.draw(rates_figure(bodies, methods, heaviest, tissue.options), "particles");
 }
 
 namespace {
@@ -239,13 +204,6 @@ std::string load_in_words(std::string_view load) {
   return load == "gravity" ? "hanging in its weight" : fmt::format("pressed with {:g} N", path_force);
 }
 
-std::string path_table_head(std::span<const Method> methods) {
-  std::string table = "| load | along | model |";
-  for (const Method& method : methods)
-    table += fmt::format(" {}: h_max at rest, least [ms] |", markdown_text(method.id));
-  return table + " growing share [%] |\n| --- | --- | --- | ---: | ---: | ---: |\n";
-}
-
 /// What is common to the paths of one model under one load.
 struct LoadedModel {
   std::string_view load, model;
@@ -254,15 +212,15 @@ struct LoadedModel {
 };
 
 /// The limits of a model in equilibrium while its load grows, or in motion: curves, a row of the table, and
-/// entries of the study.
-std::string add_path(Panel& panel, const LoadedModel& loaded, bool of_load, std::span<const Method> methods,
-                     bool quick, TissueStudy& study) {
+/// entries of the document.
+Json add_path(TissuePage& tissue, Panel& panel, const LoadedModel& loaded, bool of_load,
+              std::span<const Method> methods) {
+  const bool quick = tissue.options.quick;
   const Path path = of_load ? load_path(loaded.problem, quick ? 4 : 20)
                             : motion_path(loaded.problem, quick ? 0.2 : 1, quick ? 8 : 100);
   const auto limits = limits_along(methods, loaded.problem, path);
   const char* const along = of_load ? "load" : "motion";
-  std::string row =
-      fmt::format("| {} | {} | {} |", load_in_words(loaded.load), along, markdown_text(loaded.model));
+  Json shown = Json::array();
   for (std::size_t i = 0; i < methods.size(); ++i) {
     const TrajectoryLimit& limit = limits[i].value();
     Style style = family_style(loaded.colour, i > 0);
@@ -271,21 +229,30 @@ std::string add_path(Panel& panel, const LoadedModel& loaded, bool of_load, std:
                  i == 0    ? 1
                  : of_load ? 2
                            : 5);
-    study.paths.push_back({std::string(loaded.load), along, std::string(loaded.model), methods[i].id,
-                           limit.h_max.front(), limit.least, limit.growing});
-    row += fmt::format(" {:.4g}, {:.4g} |", 1000 * limit.h_max.front(), 1000 * limit.least);
+    shown.push_back({{"at_rest", limit.h_max.front()}, {"least", limit.least}});
+    tissue.document["paths"].push_back({{"load", loaded.load},
+                                        {"path", along},
+                                        {"model", loaded.model},
+                                        {"method", methods[i].id},
+                                        {"h_rest", limit.h_max.front()},
+                                        {"h_min", limit.least},
+                                        {"growing_share", limit.growing}});
   }
-  return row + fmt::format(" {:.3g} |\n", 100 * limits.front()->growing);
+  return {{"load", load_in_words(loaded.load)},
+          {"along", along},
+          {"model", loaded.model},
+          {"limits", shown},
+          {"growing", limits.front()->growing}};
 }
 
 }  // namespace
 
-ReportSection path_limits(const fs::path& folder, const TissueOptions& options, TissueStudy& study) {
+void path_limits(TissuePage& tissue) {
   std::vector<Method> methods;
   for (const char* id : path_methods) methods.push_back(find_method(id));
   Figure figure{.title = "What loads do to the largest stable step", .columns = 2};
-  figure.footer = options.machine;
-  std::string table = path_table_head(methods), about;
+  figure.footer = tissue.options.machine;
+  Json values = Json::object({{"methods", path_methods}});
   for (const std::string_view load : {"gravity", "press"}) {
     Panel share{.title = load_in_words(load) + ", in equilibrium",
                 .x = {.label = "share of the load [1]"},
@@ -297,25 +264,17 @@ ReportSection path_limits(const fs::path& folder, const TissueOptions& options, 
     std::vector<std::pair<std::string, double>> parameters;
     if (load == "press") parameters.emplace_back("force", path_force);
     for (const std::string_view model : path_models) {
-      const LoadedModel loaded{load, model, study_tissue(model, options.mesh(), load, parameters), colour++};
-      about = made_of(loaded.problem);
-      table += add_path(share, loaded, true, methods, options.quick, study);
-      table += add_path(motion, loaded, false, methods, options.quick, study);
+      const LoadedModel loaded{load, model, study_tissue(model, tissue.options.mesh(), load, parameters),
+                               colour++};
+      values["made_of"] = made_of(loaded.problem);
+      values["bodies"].push_back(add_path(tissue, share, loaded, true, methods));
+      values["bodies"].push_back(add_path(tissue, motion, loaded, false, methods));
     }
     figure.panels.push_back(std::move(share));
     figure.panels.push_back(std::move(motion));
   }
-  return {
-      .title = "The largest stable step under a load and in motion",
-      .text =
-          about +
-          fmt::format(
-              " h_max is that of the tangent at each state, K(q) on the equilibria while the load grows, and on "
-              "the motion of the body when the load comes at once. Where a curve is interrupted the tangent "
-              "has a negative stiffness: the body buckles, and what grows is the model. The fastest mode "
-              "sits in a few small elements, so a load far from them hardly moves the limit.\n\n{}",
-              table),
-      .figures = {draw(figure, folder, "limits_under_loads")}};
+  tissue.page.values["paths"] = values;
+  tissue.page.draw(figure, "limits_under_loads");
 }
 
 }  // namespace hmax

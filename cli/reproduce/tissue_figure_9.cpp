@@ -1,12 +1,13 @@
 /// The section of `hmax reproduce tissue` on figure 9 of the liver study: a liver over stiffness and damping.
 #include <array>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/bodies/body_picture.hpp"
-#include "cli/reproduce/reproduce_tissue_parts.hpp"
+#include "cli/reproduce/tissue_page.hpp"
 #include "core/errors.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/sofa_scene.hpp"
@@ -50,9 +51,8 @@ BodyView farthest(const Problem& problem) {
 
 }  // namespace
 
-ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions& options) {
-  std::vector<FigureFiles> figures;
-  std::string scenes;
+void figure_9(TissuePage& tissue) {
+  std::set<std::string> scenes;
   for (const char* model : {"mass_spring", "fem_green"}) {
     BodyPicture bodies{
         .title = model == std::string_view("mass_spring")
@@ -63,7 +63,7 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
       const Parameters material{{"E", 1000 * each.k}, {"alpha", each.c / 1.45}};
       Parameters loaded = material;
       loaded.emplace_back("force", pressing);
-      const Problem problem = study_tissue(model, options.mesh(), "press", loaded);
+      const Problem problem = study_tissue(model, tissue.options.mesh(), "press", loaded);
       bodies.views.push_back(farthest(problem));
       bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
       bodies.caption = made_of(problem) +
@@ -73,26 +73,15 @@ ReportSection figure_9(const std::filesystem::path& folder, const TissueOptions&
                            pressing, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
       // Scenes have no pressing forces.
-      write_file(folder / name, sofa_text(*study_tissue(model, options.mesh(), "gravity", material).body, h));
-      if (scenes.find(name) == std::string::npos)
-        scenes += fmt::format("{}[{}]({})", scenes.empty() ? "" : ", ", markdown_text(name), name);
+      write_file(tissue.page.folder / name,
+                 sofa_text(*study_tissue(model, tissue.options.mesh(), "gravity", material).body, h));
+      if (!scenes.insert(name).second) continue;
+      tissue.page.link(name, name);
+      tissue.page.values["scenes"].push_back(name);
     }
     bodies.colours = colours_of(BodyValue::displacement, bodies.views);
-    const std::string name = fmt::format("figure_9_{}", model);
-    write_picture(folder / (name + ".svg"), bodies);
-    figures.push_back({folder / name, {folder / (name + ".svg")}, {}});
+    tissue.draw(bodies, fmt::format("figure_9_{}", model));
   }
-  return {
-      .title = "Figure 9 of the liver study: deformation over stiffness and damping",
-      .text =
-          "Stiffness and damping of the table of benchmark livers, given to a body on a mesh. As scenes "
-          "of SOFA: " +
-          scenes + ".",
-      .figures = std::move(figures),
-      .printed = "A deformed liver, drawn by SOFA, for several stiffnesses and dampings.",
-      .differs =
-          "The scenes, their parameters and their load are not printed; the force is ours. The scenes for SOFA have "
-          "the weight of the body in its place."};
 }
 
 }  // namespace hmax

@@ -1,0 +1,119 @@
+#include "cli/reproduce/report_text.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "studies/scale_study.hpp"
+
+namespace hmax {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The message of what `filled` throws; empty where it throws nothing.
+std::string refusal(std::string_view text, const Json& values, const ReportPieces& pieces = {}) {
+  try {
+    filled(text, values, pieces);
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void expect_says(const std::string& message, const char* part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST(ReportText, FormatsNumbersAndEscapesWords) {
+  const Json values{
+      {"n", 7},      {"x", 0.0123456789}, {"large", 123456.7}, {"many", {1.5, 2.25}}, {"never", INFINITY},
+      {"none", NAN}, {"name", "rk2_heun"}};
+  EXPECT_EQ(
+      filled("{{n}} {{x}} {{x:.2g}} {{x*1000:.3g}} mm {{large:3 digits}} {{x:3 digits}} {{many}} {{name}} "
+             "{{never:.3g}} {{none:.3g}}",
+             values, {}),
+      "7 0.0123457 0.012 12.3 mm 123000 0.0123 1.5, 2.25 rk2\\_heun unbounded –");
+}
+
+TEST(ReportText, RepeatsRowsAndLooksNamesUpFromInsideOut) {
+  const Json values{{"unit", "s"},
+                    {"rows", {{{"h", 1}, {"unit", "ms"}}, {{"h", 2}, {"unit", "us"}}}},
+                    {"empty", Json::array()},
+                    {"box", Json::object({{"inside", 3}})},
+                    {"words", {"a", "b"}}};
+  EXPECT_EQ(
+      filled("| h |\n{{#rows}}\n| {{h}} {{unit}} |\n{{/rows}}\nin {{unit}}{{#box}}, {{inside}}{{/box}}\n"
+             "{{#empty}}{{/empty}}{{^empty}}none{{/empty}} {{#words|; }}<{{.}}>{{/words}}",
+             values, {}),
+      "| h |\n| 1 ms |\n| 2 us |\nin s, 3\nnone <a>; <b>");
+}
+
+TEST(ReportText, ShowsASentenceWhereItsConditionHolds) {
+  const std::string text = "A.\n{{#good}}\nGood: {{x}}.\n{{/good}}\n{{^good}}\nBad.\n{{/good}}\n";
+  EXPECT_EQ(filled(text, {{"good", true}, {"x", 1}}, {}), "A.\nGood: 1.\n");
+  EXPECT_EQ(filled(text, {{"good", false}, {"x", 1}}, {}), "A.\nBad.\n");
+}
+
+TEST(ReportText, PutsPiecesWhereTheyBelong) {
+  EXPECT_EQ(
+      filled("{{figure motion}} {{motion}}\n{{#files|, }}{{link .}}{{/files}}",
+             {{"files", {"a.csv", "b.csv"}}, {"motion", 1}},
+             {{"figure motion", "![m](m.svg)"}, {"link a.csv", "[A](a.csv)"}, {"link b.csv", "[B](b.csv)"}}),
+      "![m](m.svg) 1\n[A](a.csv), [B](b.csv)");
+}
+
+TEST(ReportText, RefusesUnknownPlaces) {
+  expect_says(refusal("{{x}}", Json::object()), "the place {{x}}: it has no value");
+  expect_says(refusal("{{figure x}}", Json::object()), "the place {{figure x}}: there is none");
+  // Also where nobody would see it today.
+  expect_says(refusal("{{#a}}{{x}}{{/a}}", {{"a", false}}), "the place {{x}}");
+  expect_says(refusal("{{^a}}{{x}}{{/a}}", {{"a", true}}), "the place {{x}}");
+  EXPECT_EQ(refusal("{{#a}}{{x}}{{/a}}", {{"a", nullptr}}), "");
+}
+
+TEST(ReportText, RefusesWhatHasNoPlace) {
+  expect_says(refusal("{{x}}", {{"x", 1}, {"y", 2}}), "no place for the value y");
+  expect_says(refusal("{{#rows}}{{x}}{{/rows}}", {{"rows", {{{"x", 1}, {"y", 2}}}}}),
+              "no place for the value rows.y");
+  expect_says(refusal("{{#box}}{{x}}{{/box}}", {{"box", {{"x", 1}, {"y", 2}}}}),
+              "no place for the value box.y");
+  expect_says(refusal("", Json::object(), {{"figure x", ""}}), "no place for the figure x");
+  EXPECT_EQ(refusal("{{#a}}{{x}}{{/a}}", {{"a", false}, {"x", 1}}), "");
+}
+
+TEST(ReportText, RefusesWrongPlaces) {
+  expect_says(refusal("{{x", {{"x", 1}}), "no end");
+  expect_says(refusal("{{#x}}", {{"x", true}}), "no end");
+  expect_says(refusal("{{/x}}", {{"x", true}}), "ends no part");
+  expect_says(refusal("{{#x}}{{#y}}{{/x}}{{/y}}", {{"x", true}, {"y", true}}), "ends no part");
+  expect_says(refusal("{{#x}}{{/x}}", {{"x", 1}}), "no yes or no");
+  expect_says(refusal("{{x:.3g}}", {{"x", "word"}}), "no number");
+  expect_says(refusal("{{x:.3q}}", {{"x", 1.5}}), "the place {{x:.3q}}");
+  expect_says(refusal("{{x}}", {{"x", true}}), "no number");
+}
+
+TEST(ReportText, OfEveryReportIsThere) {
+  EXPECT_EQ(report_texts().size(), 4U);
+  for (const char* name : {"all", "oscillators", "stability", "tissue"})
+    EXPECT_TRUE(report_text(name).starts_with("# ")) << name;
+  EXPECT_THROW(report_text("none"), std::logic_error);
+}
+
+/// The other parts are filled by the tests of the reports; this one is made for --scale alone.
+TEST(ReportText, HasAPlaceForEveryCostOfAMesh) {
+  const std::string_view text = report_text("tissue");
+  const std::vector<ScaleRow> rows{{.mesh = "ball:n=2", .tetrahedra = 48, .peak_memory = 2.5e9}};
+  const Json sizes{{"meshes", rows}, {"force_spread", 1.25}, {"step_spread", 1.5}};
+  const std::string part = filled(text.substr(text.find("{{#sizes}}")), Json::object({{"sizes", sizes}}),
+                                  {{"figure costs_over_size", "the figure"}});
+  EXPECT_NE(part.find("| ball:n=2 | 48 | 0 | 0 | 0 | 0 | 0 | 0 | 0 | 2.50 |\n\nthe figure\n"),
+            std::string::npos)
+      << part;
+}
+
+}  // namespace
+}  // namespace hmax
