@@ -43,6 +43,30 @@ TEST(Sundials, AdaptiveRunsReachTheEndWithinTheirTolerance) {
   }
 }
 
+/// x'' = -x, all of it stiff.
+struct StiffCircle : Circle {
+  void rhs_stiff(double t, const State& y, State& dydt) const { rhs(t, y, dydt); }
+  void rhs_nonstiff(double, const State&, State& dydt) const { dydt.setZero(); }
+  void jacobian_stiff(double t, const State& y, Jacobian& J) const { jacobian(t, y, J); }
+};
+
+TEST(Sundials, StagesAreSolvedToTheToleranceWhereTheStepChanges) {
+  const auto error = [](const Method& method) {
+    Eigen::Vector2d y(1, 0);
+    EXPECT_EQ(run(method, {.rtol = 1e-6, .atol = 1e-9}, StiffCircle{}, 10, y).outcome, Outcome::reached_end);
+    return (y - Circle::exact(10)).norm();
+  };
+  for (const int table : {ARKODE_SDIRK_5_3_4, ARKODE_KVAERNO_5_3_4, ARKODE_ARK436L2SA_DIRK_6_3_4,
+                          ARKODE_KVAERNO_7_4_5, ARKODE_ARK548L2SA_DIRK_8_4_5})
+    EXPECT_LT(error({.package = Package::dirk, .implicit_table = table}), 5e-5) << table;
+  const auto pair = [&](int explicit_table, int implicit_table) {
+    return error(
+        {.package = Package::imex, .explicit_table = explicit_table, .implicit_table = implicit_table});
+  };
+  EXPECT_LT(pair(ARKODE_ARK436L2SA_ERK_6_3_4, ARKODE_ARK436L2SA_DIRK_6_3_4), 5e-5);
+  EXPECT_LT(pair(ARKODE_ARK548L2SA_ERK_8_4_5, ARKODE_ARK548L2SA_DIRK_8_4_5), 5e-5);
+}
+
 TEST(Sundials, AFixedStepIsTakenAsOftenAsItFitsIn) {
   for (const double t_end : {100.0, 99.995}) {
     Eigen::Vector2d y(1, 0);
