@@ -103,7 +103,7 @@ class Dopri5Peer {
     // k_1 of the first step; later ones have it from the step before.
     if (!started_) {
       start_ = end_ = y;
-      rhs_(y, end_, t);
+      rhs_(y, start_, t);
       started_ = true;
     }
     // The last slope of an accepted step is the first one of the next; a rejected step keeps its own.

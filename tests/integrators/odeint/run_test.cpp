@@ -57,6 +57,44 @@ TEST(Odeint, SteeredRunsReachTheEndWithinTheirTolerance) {
   });
 }
 
+/// y' = 5 t^4, whatever y: a step of order 5 is exact.
+struct FifthPower {
+  using State = Eigen::VectorXd;
+  static Eigen::Index dim() { return 1; }
+  void rhs(double t, const State&, State& dydt) const { dydt[0] = 5 * std::pow(t, 4); }
+};
+
+TEST(OdeintDopri5, TheFirstStepBeginsWithTheSlopeAtTheStart) {
+  const FifthPower system;
+  Dopri5Peer<FifthPower> peer(system, 1, 1);
+  // The slope is 0 at t = 0, the state is not.
+  Eigen::VectorXd y = Eigen::VectorXd::Constant(1, 3);
+  values_of<Eigen::VectorXd> start, next;
+  to_values(y, start);
+  next = start;
+  double h = 1;
+  ASSERT_TRUE(peer.try_step(start, 0, next, h));
+  to_state(next, y);
+  EXPECT_NEAR(y[0], 4, 1e-13);
+}
+
+/// y' = -y / T.
+struct SlowFall {
+  using State = Eigen::VectorXd;
+  double T;
+  static Eigen::Index dim() { return 1; }
+  void rhs(double, const State& y, State& dydt) const { dydt = -y / T; }
+};
+
+TEST(OdeintDopri5, RunsOfSlowModelsBeginAtLateTimes) {
+  const double T = 1e12;
+  Eigen::VectorXd y = Eigen::VectorXd::Ones(1);
+  const auto end = integrate_adaptive<Dopri5Peer<SlowFall>>(SlowFall{T}, Span<double>{T, 2 * T}, y, 1e-9,
+                                                            1e-9, 5, ObserveNothing{}, many);
+  EXPECT_EQ(end.outcome, Outcome::reached_end);
+  EXPECT_NEAR(y[0], std::exp(-1.0), 1e-7);
+}
+
 TEST(Odeint, PointsInsideStepsAreAsGoodAsTheirEnds) {
   with_each([](auto run) {
     Eigen::Vector2d y(1, 0);
