@@ -316,8 +316,10 @@ inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme s
   const auto uniform = [&](double from, double to) {
     return std::uniform_real_distribution(from, to)(random);
   };
-  // A softer floor and less weight, until all of the lowest nodes touch and nothing tips over.
-  for (double softer = 1;; softer *= 4) {
+  // A softer floor and less weight, until all of the lowest nodes touch and nothing tips over. So little
+  // weight that the rounding of the springs is no small part of it never settles.
+  constexpr double softest = 4096;
+  for (double softer = 1;; softer = softer < softest ? 4 * softer : 1) {
     Lattice found;
     found.support = support;
     found.scheme = scheme;
