@@ -1,7 +1,9 @@
 #include "limits/problem_linearity.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <variant>
 
 #include "catalogue/models/matrix_problem.hpp"
@@ -37,29 +39,54 @@ Linearity linearity_of(const Problem& problem) {
 
 namespace {
 
-/// What an entry is known to, beside the largest of its row.
-double known_to(JacobianOrigin origin) { return origin == JacobianOrigin::analytic ? 1e-12 : 1e-6; }
+bool is_analytic(const LinearModel& model) { return model.origin == JacobianOrigin::analytic; }
 
-/// The largest entry of each row of a matrix, in modulus.
-Eigen::VectorXd largest_of_rows(const AnyMatrix& matrix) {
-  Eigen::VectorXd largest = Eigen::VectorXd::Zero(rows(matrix));
-  each_entry(matrix, [&](Eigen::Index i, Eigen::Index, double value) {
-    largest[i] = std::max(largest[i], std::abs(value));
-  });
-  return largest;
-}
+/// What an entry is known to, beside itself.
+double known_to(const LinearModel& model) { return is_analytic(model) ? 1e-12 : 1e-6; }
+
+/// What rounding makes of the entries of a Jacobian of differences: that of f_i over the increment of y_j.
+/// The entries of one row have different units, which a comparison with the largest of them would mix.
+class RoundingOfDifferences {
+ public:
+  /// @param J  that of `model`
+  RoundingOfDifferences(const LinearModel& model, const AnyMatrix& J) {
+    if (is_analytic(model)) return;
+    const double largest = model.y.size() == 0 ? 0 : model.y.cwiseAbs().maxCoeff();
+    increments_ = model.y.unaryExpr([&](double y) { return detail::central_increment(y, largest); });
+    terms_.setZero(rows(J));
+    each_entry(J, [&](Eigen::Index i, Eigen::Index j, double value) {
+      terms_[i] = std::max(terms_[i], std::abs(value) * increments_[j]);
+    });
+    constexpr double roundings = 256, epsilon = std::numeric_limits<double>::epsilon();
+    terms_ *= roundings * epsilon / std::cbrt(epsilon);
+  }
+  /// 0 of analytic Jacobians.
+  [[nodiscard]] double of(Eigen::Index i, Eigen::Index j) const {
+    return terms_.size() == 0 ? 0 : terms_[i] / increments_[j];
+  }
+
+ private:
+  Eigen::VectorXd increments_, terms_;  ///< terms: roundings of the largest |J_ij y_j| of each row
+};
 
 }  // namespace
 
 bool jacobian_differs(const LinearModel& A, const LinearModel& B) {
   const AnyMatrix of_A = A.J(), of_B = B.J();
   if (of_A.index() != of_B.index()) return true;
-  const AnyMatrix difference = std::visit(
-      [&]<class Matrix>(const Matrix& held) -> AnyMatrix { return Matrix(held - std::get<Matrix>(of_B)); },
+  const double known = std::max(known_to(A), known_to(B));
+  const AnyMatrix beyond = std::visit(
+      [&]<class Matrix>(const Matrix& a) -> AnyMatrix {
+        const auto& b = std::get<Matrix>(of_B);
+        return Matrix((a - b).cwiseAbs() - known * (a.cwiseAbs() + b.cwiseAbs()));
+      },
       of_A);
-  const Eigen::ArrayXd size = largest_of_rows(of_A).cwiseMax(largest_of_rows(of_B)).array();
-  const double known = std::max(known_to(A.origin), known_to(B.origin));
-  return !(largest_of_rows(difference).array() <= known * size).all();
+  const RoundingOfDifferences rounding_A(A, of_A), rounding_B(B, of_B);
+  bool differs = false;
+  each_entry(beyond, [&](Eigen::Index i, Eigen::Index j, double value) {
+    differs = differs || !(value <= rounding_A.of(i, j) + rounding_B.of(i, j));
+  });
+  return differs;
 }
 
 bool depends_on_state(const LinearModel& here,

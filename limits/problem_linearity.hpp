@@ -23,8 +23,8 @@ constexpr bool is_affine(Linearity linearity) {
   return linearity == Linearity::linear || linearity == Linearity::time_varying;
 }
 
-/// Whether the Jacobians of two states of one system differ by more than they are known to. Each row is
-/// compared by itself, so that a large one does not hide the others.
+/// Whether the Jacobians of two states of one system differ by more than they are known to. Each entry is
+/// compared by itself: no unit of a state or of time makes a change small.
 bool jacobian_differs(const LinearModel& A, const LinearModel& B);
 
 /// Whether the Jacobian is seen to depend on the state beside `here`, in both directions at distances of 1e-6

@@ -89,6 +89,58 @@ TEST(LimitAlongAMotion, OfACalledModelMissesNoShortEvent) {
   EXPECT_NEAR(least_of(called(large, {1e8, 0}), 10), std::sqrt(8 / (1 + 3e4)), 2e-6);
 }
 
+/// x'' = -k x - c v |v|, with its Jacobian or without.
+template <bool differentiable>
+struct Drag {
+  using State = Eigen::Vector2d;
+  using Jacobian = Eigen::Matrix2d;
+  static constexpr bool autonomous = true;
+  double k, c;
+
+  static constexpr Eigen::Index dim() { return 2; }
+  void rhs(double, const State& y, State& dydt) const { dydt << y[1], -k * y[0] - c * y[1] * std::abs(y[1]); }
+  void jacobian(double, const State& y, Jacobian& J) const requires differentiable {
+    J << 0, 1, -k, -2 * c * std::abs(y[1]);
+  }
+};
+
+template <class Sys>
+Problem drag(Sys system, double x0) {
+  Problem problem;
+  problem.id = "drag";
+  problem.y0 = Eigen::Vector2d(x0, 0);
+  problem.system = AnySystem(system);
+  return problem;
+}
+
+TEST(LimitAlongAMotion, OfDampingIsSeenInAllUnitsOfValueAndTime) {
+  // The smallest limit of rk4 on the motion of x'' = -1.6131690487576535 x - 3.5584626017171828 v |v| from x
+  // = 1, v = 0, by SciPy's DOP853 at rtol 1e-12 in 20,000 steps.
+  constexpr double k = 1.6131690487576535, c = 3.5584626017171828, right = 0.7792507585;
+  // Units in which the entry of damping is less than 1e-12 of that of stiffness, or more than 1e12 times it.
+  for (const double time : {1e-13, 1e-6, 1.0, 1e6, 1e13})
+    for (const double value : {1e-6, 1.0, 1e9}) {
+      const double k_scaled = k / (time * time), c_scaled = c / value, t_end = 8 * time;
+      const auto exact = drag(Drag<true>{k_scaled, c_scaled}, value);
+      EXPECT_NEAR(least_of(exact, t_end) / time / right, 1, 1e-4) << value << ' ' << time;
+    }
+  for (const double time : {0.1, 1.0, 10.0})
+    EXPECT_NEAR(least_of(drag(Drag<false>{k / (time * time), c}, 1), 8 * time) / time / right, 1, 1e-4)
+        << time;
+}
+
+TEST(JacobianDiffers, KnowsDifferencesToTheirRounding) {
+  const auto model = [](auto force, double x) {
+    const Problem problem = called(force, {x, 0});
+    return operating_point(problem, 0, problem.y0).model;
+  };
+  const auto linear = [](double, double x, double v) { return 3 - 4e6 * x - 0.1 * v; };
+  for (const double x : {1e-9, 1e-3, 0.7, 1e5})
+    EXPECT_FALSE(jacobian_differs(model(linear, x), model(linear, 0.9 * x))) << x;
+  const auto damped = [](double, double x, double v) { return 3 - 4 * x - 0.1 * (1 + x * x) * v; };
+  EXPECT_TRUE(jacobian_differs(model(damped, 1), model(damped, 0.9)));
+}
+
 TEST(LimitAlongAMotion, SaysWhetherTheJacobianWasSeenToChange) {
   const auto seen = [](const Problem& problem) {
     return limit_along(find_method("rk4"), problem, 1)->constant;
