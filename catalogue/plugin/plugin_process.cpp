@@ -27,6 +27,11 @@ using Clock = std::chrono::steady_clock;
 
 /// Characters of what a plugin says of an error that are shown.
 constexpr std::size_t most_shown = 500;
+/// Processes of a plugin beside its own, those that have ended and were not waited for as well: more would
+/// leave none to the machine.
+constexpr std::size_t most_processes = 500;
+/// [s] after which they are counted again.
+constexpr double between_counts = 0.1;
 
 std::vector<pid_t> children_of(pid_t process) {
   namespace fs = std::filesystem;
@@ -39,6 +44,14 @@ std::vector<pid_t> children_of(pid_t process) {
     for (pid_t child = 0; list >> child;) found.push_back(child);
   }
   return found;
+}
+
+/// Whether a process has more than so many descendants. Counting ends there.
+bool has_more_descendants(pid_t process, std::size_t most) {
+  std::vector<pid_t> found{process};
+  for (std::size_t i = 0; i < found.size() && found.size() <= most + 1; ++i)
+    for (const pid_t each : children_of(found[i])) found.push_back(each);
+  return found.size() > most + 1;
 }
 
 /// Ends all that the child has started, also what has left its group: such processes are children of the
@@ -169,6 +182,17 @@ void PluginProcess::explain_flood() {
                   flood_of_plugin_output / 1'000'000));
 }
 
+void PluginProcess::bound_processes() {
+  const auto now = Clock::now();
+  if (std::chrono::duration<double>(now - counted_).count() < between_counts) return;
+  counted_ = now;
+  if (!has_more_descendants(child_, most_processes)) return;
+  end();
+  throw InputError(
+      fmt::format("the plugin has more than {} processes; start fewer, and wait for those that have ended",
+                  most_processes));
+}
+
 void PluginProcess::explain_destruction() {
   end();
   throw InputError(std::string(plugin_destroyed));
@@ -185,6 +209,7 @@ void PluginProcess::await() {
     if (count != asked_ - 1) explain_destruction();
     if (settings_.watch) settings_.watch();
     if (output_->is_flooded()) explain_flood();
+    bound_processes();
     if (has_ended() && answered.load() != asked_) explain_end();
     if (const std::uint64_t now = page().stage.calls; now != calls) {
       calls = now;
@@ -198,6 +223,9 @@ void PluginProcess::await() {
 PluginReply PluginProcess::reply() {
   await();
   if (output_->is_flooded()) explain_flood();
+  // The clock takes a tenth of a short call.
+  constexpr std::uint32_t calls_between_looks = 16;
+  if (asked_ % calls_between_looks == 0) bound_processes();
   const PluginReply reply = page().reply;
   if (reply.numbers > most_plugin_numbers || reply.characters > most_plugin_characters ||
       reply.numbers * sizeof(double) + reply.characters > sizeof page().numbers)

@@ -1,6 +1,7 @@
 /// A plugin in a child process: a crash or a hang of it is an error here.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -70,7 +71,8 @@ class PluginProcess {
   [[noreturn]] void explain_hang();
   [[noreturn]] void explain_flood();
   [[noreturn]] void explain_destruction();
-  int end();  ///< @returns the status of the child
+  void bound_processes();  ///< ends a plugin that takes the processes of the machine
+  int end();               ///< @returns the status of the child
   [[nodiscard]] std::string where() const;
 
   PluginName plugin_;
@@ -81,6 +83,7 @@ class PluginProcess {
   std::uint32_t asked_ = 1;  ///< how often; the first answer comes unasked
   Spin spin_;
   pid_t child_ = -1;
+  std::chrono::steady_clock::time_point counted_;  ///< when its processes were counted last
 };
 
 }  // namespace hmax

@@ -81,6 +81,17 @@ TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
   expect_no_child();
 }
 
+TEST(Plugin, IsEndedBeforeItTakesTheProcessesOfTheMachine) {
+  const auto steps = [](int in_a_call) {
+    PluginStepper engine(tested("unruly:forks"));
+    for (int i = 0; i < 200; i += in_a_call) engine.step(0.001, in_a_call);
+  };
+  for (const int in_a_call : {1, 200})
+    EXPECT_EQ(error_of([&] { steps(in_a_call); }),
+              "the plugin has more than 500 processes; start fewer, and wait for those that have ended");
+  expect_no_child();
+}
+
 TEST(Plugin, LeavesNoChildWhereThereIsNoThreadForItsOutput) {
   pthread_attr_t usual, endless;
   ASSERT_EQ(pthread_getattr_default_np(&usual), 0);

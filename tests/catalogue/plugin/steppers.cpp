@@ -271,6 +271,12 @@ struct Unruly : Engine {
   int step(double h) override {
     y[1] -= h * 100 * y[0];
     y[0] += h * y[1];
+    for (int child = 0; way == "forks" && child < 20; ++child)
+      if (fork() == 0) {
+        sleep(5);
+        _exit(0);
+      }
+    if (way == "forks") usleep(2000);
     const int lines = way == "floods" ? 200'000 : way == "prints" ? 100 : 0;
     for (int line = 0; line < lines; ++line) std::printf("line %d of noise\n", line);
     return HMAX_OK;
