@@ -129,7 +129,8 @@ void write_as(Matrix& J, const Write& write) {
 }
 }  // namespace detail
 
-/// df/dy of a system, from its verb `jacobian` or by forward differences: column by column, those that
+/// df/dy of a system, from its verb `jacobian`, where slopes that are infinite become differences, or by
+/// forward differences: column by column, those that
 /// rounding hides again with larger increments, or by groups of columns where the system declares its
 /// pattern. Of second-order systems with sparse matrices: these.
 /// @tparam Matrix  jacobian_type or equations_type of the system
@@ -180,8 +181,12 @@ class JacobianSource {
       if constexpr (detail::may_hold<MechanicalJacobian<Real>, Matrix>)
         if (system.dofs() > 0 && has_sparse_matrices(system)) return write_parts(system, t, y, J);
       if constexpr (DifferentiableSystem<Sys>)
-        if (has_jacobian(system))
-          return detail::write_as<jacobian_type<Sys>>(J, [&](auto& own) { system.jacobian(t, y, own); });
+        if (has_jacobian(system)) {
+          detail::write_as<jacobian_type<Sys>>(J, [&](auto& own) { system.jacobian(t, y, own); });
+          if (Dense* dense = dense_of(J); dense != nullptr && !dense->allFinite())
+            replace_infinite(system, t, y, *dense);
+          return;
+        }
       if (f0 == nullptr) {
         system.rhs(t, y, f0_);
         f0 = &f0_;
@@ -212,6 +217,36 @@ class JacobianSource {
       return detail::alternative<Wanted>(J);
     else
       return J;
+  }
+
+  /// J where it is dense, else null.
+  static Dense* dense_of(Matrix& J) {
+    if constexpr (std::is_same_v<Matrix, Dense>)
+      return &J;
+    else if constexpr (detail::is_variant<Matrix>)
+      return std::get_if<Dense>(&J);
+    else
+      return nullptr;
+  }
+
+  /// At the end of a domain, as of sqrt(y) at 0, a slope is infinite and a difference into the domain is not:
+  /// with that a step of an implicit method leaves the place. Takes memory, which no other Jacobian does.
+  template <System Sys>
+  static void replace_infinite(const Sys& system, Real t, const State& y, Dense& J) {
+    State f = y, moved = y, f_moved = y;
+    system.rhs(t, y, f);
+    const Real scale = scale_of(y);
+    for (Eigen::Index j = 0; j < y.size(); ++j)
+      for (const Real side : {Real(1), Real(-1)}) {
+        if (J.col(j).allFinite()) break;
+        const Real delta = side * increment(y, j, scale);
+        moved[j] = y[j] + delta;
+        system.rhs(t, moved, f_moved);
+        moved[j] = y[j];
+        if (!f_moved.allFinite()) continue;
+        for (Eigen::Index i = 0; i < y.size(); ++i)
+          if (!std::isfinite(std::abs(J(i, j)))) J(i, j) = (f_moved[i] - f[i]) / delta;
+      }
   }
 
   /// M, K and C in the place of J. M is taken once, since it is constant.

@@ -12,8 +12,10 @@
 
 #include <gtest/gtest.h>
 
+#include "integrators/explicit/adaptive.hpp"
 #include "integrators/implicit/rosenbrock.hpp"
 #include "integrators/implicit/rosenbrock_tableaux.hpp"
+#include "integrators/integrate.hpp"
 #include "integrators/saved_state.hpp"
 #include "integrators/stats.hpp"
 #include "problems/any_system.hpp"
@@ -52,6 +54,40 @@ TEST(JacobianSource, DifferencesComeNearTheSystemsOwn) {
   AnySystem::Jacobian J;
   source.evaluate(system, 0.8, y, J);
   EXPECT_LT((std::get<0>(J) - exact).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+/// x' = 1 - sqrt(s x), s = 1 or -1: defined on one side of 0, where its slope is infinite.
+struct Draining {
+  using State = Eigen::VectorXd;
+  using Jacobian = Eigen::MatrixXd;
+  double s = 1;
+  static Eigen::Index dim() { return 1; }
+  void rhs(double, const State& u, State& dudt) const { dudt[0] = s * (1 - std::sqrt(s * u[0])); }
+  void jacobian(double, const State& u, Jacobian& J) const {
+    J.setConstant(1, 1, -0.5 / std::sqrt(s * u[0]));
+  }
+};
+
+TEST(JacobianSource, ASlopeThatIsInfiniteIsADifferenceIntoTheDomain) {
+  for (const double s : {1.0, -1.0}) {
+    const Draining system{s};
+    JacobianSource<Eigen::VectorXd, Eigen::MatrixXd> source;
+    source.init(system);
+    Eigen::MatrixXd J;
+    source.evaluate(system, 0, Eigen::VectorXd::Zero(1), J);
+    EXPECT_TRUE(J.allFinite()) << s;
+    EXPECT_LT(J(0, 0), -1) << s;
+    source.evaluate(system, 0, Eigen::VectorXd::Constant(1, s / 4), J);
+    EXPECT_DOUBLE_EQ(J(0, 0), -1) << "its own where that is finite";
+    // With u = sqrt(s x): t = -2 u - 2 ln(1 - u).
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(1);
+    const auto end = integrate(Rosenbrock<tableaux::Rodas4, Eigen::VectorXd, Eigen::MatrixXd>(), system,
+                               Span<double>{0, 4}, x,
+                               adaptive<tableaux::Rodas4>(Tolerances<double>{1e-6, 1e-9}), ObserveNothing{});
+    EXPECT_EQ(end.outcome, Outcome::reached_end);
+    const double u = std::sqrt(s * x[0]);
+    EXPECT_NEAR(-2 * u - 2 * std::log(1 - u), 4, 1e-4);
+  }
 }
 
 TEST(JacobianSource, TimeDerivativeByDifferencesComesNearTheSystemsOwn) {
