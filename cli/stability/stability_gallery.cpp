@@ -146,8 +146,21 @@ std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& f
   return rows;
 }
 
-ReportSection section_of(const Chapter& chapter, const fs::path& folder) {
-  ReportSection section{.title = chapter.title, .text = chapter.text};
+/// A heading, a text, figures below it, and a table in Markdown.
+struct Section {
+  std::string title, text;
+  std::vector<FigureFiles> figures = {};
+  std::string table = {};
+};
+
+std::string markdown_of(const Section& section, const fs::path& folder) {
+  std::string markdown = fmt::format("## {}\n\n{}\n\n", section.title, section.text);
+  for (const FigureFiles& figure : section.figures) markdown += figure_markdown(figure, folder) + "\n\n";
+  return markdown + section.table + (section.table.empty() ? "" : "\n");
+}
+
+Section section_of(const Chapter& chapter, const fs::path& folder) {
+  Section section{.title = chapter.title, .text = chapter.text};
   const auto coarse = [](const Formula& formula) { return formula.amplification->measured; };
   // Steps of the code cost a thousand times what a formula costs.
   const bool measured = std::ranges::any_of(chapter.formulas, coarse);
@@ -184,7 +197,7 @@ ReportSection section_of(const Chapter& chapter, const fs::path& folder) {
     if (told.panels.empty()) continue;
     section.figures.push_back(draw(told, folder, stem + chapter.stem));
   }
-  section.tables = {markdown_rows(limits_table(chapter.formulas))};
+  section.table = markdown_rows(limits_table(chapter.formulas));
   return section;
 }
 
@@ -225,8 +238,8 @@ FigureFiles kept(const std::string& svg, const fs::path& folder, const std::stri
   return {.base = folder / name, .made = {file}, .problem = {}, .alt = alt};
 }
 
-ReportSection sliding_section(const fs::path& folder) {
-  ReportSection section{
+Section sliding_section(const fs::path& folder) {
+  Section section{
       .title = "The largest stable step, seen",
       .text =
           "Each eigenvalue of the model, times the step, runs along a ray from the origin as the step "
@@ -244,10 +257,10 @@ ReportSection sliding_section(const fs::path& folder) {
 }
 
 /// The opening section and those of all chapters, drawn on all cores.
-std::vector<ReportSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
-                                       Console& console) {
+std::vector<Section> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
+                                 Console& console) {
   const auto& interrupted = interrupt_flag();
-  std::vector<ReportSection> sections(chapters.size() + 1);
+  std::vector<Section> sections(chapters.size() + 1);
   sections[0] = sliding_section(folder);
   Progress progress(console, "gallery");
   parallel_for(
@@ -264,24 +277,24 @@ void gallery(const std::string& names, const std::string& output, Console& conso
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
   check_report_place(output);
   const std::vector<Chapter> chapters = chapters_of(names, console);
-  const std::vector<ReportSection> sections = sections_of(chapters, output, console);
+  const std::vector<Section> sections = sections_of(chapters, output, console);
   std::size_t shown = 0;
   for (const Chapter& chapter : chapters) shown += chapter.formulas.size();
   Json files = Json::array();
   std::string problem;
-  for (const ReportSection& section : sections)
+  for (const Section& section : sections)
     for (const FigureFiles& figure : section.figures)
       if (figure.drawn())
         files.push_back(figure.base.string() + ".svg");
       else
         problem = figure.problem;
   if (!problem.empty()) console.remark(problem);
-  const fs::path page = write_report(
-      "Stability regions",
-      "z = h lambda, the step times an eigenvalue of the model: a step is stable where "
-      "the method's amplification is at most 1. The curves come from the coefficients "
-      "that the methods step with, or from steps of foreign engines that show none. Scales are equal on both axes.",
-      sections, output);
+  std::string text =
+      "# Stability regions\n\nz = h lambda, the step times an eigenvalue of the model: a step is stable where "
+      "the method's amplification is at most 1. The curves come from the coefficients that the methods step "
+      "with, or from steps of foreign engines that show none. Scales are equal on both axes.\n\n";
+  for (const Section& section : sections) text += markdown_of(section, output);
+  const fs::path page = write_report(text, output);
   if (console.json)
     return console.print_json({{"page", page.string()}, {"methods", shown}, {"figures", files}});
   console.print(
