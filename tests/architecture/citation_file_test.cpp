@@ -1,5 +1,7 @@
-/// CITATION.cff tells the version and the license that the project has.
+/// CITATION.cff, the changelog and the examples tell the version and the license that the project has.
+#include <algorithm>
 #include <regex>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -15,10 +17,35 @@ std::string captured(const std::string& file, const std::string& pattern) {
   return std::regex_search(text, match, std::regex(pattern)) ? match[1].str() : "";
 }
 
+std::string project_version() { return captured("CMakeLists.txt", R"(project\(hmax VERSION ([0-9.]+))"); }
+
 TEST(CitationFile, HasTheVersionOfTheProject) {
-  const std::string version = captured("CMakeLists.txt", R"(project\(hmax VERSION ([0-9.]+))");
-  EXPECT_FALSE(version.empty());
-  EXPECT_EQ(captured("CITATION.cff", R"(\nversion: ([0-9.]+)\n)"), version);
+  EXPECT_FALSE(project_version().empty());
+  EXPECT_EQ(captured("CITATION.cff", R"(\nversion: ([0-9.]+)\n)"), project_version());
+}
+
+TEST(Changelog, BeginsWithWhatIsUnreleasedAndThenHasTheVersionOfTheProject) {
+  EXPECT_EQ(captured("CHANGELOG.md", R"(\n## \[([^\]]+)\])"), "Unreleased");
+  EXPECT_EQ(captured("CHANGELOG.md", R"(\n## \[([0-9.]+)\] - [0-9]{4}-[0-9]{2}-[0-9]{2}\n)"),
+            project_version());
+}
+
+TEST(Changelog, TellsAVersionInAtMost150Lines) {
+  const std::string text = read_text(source_dir() / "CHANGELOG.md");
+  for (std::size_t at = text.find("\n## [0"); at != std::string::npos;) {
+    const std::size_t next = text.find("\n## [", at + 1);
+    const std::string version = text.substr(at, next - at);
+    EXPECT_LE(std::count(version.begin(), version.end(), '\n'), 150) << version.substr(0, 20);
+    at = next;
+  }
+}
+
+TEST(Examples, AskForTheMinorVersionOfTheProject) {
+  // The package is compatible within a minor version (cmake/install.cmake).
+  const std::string version = project_version();
+  for (const char* file : {"examples/CMakeLists.txt", "tests/consumer/CMakeLists.txt", "docs/library.md"})
+    EXPECT_EQ(captured(file, R"(find_package\(hmax ([0-9.]+))"), version.substr(0, version.rfind('.')))
+        << file;
 }
 
 TEST(CitationFile, HasTheLicenseOfTheProject) {

@@ -18,7 +18,6 @@ void expect_quoted(const std::string& page, const std::string& example) {
 TEST(Examples, PagesQuoteWholePrograms) {
   expect_quoted("README.md", "examples/own_struct.cpp");
   expect_quoted("docs/library.md", "examples/own_limit.cpp");
-  expect_quoted("docs/library.md", "examples/own_struct.cpp");
 }
 
 TEST(Examples, NoneNeedsWhatIsNotMeantForUsers) {
