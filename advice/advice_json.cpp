@@ -133,7 +133,8 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"budget_ms", 1e3 * question.frame_budget()},
       {"machine", summary(fingerprint())},
       {"rows", std::move(rows)},
-      {"proof", to_json(advice.proof)},
+      {"long_runs", to_json(advice.proof)},
+      {"proof", to_json(advice.proof)},  // the name of version 0.1
       {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
       {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
       {"ties", std::move(ties)},

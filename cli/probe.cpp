@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
   std::string plugin, example;
-  std::optional<double> h0, h1, motion, patience, time_limit;
+  std::optional<double> h0, h1, motion, timeout, time_limit;
   bool no_runs = false;
 };
 
@@ -120,7 +120,7 @@ void probe(const ProbeOptions& options, Console& console) {
     if (interrupted) throw Interrupted{};
   };
   PluginStepper engine(parse_plugin(options.plugin),
-                       {.patience = options.patience.value_or(10), .watch = leave});
+                       {.patience = options.timeout.value_or(10), .watch = leave});
   const ProbedLimit found = [&] {
     Progress progress(console, "probe");
     return probe_steps(engine, {.h0 = *options.h0,
@@ -151,7 +151,7 @@ void add_probe(CLI::App& app, Console& console) {
   add_number(command, "--h1", options->h1, "The largest step size [s]");
   add_number(command, "--motion", options->motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
-  add_patience(command, options->patience);
+  add_timeout(command, options->timeout);
   add_time_limit(command, options->time_limit);
   add_flag(command, "--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
   add_text(command, "--example", options->example,

@@ -328,7 +328,9 @@ Json document_of(const SweepPlan& plan, const Store& store, const std::filesyste
           {"skipped", summary.skipped},
           {"seconds", summary.seconds},
           {"ranks", summary.ranks},
-          {"hands", summary.hands},
+          {"batches", summary.hands},
+          {"hands", summary.hands},  // the names of version 0.1
+          {"distribution_seconds", summary.dealing_seconds},
           {"dealing_seconds", summary.dealing_seconds},
           {"tasks", tasks_json(summary.tasks)},
           {"tolerances", tolerances_json(plan)},
@@ -428,9 +430,7 @@ void add_sweep(CLI::App& app, Console& console) {
   options->own.add_to(command);
   add_text(command, "--materials,--material", options->materials, "Ids of `hmax list materials`, or all",
            "A,B");
-  add_repeated(command, "--set", options->set, "Change a parameter, like c=6; may be repeated", "NAME=VALUE");
-  add_text(command, "--y0", options->y0, "Initial state, one number for each component, like 0.5,1",
-           "NUMBERS");
+  add_settings(command, options->set, options->y0);
   add_text(command, "--methods,--method", options->methods,
            "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
   add_text(command, "--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
@@ -456,7 +456,7 @@ void add_sweep(CLI::App& app, Console& console) {
            "Mark the store as fit to publish; refused for debug builds");
   add_flag(
       command, "--explore", options->explore,
-      "Measure on all cores, many rows at once: the times are rough, and no figure or comparison takes them");
+      "Measure on all cores, many rows at once: the times are approximate, and no figure or comparison takes them");
   options->jobs = add_jobs(command);
   set_callback(command, [options, &console] { sweep(*options, console); });
 }

@@ -309,7 +309,7 @@ SweepSummary SweepDealer::run(const SweepPlan& plan, Store& store,
   return sweeper.run([&](const std::vector<SweepTask>& tasks) {
     if (!tasks.empty() && !plan.spec.explore && are_times_rough(plan, ranks_))
       sweeper.warn(
-          "ranks shared a node: the CPU times are rough, and no figure or comparison takes them; one rank a node measures "
+          "ranks shared a node: the CPU times are approximate, and no figure or comparison takes them; one rank a node measures "
           "them (mpirun --map-by ppr:1:node)");
     Dealing(ranks_, sweeper, tasks).run();
   });

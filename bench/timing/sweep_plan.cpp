@@ -378,10 +378,10 @@ void mark_published(Store& store) {
                       "with another --out",
                       store.file().string()));
   if (const auto rows = store.rows(); std::ranges::any_of(rows, &Row::explored))
-    throw InputError(
-        fmt::format("the store '{}' holds explored rows, whose times are rough, and cannot be published; "
-                    "go on with --resume in one process, without --explore",
-                    store.file().string()));
+    throw InputError(fmt::format(
+        "the store '{}' holds explored rows, whose times are approximate, and cannot be published; "
+        "go on with --resume in one process, without --explore",
+        store.file().string()));
   store.note("published", "yes");
 }
 

@@ -48,7 +48,7 @@ void Sweeper::begin_session() {
       warn(fmt::format("the rows stored before were measured otherwise ({})", fmt::join(changes, "; ")));
   if (plan_.spec.explore)
     warn(
-        "explored on all cores: the CPU times are rough, and no figure or comparison takes them; a sweep without "
+        "explored on all cores: the CPU times are approximate, and no figure or comparison takes them; a sweep without "
         "--explore measures them");
   session_ = store_.begin_session(here);
 }

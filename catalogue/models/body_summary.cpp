@@ -139,7 +139,7 @@ std::string in_words(const BodySummary& summary) {
           ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass",
                         rounded(summary.added_mass), summary.heavier, 100 * summary.added_mass / summary.mass)
           : "";
-  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} points held{}",
+  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}",
                      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
                      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
                      rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,

@@ -84,7 +84,7 @@ void end_with_descendants(pid_t child) {
 PluginProcess::PluginProcess(PluginName plugin, PluginSettings settings)
     : plugin_(std::move(plugin)), settings_(std::move(settings)) {
   if (!(settings_.patience > 0))
-    throw InputError(fmt::format("--patience {} is not positive; give seconds", to_text(settings_.patience)));
+    throw InputError(fmt::format("--timeout {} is not positive; give seconds", to_text(settings_.patience)));
   try {
     start();
     greet();
@@ -171,7 +171,7 @@ void PluginProcess::explain_end() {
 void PluginProcess::explain_hang() {
   const std::string place = where();
   end();
-  throw InputError(fmt::format("the plugin did not return within {} s {}; --patience gives it longer",
+  throw InputError(fmt::format("the plugin did not return within {} s {}; --timeout gives it longer",
                                to_text(settings_.patience), place));
 }
 

@@ -250,11 +250,10 @@ void add_advise(CLI::App& app, Console& console) {
            "A,B");
   add_text(command, "--frames", options->frames,
            "Number of frames that the best methods are timed for; 1000 by default", "N");
-  add_text(
-      command, "--motion", options->motion,
-      "Motion of a body in place of the probing motion: CSV with the columns t [s] and fx, fy, fz [N] or x, "
-      "y, z [m], forces or displacements",
-      "FILE");
+  add_text(command, "--motion", options->motion,
+           "Motion of a body in place of the test load: CSV with the columns t [s] and fx, fy, fz [N] or x, "
+           "y, z [m], forces or displacements",
+           "FILE");
   add_repeated(
       command, "--motion-at", options->motion_at,
       "Points that --motion acts on, as --support, which displacements need; the far end of the body by default; may be "

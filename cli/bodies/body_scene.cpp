@@ -78,7 +78,7 @@ std::string body_scene_text(const AnalysedModel& model) {
   BodyScene scene{
       .title = title_of(problem.id),
       .caption = fmt::format(
-          "The probing motion: {}. Displacements are from the body without loads, those of the answer from the start of the motion.",
+          "The test load: {}. Displacements are from the body without loads, those of the answer from the start of the motion.",
           model.motion.words),
       .points = space_points(body.mesh().points),
       .triangles = surface_triangles(body.mesh()),

@@ -207,7 +207,8 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
           {"shortest_edge", quality.shortest_edge},
           {"longest_edge", quality.longest_edge},
           {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
-          {"mended", mending_json(opened.mending)},
+          {"smoothed", mending_json(opened.mending)},
+          {"mended", mending_json(opened.mending)},  // the name of version 0.1
           {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
           {"second_order", opened.file.second_order},
           {"regions", list},
@@ -240,7 +241,7 @@ std::string in_words(const MeshReport& report, const MeshCommand& options, const
   if (coincident > 0)
     line("coincident", fmt::format("{} points; models merge those at exactly the same place", coincident));
   if (!opened.file.merged.empty()) line("merged", fmt::format("{} points", opened.file.merged.size()));
-  if (opened.mending) line("mended", in_words(*opened.mending));
+  if (opened.mending) line("smoothed", in_words(*opened.mending));
   if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
   text += regions_in_words(opened.file, regions, console);
   if (!defects.none())

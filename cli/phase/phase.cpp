@@ -125,9 +125,9 @@ void phase(const PhaseOptions& options, Console& console) {
   console.print(text);
 }
 
-/// Which view, and what belongs to one of them.
+/// Which view.
 void add_view_options(CLI::App& command, PhaseOptions& options) {
-  set_heading(command, "Views, one at a time; the field with its equilibria by default");
+  const HelpGroup group(command, "Views, one at a time; the field with its equilibria by default");
   options.method.add_to(command);
   add_number(command, "--h", options.h,
              "Step size of the method: the view is its step as a map of the plane [s]; with --poincare and "
@@ -141,7 +141,10 @@ void add_view_options(CLI::App& command, PhaseOptions& options) {
                        in_words(stroboscope_tolerances)));
   add_text(command, "--bifurcation", options.bifurcation,
            "Show the bifurcation diagram over this parameter, from --from to --to", "NAME");
-  set_heading(command, "Part of the plane");
+}
+
+void add_plane_options(CLI::App& command, PhaseOptions& options) {
+  const HelpGroup group(command, "Part of the plane");
   add_text(command, "--window", options.window,
            "Part of the plane, with --poincare the part searched for motions of one period; the range of "
            "the motion from y0 by default",
@@ -156,14 +159,17 @@ void add_view_options(CLI::App& command, PhaseOptions& options) {
 
 /// The state once in each period of the force, alone or over a parameter.
 void add_section_options(CLI::App& command, PhaseOptions& options) {
-  set_heading(command, "With --poincare and --bifurcation");
+  const HelpGroup group(command, "With --poincare and --bifurcation");
   add_text(command, "--periods", options.periods,
            "Recorded periods; 2000, with --bifurcation 64 for each value, by default", "NUMBER");
   add_text(command, "--skip", options.skip, "Discarded periods before them; 200 by default", "NUMBER");
   add_number(command, "--period", options.period,
              "Period of the force [s]; that of the oscillator by default");
   add_time_limit(command, options.time_limit);
-  set_heading(command, "With --bifurcation");
+}
+
+void add_bifurcation_options(CLI::App& command, PhaseOptions& options) {
+  const HelpGroup group(command, "With --bifurcation");
   add_number(command, "--from", options.from, "First value of the parameter");
   add_number(command, "--to", options.to, "Last value of the parameter");
   add_text(command, "--points", options.points, "Number of values of the parameter; 200 by default",
@@ -412,11 +418,11 @@ void add_phase(CLI::App& app, Console& console) {
         "--set k3=1 --set m=1 --set w=1 --method rk4 --h 0.02"),
        "hmax phase --problem liver_forced --at 3 --json"});
   auto options = std::make_shared<PhaseOptions>();
-  set_heading(command, "Model");
   options->problem.add_without_meshes_to(command);
   add_view_options(command, *options);
+  add_plane_options(command, *options);
   add_section_options(command, *options);
-  set_heading(command, "Output");
+  add_bifurcation_options(command, *options);
   add_text(command, "--output", options->output,
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),

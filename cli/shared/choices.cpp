@@ -32,6 +32,7 @@ void add_support(CLI::App& command, std::vector<std::string>& sets, std::string_
 }
 
 void MeshOptions::add_to(CLI::App& command) {
+  const HelpGroup group(command, model_group);
   add_text(command, "--mesh", mesh,
            "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file", "NAME");
   add_text(command, "--unit", unit, "Unit of a mesh file: m, cm, mm or a number of metres", "UNIT");
@@ -82,6 +83,7 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
 }
 
 void MatrixOptions::add_to(CLI::App& command) {
+  const HelpGroup group(command, model_group);
   add_text(
       command, "--matrices", matrices,
       "Linear model of your own matrices: stiffness=K.mtx,mass=M.mtx[,damping=C.mtx][,initial=q.mtx], or "
@@ -106,8 +108,15 @@ std::vector<std::pair<std::string, double>> MatrixOptions::parameters() const {
   return parameters;
 }
 
-void add_patience(CLI::App& command, std::optional<double>& seconds) {
-  add_number(command, "--patience", seconds, "Time that one call of the plugin may take [s]; 10 by default");
+void add_timeout(CLI::App& command, std::optional<double>& seconds) {
+  add_number(command, "--timeout,--patience", seconds,
+             "Timeout of one call of the plugin [s]; 10 by default");
+}
+
+void add_settings(CLI::App& command, std::vector<std::string>& set, std::string& y0) {
+  const HelpGroup group(command, model_group);
+  add_repeated(command, "--set", set, "Change a parameter, like c=6; may be repeated", "NAME=VALUE");
+  add_text(command, "--y0", y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
 }
 
 void ProblemChoice::add_to(CLI::App& command) {
@@ -123,6 +132,7 @@ void ProblemChoice::add_without_meshes_to(CLI::App& command) {
 }
 
 void ProblemChoice::add_name_to(CLI::App& command) {
+  const HelpGroup group(command, model_group);
   add_text(command, "--problem", problem, "An id of `hmax list problems`, or a file of formulas FILE.toml",
            "ID");
   add_footer(command, "Formulas: " + formula_language());
@@ -130,14 +140,14 @@ void ProblemChoice::add_name_to(CLI::App& command) {
 
 void ProblemChoice::add_rest_to(CLI::App& command) {
   own.add_to(command);
+  const HelpGroup group(command, model_group);
   add_text(command, "--plugin", plugin,
            "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one",
            "FILE.so[:NAME[:ARGUMENT]]");
-  add_patience(command, patience);
-  add_repeated(command, "--set", set, "Change a parameter, like c=6; may be repeated", "NAME=VALUE");
+  add_timeout(command, timeout);
+  add_settings(command, set, y0);
   add_text(command, "--material", material,
            "An id of `hmax list materials`, with ':light' or ':heavy' after it", "ID");
-  add_text(command, "--y0", y0, "Initial state, one number for each component, like 0.5,1", "NUMBERS");
 }
 
 std::string ProblemChoice::id() const {
@@ -173,8 +183,8 @@ ProblemSettings ProblemChoice::settings() const {
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
   for (auto& parameter : own.parameters()) settings.parameters.push_back(std::move(parameter));
-  if (patience && plugin.empty()) throw InputError("--patience applies to --plugin only; remove it");
-  if (patience) settings.parameters.emplace_back(patience_parameter, *patience);
+  if (timeout && plugin.empty()) throw InputError("--timeout applies to --plugin only; remove it");
+  if (timeout) settings.parameters.emplace_back(patience_parameter, *timeout);
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);
   return settings;
 }

@@ -46,16 +46,19 @@ struct MatrixOptions {
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --patience [s], of a call of a plugin
-void add_patience(CLI::App& command, std::optional<double>& seconds);
+/// --timeout [s], of a call of a plugin; --patience is its name of version 0.1, which 0.2 takes as well
+void add_timeout(CLI::App& command, std::optional<double>& seconds);
 
-/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --patience --material --y0
+/// --set --y0
+void add_settings(CLI::App& command, std::vector<std::string>& set, std::string& y0);
+
+/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --timeout --material --y0
 struct ProblemChoice {
   std::string problem, plugin, material, y0;
   MeshOptions body;
   MatrixOptions own;
   std::vector<std::string> set;
-  std::optional<double> patience;
+  std::optional<double> timeout;
   bool takes_meshes = true;  ///< false after add_without_meshes_to()
 
   void add_to(CLI::App& command);

@@ -24,13 +24,18 @@ CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string
   return group;
 }
 
-void set_heading(CLI::App& command, const std::string& heading) { command.option_defaults()->group(heading); }
 
 void require_subcommand(CLI::App& command) { command.require_subcommand(1); }
 
 void add_footer(CLI::App& command, const std::string& line) {
   command.footer(command.get_footer() + "\n" + line);
 }
+
+HelpGroup::HelpGroup(CLI::App& command, std::string_view title)
+    : command_(command), before_(command.option_defaults()->get_group()) {
+  command.option_defaults()->group(std::string(title));
+}
+HelpGroup::~HelpGroup() { command_.option_defaults()->group(before_); }
 
 void set_callback(CLI::App& command, std::function<void()> callback) {
   command.callback(std::move(callback));
@@ -64,8 +69,9 @@ CLI::Option* add_arguments(CLI::App& command, const std::string& name, std::vect
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, std::optional<double>& value,
                         const std::string& description) {
+  const std::string first = name.substr(0, name.find(','));
   return add_text(
-      command, name, [&value, name](const std::string& text) { value = parse_number(name, text); },
+      command, name, [&value, first](const std::string& text) { value = parse_number(first, text); },
       description, "NUMBER");
 }
 

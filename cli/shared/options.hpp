@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): not ours
@@ -22,12 +23,27 @@ CLI::App& add_command(CLI::App& parent, Console& console, const std::string& nam
                       const std::string& description, const std::vector<std::string>& examples);
 /// A subcommand that is there for its own subcommands.
 CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string& description);
-/// --help shows the options that are added from now on below this line.
-void set_heading(CLI::App& command, const std::string& heading);
 /// One of the subcommands must be given.
 void require_subcommand(CLI::App& command);
 /// One more line of --help, below the examples.
 void add_footer(CLI::App& command, const std::string& line);
+/// Titles of --help for options that many commands have; docs/reference/model_options.md and
+/// docs/reference/cli.md describe them once.
+constexpr std::string_view model_group = "Model", common_group = "Common";
+
+/// While it lives, --help lists the options that are added to the command under a title of their own.
+class HelpGroup {
+ public:
+  HelpGroup(CLI::App& command, std::string_view title);
+  ~HelpGroup();
+  HelpGroup(const HelpGroup&) = delete;
+  HelpGroup& operator=(const HelpGroup&) = delete;
+
+ private:
+  CLI::App& command_;
+  std::string before_;
+};
+
 /// What the subcommand does, after parsing.
 void set_callback(CLI::App& command, std::function<void()> callback);
 

@@ -14,6 +14,7 @@
 namespace hmax {
 
 void add_force(CLI::App& command) {
+  const HelpGroup group(command, common_group);
   add_flag(
       command, "--force", [] { allow_replacing(Replacing::forced); },
       "Replace a file that hmax did not write");
@@ -37,6 +38,7 @@ CLI::Option* add_jobs(CLI::App& command, const std::string& about) {
 }  // namespace
 
 CLI::Option* add_jobs(CLI::App& command) {
+  const HelpGroup group(command, common_group);
   return add_jobs(command, "Number of threads, without influence on results; the number of cores by default");
 }
 
@@ -50,6 +52,7 @@ std::optional<std::size_t> given_jobs(const CLI::Option* option) {
 }
 
 void add_figure_style(CLI::App& command) {
+  const HelpGroup group(command, common_group);
   add_text(
       command, "--style",
       [](const std::string& name) {

@@ -34,7 +34,7 @@ std::string number_or_unbounded(double value, int digits = 10) {
 void limits(const MethodsChoice& choice, Console& console) {
   const std::vector<Formula> formulas = choice.formulas(console);
   Json documents = Json::array();
-  TextTable table({"method", "real", "imaginary", "weakly", "alpha [deg]", "A", "L", "at infinity"});
+  TextTable table({"method", "real", "imaginary", "|R|<=1+1e-6", "alpha [deg]", "A", "L", "at infinity"});
   std::string remarks;
   for (const Formula& formula : formulas) {
     const StabilityLimits found = stability_limits(*formula.amplification);
@@ -67,7 +67,7 @@ void limits(const MethodsChoice& choice, Console& console) {
   console.print(
       "\nz = h lambda of y' = lambda y: [-real, 0] and i [0, imaginary] are stable, up to the first exit "
       "from the\n"
-      "origin. weakly: where a step first amplifies by more than 1e-6. alpha: half the angle of the stable "
+      "origin. |R|<=1+1e-6: up to where a step first amplifies by more than 1e-6. alpha: half the angle of the stable "
       "wedge.\n"
       "'-' under real: the method steps positions and velocities, and imaginary is its omega h without "
       "damping.\n");

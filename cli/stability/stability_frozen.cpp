@@ -94,7 +94,8 @@ void frozen(const FrozenOptions& options, Console& console) {
 
 void add_stability_frozen(CLI::App& stability, Console& console) {
   CLI::App& command = add_command(
-      stability, console, "frozen", "Show the stiffening up to which a method with an old Jacobian is stable",
+      stability, console, "frozen",
+      "Show the stiffening up to which a method with a frozen Jacobian is stable",
       {"hmax stability frozen --method linearly_implicit_euler",
        "hmax stability frozen --method linearly_implicit_euler,rosenbrock_23 --every 5 --ratios 1.5,3 --json"});
   const auto options = std::make_shared<FrozenOptions>();

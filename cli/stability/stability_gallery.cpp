@@ -131,8 +131,8 @@ std::vector<Chapter> chapters_of(const std::string& names, Console& console) {
 std::string cell(double value) { return std::isinf(value) ? "unbounded" : short_number(value, 7); }
 
 std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& formulas) {
-  std::vector<std::vector<std::string>> rows{
-      {"method", "order", "real axis", "imaginary axis", "weakly", "alpha [deg]", "A", "L", "at infinity"}};
+  std::vector<std::vector<std::string>> rows{{"method", "order", "real axis", "imaginary axis",
+                                              "|R| <= 1 + 1e-6", "alpha [deg]", "A", "L", "at infinity"}};
   for (const Formula& formula : formulas) {
     const StabilityLimits limits = stability_limits(*formula.amplification);
     const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
@@ -182,7 +182,7 @@ Section section_of(const Chapter& chapter, const fs::path& folder) {
        {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
                    "beside a stiff part: the region of what is not stiff, and how far it may swing"},
         {PartsChoice{.fast = {}, .ratios = "1.2,2"}, "old_jacobian_",
-         "with an old Jacobian, z = hλ being so many times what it says"}}) {
+         "with a frozen Jacobian, z = hλ being so many times what it says"}}) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
     const auto panels = parallel_map(chapter.formulas.size(), [&](std::size_t i) -> std::vector<Panel> {
       const Formula& formula = chapter.formulas[i];

@@ -82,10 +82,11 @@ void PartsChoice::add_to(CLI::App& command) {
       "Of implicit-explicit methods: the region of the part that is not stiff beside a stiff part with these "
       "h lambda, like 0,-1,-10 or 5i",
       "NUMBERS");
-  add_text(command, "--ratios", ratios,
-           "Of linearly implicit methods: the region with an old Jacobian, for these ratios of lambda to its "
-           "value in the Jacobian, like 1,1.5,2,4",
-           "NUMBERS");
+  add_text(
+      command, "--ratios", ratios,
+      "Of linearly implicit methods: the region with a frozen Jacobian, for these ratios of lambda to its "
+      "value in the Jacobian, like 1,1.5,2,4",
+      "NUMBERS");
 }
 
 std::vector<PartRegion> part_regions(const Formula& formula, const PartsChoice& parts) {
@@ -164,7 +165,7 @@ NamedFigure picture_of(const Formula& formula, const std::vector<PartRegion>& re
   const bool split = is_split(regions);
   Figure figure{
       .title = split ? fmt::format("{}: where the rest of f is stable beside a stiff part z_fast", formula.id)
-                     : fmt::format("{} with an old Jacobian that says z₀ for z = hλ", formula.id),
+                     : fmt::format("{} with a frozen Jacobian that says z₀ for z = hλ", formula.id),
       .panels = {},
       .columns = regions.size() > 1 || split ? 2 : 1,
       .panel_height = split ? 400 : 300};

@@ -219,8 +219,8 @@ std::vector<std::string> limits_in_words(const Formula& formula) {
                         ? "undamped: every ωh"
                         : fmt::format("undamped: up to ωh = {}", upto(limits.imaginary)));
   else if (upto(limits.imaginary_weak) != upto(limits.imaginary))
-    lines.push_back(fmt::format("real axis {}, imaginary axis {} (weakly {})", upto(limits.real),
-                                upto(limits.imaginary), upto(limits.imaginary_weak)));
+    lines.push_back(fmt::format("real axis {}, imaginary axis {} (|R| ≤ 1 + 1e-6 up to {})",
+                                upto(limits.real), upto(limits.imaginary), upto(limits.imaginary_weak)));
   else
     lines.push_back(
         fmt::format("real axis {}, imaginary axis {}", upto(limits.real), upto(limits.imaginary)));

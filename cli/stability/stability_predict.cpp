@@ -210,7 +210,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   add_text(
       command, "--engine", options->engine,
       "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
-      "deals out the rows to N processes; hmax by default",
+      "distributes the rows over N processes; hmax by default",
       "hmax|petsc");
   options->at.add_to(command);
   add_text(

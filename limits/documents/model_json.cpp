@@ -31,7 +31,8 @@ Json body_json(const BodySummary& body) {
           {"mass", body.mass},
           {"size", {body.size.x(), body.size.y(), body.size.z()}},
           {"points", body.points},
-          {"held", body.held},
+          {"fixed", body.held},
+          {"held", body.held},  // the name of version 0.1
           {"gravity", {body.gravity.x(), body.gravity.y(), body.gravity.z()}},
           {"unusual", unusual_values(body)}};
 }

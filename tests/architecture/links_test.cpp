@@ -16,13 +16,15 @@ TEST(Links, OfEveryPageLeadToAFileAndAHeading) {
       ADD_FAILURE() << page << " links to " << link << ", which does not exist.";
 }
 
+/// Pages of docs/ in the index, docs/README.md, or for commands in docs/reference/cli.md, which it links to.
 TEST(Links, EveryPageOfDocsStandsInItsIndex) {
-  const std::string index = read_text(source_dir() / "docs/README.md");
-  std::set<std::string> listed;
-  for (const std::string& link : relative_links(index))
-    listed.insert("docs/" + link.substr(0, link.find('#')));
+  std::set<std::string> listed{"docs/README.md"};
+  for (const std::string& folder : {std::string("docs/"), std::string("docs/reference/")})
+    for (const std::string& link :
+         relative_links(read_text(source_dir() / folder / (folder == "docs/" ? "README.md" : "cli.md"))))
+      listed.insert(folder + link.substr(0, link.find('#')));
   for (const std::string& page : files_under("docs", {".md"}))
-    EXPECT_TRUE(page == "docs/README.md" || listed.contains(page)) << page << " is not in docs/README.md.";
+    EXPECT_TRUE(listed.contains(page)) << page << " is in neither docs/README.md nor docs/reference/cli.md.";
 }
 
 TEST(Links, PagesNamedInTheSourcesExist) {

@@ -84,7 +84,7 @@ TEST(Help, HasAnExampleForEachCommand) {
     EXPECT_FALSE(examples_of(shell.hmax(name + " --help").out).empty()) << name;
 }
 
-TEST(Help, EveryCommandHasItsOptionTableInTheReference) {
+TEST(Help, EveryCommandHasItsOptionListInTheReference) {
   std::string pages;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(HMAX_SOURCE_DIR) /
                                                                "docs/reference/commands"))

@@ -56,7 +56,7 @@ TEST(ProbeCommand, RefusesWhatDoesNotWork) {
   expect_refused(probe(tested + ":start:nan" + steps), "number 1 of the state at the start is not finite");
   expect_refused(probe(tested + ":crash:segv" + steps), "with signal 11");
   expect_refused(probe(tested + ":crash:hang --patience 0.2" + steps), "did not return within 0.2 s");
-  expect_refused(probe(tested + " --patience 0" + steps), "--patience 0 is not positive");
+  expect_refused(probe(tested + " --timeout 0" + steps), "--timeout 0 is not positive");
   expect_refused(probe(TESTED_PLUGIN_VERSION + steps), "version 99");
   expect_refused(Shell().hmax("probe"), "--example FOLDER");
   expect_refused(Shell().hmax("probe --example a --plugin b"), "remove --plugin");
@@ -128,7 +128,7 @@ TEST(ProbeCommand, WhatAPluginDoesToItsProcessChangesNothing) {
     ASSERT_EQ(told.exit_code, 0) << way << told.err;
     EXPECT_NEAR(told.json()["h_max"].get<double>(), 0.2, 1e-4) << way;
   }
-  expect_refused(probe(tested + ":unruly:sleeps --patience 0.2 --h0 1e-2 --h1 1"),
+  expect_refused(probe(tested + ":unruly:sleeps --timeout 0.2 --h0 1e-2 --h1 1"),
                  "did not return within 0.2 s in create()");
 }
 
@@ -151,12 +151,12 @@ TEST(PluginOption, APluginThatGoesWrongIsAnError) {
   };
   EXPECT_EQ(run("").exit_code, 0);
   expect_refused(run(":hang:100", " --patience 0.3"),
-                 "did not return within 0.3 s in rhs(); --patience gives it longer");
+                 "did not return within 0.3 s in rhs(); --timeout gives it longer");
   expect_refused(run(":segv:100"), "crashed in rhs() with signal 11");
-  expect_refused(run("", " --patience 0"), "--patience 0 is not positive; give seconds");
+  expect_refused(run("", " --timeout 0"), "--timeout 0 is not positive; give seconds");
   EXPECT_EQ(run(":nan:100").exit_code, 1);
-  expect_refused(Shell().hmax("run --problem kepler --patience 3 --method rk4 --h 0.01"),
-                 "--patience applies to --plugin only");
+  expect_refused(Shell().hmax("run --problem kepler --timeout 3 --method rk4 --h 0.01"),
+                 "--timeout applies to --plugin only");
 }
 
 /// A model behind the interface stands where any model stands.

@@ -20,10 +20,11 @@ namespace hmax {
 namespace {
 
 /// A command and the output that a page shows: that of a line `$ COMMAND` in a ```console block, or, as a
-/// table of options, that of a line `<!-- hmax COMMAND --help -->`.
+/// list of options, that of a line `<!-- hmax COMMAND --help -->` or `<!-- hmax COMMAND --help, GROUP -->`.
 struct Shown {
   std::string command, output;
-  bool is_table = false;
+  std::string group = "Options";
+  bool is_list = false;
   std::size_t begin = 0, end = 0;  ///< lines of the page
 };
 
@@ -38,7 +39,7 @@ struct Page {
 Page read_page(const std::string& text) {
   Page page;
   std::istringstream lines(text);
-  enum { outside, console, table, file, other } inside = outside;
+  enum { outside, console, list, file, other } inside = outside;
   const std::string comment = "<!-- hmax ", comment_end = " -->";
   for (std::string line; std::getline(lines, line);) {
     page.lines.push_back(line);
@@ -51,15 +52,18 @@ Page read_page(const std::string& text) {
         inside = line == "```console" ? console : begins_file ? file : other;
       if (inside == file) page.files.emplace_back(line.substr(line.find(' ') + 1), "");
     } else if (inside == console && line.rfind("$ ", 0) == 0) {
-      page.shown.push_back({line.substr(2), "", false, next, next});
+      page.shown.push_back({line.substr(2), "", "Options", false, next, next});
     } else if (inside == outside && line.rfind(comment, 0) == 0 && line.ends_with(comment_end)) {
-      inside = table;
+      inside = list;
       const std::size_t begin = comment.find("hmax");
-      page.shown.push_back(
-          {line.substr(begin, line.size() - begin - comment_end.size()), "", true, next, next});
-    } else if (inside == table && line.empty()) {
+      const std::string command = line.substr(begin, line.size() - begin - comment_end.size());
+      const std::size_t comma = command.find(", ");
+      page.shown.push_back({command.substr(0, comma), "",
+                            comma == std::string::npos ? "Options" : command.substr(comma + 2), true, next,
+                            next});
+    } else if (inside == list && line.empty()) {
       inside = outside;
-    } else if ((inside == console || inside == table) && !page.shown.empty()) {
+    } else if ((inside == console || inside == list) && !page.shown.empty()) {
       page.shown.back().output += line + "\n";
       page.shown.back().end = next;
     } else if (inside == file) {
@@ -69,10 +73,10 @@ Page read_page(const std::string& text) {
   return page;
 }
 
-/// A line of a table of options: "--h NUMBER", "Step size [s]; 0.1 by default". The parser shows its own
+/// An item of a list of options, of "--h NUMBER", "Step size [s]; 0.1 by default". The parser shows its own
 /// defaults as NUMBER=0.1; NAME=VALUE is the form of a value.
-std::string option_row(std::string option, std::string meaning) {
-  std::string fallback, unit;
+std::string option_item(std::string option, std::string meaning) {
+  std::string fallback;
   std::smatch found;
   if (option.ends_with(" ...")) option.resize(option.size() - 4);
   if (std::regex_match(option, found, std::regex("(.*) REQUIRED"))) {
@@ -86,19 +90,13 @@ std::string option_row(std::string option, std::string meaning) {
     fallback = found[2];
     meaning = found[1].str();
   }
-  if (std::regex_search(meaning, found, std::regex(R"( \[([^\]]*)\])"))) {
-    unit = found[1];
-    meaning = found.prefix().str() + found.suffix().str();
-  }
-  const auto cell = [](const std::string& text) {
-    return "| " + std::regex_replace(text, std::regex(R"(\|)"), R"(\|)") + " ";
-  };
-  return cell("`" + option + "`") + cell(fallback) + cell(unit) + cell(meaning) + "|\n";
+  return "- `" + option + "`" + (fallback.empty() ? "" : " (" + fallback + ")") + ": " + meaning + "\n";
 }
 
-/// The options in the help of a command as a table. Every command has --help and --json, which are left out.
-std::string option_table(const std::string& help) {
-  std::string table = "| option | default | unit | meaning |\n| --- | --- | --- | --- |\n";
+/// A group of the options in the help of a command as a list of "- `OPTION` (DEFAULT): meaning"; that of
+/// "Options" has the arguments, too. Every command has --help and --json, which are left out.
+std::string option_list(const std::string& help, const std::string& group = "Options") {
+  std::string list;
   std::istringstream lines(help);
   bool inside = false;
   std::string option;
@@ -106,16 +104,23 @@ std::string option_table(const std::string& help) {
   for (std::string line; std::getline(lines, line);) {
     std::smatch found;
     if (!line.starts_with("  ")) {
-      inside = line.ends_with(':') && !line.starts_with("Example") && line != "Subcommands:";
+      // Groups of a command's own are among its options; those of many commands have a page of their own.
+      const bool is_shared = line == "Model:" || line == "Common:";
+      const bool is_own = line.ends_with(':') && !line.starts_with("Example") && line != "Subcommands:";
+      inside = group == "Options" ? is_own && !is_shared : line == group + ":";
     } else if (inside && std::regex_match(line, found, continued)) {
-      table += option_row(option, found[1]);
+      list += option_item(option, found[1]);
     } else if (inside && std::regex_match(line, found, entry)) {
       option = found[1];
-      if (found[3].matched && option != "-h,--help" && option != "--json")
-        table += option_row(option, found[3]);
+      // An argument may be given as an option, too.
+      const std::string name = option.substr(0, option.find_first_of(" ,"));
+      const bool repeats =
+          name.starts_with("--") && list.find("- `" + name.substr(2) + " ") != std::string::npos;
+      if (found[3].matched && option != "-h,--help" && option != "--json" && !repeats)
+        list += option_item(option, found[3]);
     }
   }
-  return table;
+  return list;
 }
 
 /// Words of a text; the time after "cpu" and the real-time "factor" are left out, they differ from run to
@@ -148,8 +153,8 @@ bool measures(const std::string& command) {
 }
 
 bool is_as_shown(const std::string& told, const Shown& shown) {
-  return measures(shown.command) && !shown.is_table ? alike(first_line(told), first_line(shown.output))
-                                                    : alike(told, shown.output);
+  return measures(shown.command) && !shown.is_list ? alike(first_line(told), first_line(shown.output))
+                                                   : alike(told, shown.output);
 }
 
 /// Writes a page with `outputs` in the places of what it shows.
@@ -178,7 +183,7 @@ std::size_t run_page(const std::filesystem::path& path) {
     SCOPED_TRACE(shown.command);
     const Told told = shell.line(shown.command);
     EXPECT_EQ(told.err, "");
-    const std::string output = shown.is_table ? option_table(told.out) : told.out;
+    const std::string output = shown.is_list ? option_list(told.out, shown.group) : told.out;
     const bool same = is_as_shown(output, shown);
     outputs.push_back(same ? shown.output : output);
     changed = changed || !same;
@@ -205,25 +210,69 @@ TEST(Readme, EveryCommandOfTheTutorialPrintsWhatIsShown) { EXPECT_GE(run_pages("
 
 TEST(Readme, EveryCommandOfTheHowToPagesPrintsWhatIsShown) { EXPECT_GE(run_pages("howto"), 10U); }
 
-TEST(Readme, EveryCommandAndOptionTableOfTheReferencePrintsWhatIsShown) {
+TEST(Readme, EveryCommandAndOptionListOfTheReferencePrintsWhatIsShown) {
   EXPECT_GE(run_pages("reference/commands"), 40U);
 }
 
-TEST(Readme, OptionsOfHelpBecomeATable) {
+std::filesystem::path reference() { return std::filesystem::path(HMAX_SOURCE_DIR) / "docs/reference"; }
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// A page that describes a group of options once for all commands.
+struct SharedGroup {
+  std::string title, page, link;
+};
+const std::vector<SharedGroup> shared_groups{{"Model", "model_options.md", "../model_options.md"},
+                                             {"Common", "cli.md", "../cli.md#common-options"}};
+
+TEST(Readme, OptionsOfManyCommandsStandOnOnePage) {
+  for (const SharedGroup& group : shared_groups) EXPECT_GE(run_page(reference() / group.page), 1U);
+  std::size_t commands_with_models = 0;
+  const Shell shell;
+  for (const auto& entry : std::filesystem::directory_iterator(reference() / "commands")) {
+    const std::string page = read_text(entry.path());
+    for (const Shown& shown : read_page(page).shown) {
+      if (!shown.is_list) continue;
+      const std::string help = shell.line(shown.command).out;
+      for (const SharedGroup& group : shared_groups) {
+        const std::string described = read_text(reference() / group.page);
+        const std::vector<std::string> rows = lines_of(option_list(help, group.title));
+        for (const std::string& row : rows)
+          EXPECT_NE(described.find(row), std::string::npos)
+              << shown.command << " has an option that " << group.page << " lacks: " << row;
+        EXPECT_TRUE(rows.empty() || page.find(group.link) != std::string::npos)
+            << entry.path() << " does not link to " << group.link;
+        if (!rows.empty() && group.title == "Model") ++commands_with_models;
+      }
+    }
+  }
+  EXPECT_GE(commands_with_models, 10U);
+}
+
+TEST(Readme, OptionsOfHelpBecomeAList) {
   const std::string help =
-      "Integrate\nUsage: hmax run [OPTIONS]\n\nPositionals:\n  store REQUIRED   Its file\n\nOptions:\n"
+      "Integrate\nUsage: hmax run [OPTIONS]\n\nPositionals:\n  store REQUIRED   Its file\n"
+      "  mesh TEXT   A file\n\nOptions:\n  --mesh TEXT   A file\n"
       "  -h,--help   Help\n  --h NUMBER   Step size [s]; 0.1 by default\n  --long-name TEXT=a|b\n"
       "                              Two lines\n  --set NAME=VALUE ...   Set\n\nExample:\n  hmax run\n";
-  const std::string table = option_table(help);
-  EXPECT_EQ(table.substr(table.find("| `")),
-            "| `store` | required |  | Its file |\n| `--h NUMBER` | 0.1 | s | Step size |\n"
-            "| `--long-name TEXT` | `a\\|b` |  | Two lines |\n"
-            "| `--set NAME=VALUE` |  |  | Set |\n");
-  const Page page = read_page("<!-- hmax run --help -->\n| a |\n\n| b |\n");
+  const std::string list = option_list(help);
+  EXPECT_EQ(list,
+            "- `store` (required): Its file\n- `mesh TEXT`: A file\n- `--h NUMBER` (0.1): Step size [s]\n"
+            "- `--long-name TEXT` (`a|b`): Two lines\n- `--set NAME=VALUE`: Set\n");
+  const std::string grouped = "Options:\n  --a   One\n\nModel:\n  --b NAME   Two\n\nExample:\n  hmax run\n";
+  EXPECT_EQ(lines_of(option_list(grouped)), std::vector<std::string>{"- `--a`: One"});
+  EXPECT_EQ(lines_of(option_list(grouped, "Model")), std::vector<std::string>{"- `--b NAME`: Two"});
+  EXPECT_EQ(read_page("<!-- hmax run --help, Model -->\n- b\n").shown.at(0).group, "Model");
+  const Page page = read_page("<!-- hmax run --help -->\n- a\n\n- b\n");
   ASSERT_EQ(page.shown.size(), 1U);
   EXPECT_EQ(page.shown[0].command, "hmax run --help");
-  EXPECT_EQ(page.shown[0].output, "| a |\n");
-  EXPECT_FALSE(is_as_shown(table, page.shown[0]));
+  EXPECT_EQ(page.shown[0].output, "- a\n");
+  EXPECT_FALSE(is_as_shown(list, page.shown[0]));
 }
 
 TEST(Readme, AWrongOutputWouldBeNoticed) {

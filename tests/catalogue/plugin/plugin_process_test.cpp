@@ -76,7 +76,7 @@ TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
 TEST(Plugin, HangsEndAfterTheTimeThatTheyAreGiven) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(error_of_step("crash:hang", 0.02, 0.2),
-            "the plugin did not return within 0.2 s in step(0.02); --patience gives it longer");
+            "the plugin did not return within 0.2 s in step(0.02); --timeout gives it longer");
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
   expect_no_child();
 }
@@ -220,9 +220,9 @@ std::string error_of_rhs(const std::string& argument, double patience, int calls
 
 TEST(Plugin, AModelThatHangsEndsAfterTheTimeThatItIsGiven) {
   EXPECT_EQ(error_of_rhs("hang:3", 0.2),
-            "the plugin did not return within 0.2 s in rhs(); --patience gives it longer");
+            "the plugin did not return within 0.2 s in rhs(); --timeout gives it longer");
   EXPECT_EQ(error_of_rhs("slow:3", 0.2), "no error");
-  EXPECT_EQ(error_of_rhs("", -1), "--patience -1 is not positive; give seconds");
+  EXPECT_EQ(error_of_rhs("", -1), "--timeout -1 is not positive; give seconds");
   expect_no_child();
 }
 

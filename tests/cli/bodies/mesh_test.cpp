@@ -234,10 +234,12 @@ TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
   expect_refused(shell.hmax("mesh refine ball --times -1 --output a.msh"), "--times");
 }
 
-TEST(Mesh, InfoSaysWhatWasMended) {
+TEST(Mesh, InfoSaysWhatWasSmoothed) {
   const Shell shell;
-  EXPECT_TRUE(shell.hmax("mesh info ball:n=2 --json").json().at("mended").is_null());
-  const Json mended = shell.hmax("mesh info ball:n=2:refine=1:mend=8 --json").json().at("mended");
+  EXPECT_TRUE(shell.hmax("mesh info ball:n=2 --json").json().at("smoothed").is_null());
+  const Json document = shell.hmax("mesh info ball:n=2:refine=1:mend=8 --json").json();
+  const Json mended = document.at("smoothed");
+  EXPECT_EQ(document.at("mended"), mended);  // its name of version 0.1
   EXPECT_GT(mended.at("moved_points"), 0);
   EXPECT_GT(mended.at("farthest"), 0);
   EXPECT_GT(mended.at("least_height_after"), 0.999999 * mended.at("least_height_before").get<double>());
@@ -248,7 +250,7 @@ TEST(Mesh, InfoSaysWhatWasMended) {
               1e-9);
   const Told told = shell.hmax("mesh info ball:n=2:refine=1:mend=8");
   EXPECT_NE(told.out.find(" points moved by at most "), std::string::npos) << told.out;
-  EXPECT_EQ(shell.hmax("mesh info ball:n=2").out.find("mended"), std::string::npos);
+  EXPECT_EQ(shell.hmax("mesh info ball:n=2").out.find("smoothed"), std::string::npos);
   // What is written is the mended mesh.
   ASSERT_EQ(shell.hmax("mesh convert ball:n=2:refine=1:mend=8 better.msh").exit_code, 0);
   EXPECT_NE(shell.hmax("mesh info better.msh --json").json().at("shortest_edge"),
