@@ -10,6 +10,8 @@ import io
 import os
 import pathlib
 import re
+import subprocess
+import sys
 
 import hmax
 import pytest
@@ -65,69 +67,26 @@ def test_a_block_that_prints_something_else_is_found():
     assert alike("a 1.0000000001", "a  1.0") and not alike("a 1.01", "a 1.0") and not alike("a", "a b")
 
 
-HEAD = """# Python
-
-*Reference.* The calls of `import hmax`. [Use hmax from Python](../howto/python.md) shows them at work. This page is made from the
-docstrings.
-
-Arrays are of numpy, sparse matrices of scipy.sparse; dense arrays of other types are converted. Input that is wrong raises `ValueError`.
-Calls release the GIL; functions that are given are called from the calling thread. After Ctrl-C a call returns at once; what it
-computes between two outputs, such as eigenvalues, may go on in the background until the next one. In Python, SUNDIALS
-takes elementary functions from libm, the rest of hmax its own.
-
-"""
-
-
-def first_line(thing):
-    return inspect.getdoc(thing).splitlines()[0]
-
-
-def signature_of(thing):
-    text = str(inspect.signature(thing)).replace("typing.", "")
-    parameters = re.sub(r": '[^']*'", "", text).replace(" = ", "=")
-    return re.sub(r" -> .*", "", parameters).replace("(self, ", "(").replace("(self)", "()")
-
-
-def section(name, thing, level="##"):
-    """A heading with the signature, and the docstring: prose, parameters as a list, the example as a block."""
-    text = inspect.getdoc(thing)
-    example = text[text.index(">>> import hmax"):] if ">>> import hmax" in text else ""
-    prose = text[: len(text) - len(example)] if example else text
-    prose = re.sub(r"^(Parameters|Returns)\n-+\n", "", prose, flags=re.M)
-    prose = re.sub(r"\n    (\S)", r" \1", prose)  # continued lines
-    prose = re.sub(r"^([a-zA-Z0-9_]+(?:, [a-zA-Z0-9_]+)*) : ", lambda found: "- `" + found[1] + "`: ", prose, flags=re.M)
-    call = f"hmax.{name}" if level == "##" else name.replace("Body", "body")
-    parts = [f"{level} {name}", f"    {call}{signature_of(thing)}", prose.strip()]
-    if example:
-        parts.append("```pycon\n" + example.strip() + "\n```")
-    return "\n\n".join(parts) + "\n\n"
-
-
-def fields_of(name):
-    """The attributes of a dataclass as a table, from the text below each of them."""
-    source = inspect.getsource(getattr(hmax, name))
-    rows = re.findall(r'^    (\w+): ([^\n=]+?)(?: = [^\n]*)?\n(?:    """(.*?)""")?', source, flags=re.M | re.S)
-    lines = [f"## {name}", first_line(getattr(hmax, name)), "| attribute | type | meaning |\n| --- | --- | --- |"]
-    table = "\n".join(f"| `{field}` | `{kind}` | {' '.join(meaning.split())} |" for field, kind, meaning in rows)
-    return "\n\n".join(lines) + "\n" + table + "\n\n"
-
-
-def reference():
-    calls = [name for name in hmax.__all__ if inspect.isfunction(getattr(hmax, name))]
-    page = HEAD + "| call | what it returns |\n| --- | --- |\n"
-    page += "".join(f"| [`{name}`](#{name.lower()}) | {first_line(getattr(hmax, name))} |\n" for name in calls)
-    page += f"| [`Body`](#body) | {first_line(hmax.Body)} |\n\n"
-    page += "".join(section(name, getattr(hmax, name)) for name in calls) + section("Body", hmax.Body)
-    for name, method in vars(hmax.Body).items():
-        if inspect.isfunction(method) and not name.startswith("_"):
-            page += section(f"Body.{name}", method, "###")
-    page += "".join(fields_of(name) for name in ("Limit", "Modes", "Run", "Mesh"))
-    return page + "## Answer\n\n" + inspect.getdoc(hmax.Answer) + "\n"
+def made_by(*options):
+    command = [sys.executable, SOURCE / "scripts/python-reference", *options]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def test_the_reference_is_that_of_the_docstrings():
     path = SOURCE / "docs/reference/python.md"
-    page = reference()
+    page = made_by("--short")
     if UPDATE:
         path.write_text(page)
     assert path.exists() and path.read_text() == page
+
+
+def test_the_page_of_the_site_has_every_call_with_parameters_and_example():
+    page = made_by()
+    for name in hmax.__all__:
+        thing = getattr(hmax, name)
+        if inspect.isfunction(thing):
+            part = page[page.index(f"\n## {name}\n"):].split("\n## ")[1]
+            assert f"    hmax.{name}(" in part and ">>> import hmax" in part
+            for parameter in inspect.signature(thing).parameters:
+                assert parameter in part.split("(", 1)[1], (name, parameter)
+    assert "### Body.K" in page and "- `h_max`: " in page
