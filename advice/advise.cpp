@@ -11,7 +11,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
-#include "core/peak_memory.hpp"
+#include "core/process/peak_memory.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"

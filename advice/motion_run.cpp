@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "bench/timing/timing.hpp"
-#include "core/pinned_thread.hpp"
+#include "core/process/pinned_thread.hpp"
 
 namespace hmax {
 

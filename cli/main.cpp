@@ -13,9 +13,9 @@
 #include "cli/shared/last_resort.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "core/errors.hpp"
-#include "core/heap.hpp"
 #include "core/instruction_set.hpp"
 #include "core/own_files.hpp"
+#include "core/process/heap.hpp"
 #include "results/build_info.hpp"
 #include "results/patience.hpp"
 

@@ -10,9 +10,9 @@
 
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
-#include "core/memory_share.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "core/process/memory_share.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -52,9 +52,9 @@ struct FixedPointSearch : DegreeCheck {
 FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box,
                                      std::int64_t most_steps = 400'000);
 
-/// Every orbit of period two with a point in the box that Newton's method on Phi(Phi(y)) - y reaches from 31 x
-/// 31 starts, in lexicographic order; fixed points of Phi itself are left out.
-/// Multipliers by the chain rule, D(Phi^2)(a) = D Phi(b) D Phi(a).
+/// Every orbit of period two with a point in the box that Newton's method on Phi(Phi(y)) - y reaches from 31
+/// x 31 starts, in lexicographic order; fixed points of Phi itself are left out. Multipliers by the chain
+/// rule, D(Phi^2)(a) = D Phi(b) D Phi(a).
 /// @throws std::invalid_argument as search_fixed_points
 std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box);
 

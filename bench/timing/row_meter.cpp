@@ -15,7 +15,7 @@
 #include "bench/timing/timing.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
-#include "core/pinned_thread.hpp"
+#include "core/process/pinned_thread.hpp"
 #include "integrators/control.hpp"
 
 namespace hmax {

@@ -24,7 +24,6 @@ CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string
   return group;
 }
 
-
 void require_subcommand(CLI::App& command) { command.require_subcommand(1); }
 
 void add_footer(CLI::App& command, const std::string& line) {

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/pinned_thread.hpp"
+#include "core/process/pinned_thread.hpp"
 #include "tests/core/jobs.hpp"
 
 namespace hmax {

@@ -1,9 +1,9 @@
-#include "core/peak_memory.hpp"
+#include "core/process/peak_memory.hpp"
 
 #include <fstream>
 #include <string>
 
-#include "core/heap.hpp"
+#include "core/process/heap.hpp"
 
 namespace hmax {
 

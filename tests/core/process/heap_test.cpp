@@ -1,4 +1,4 @@
-#include "core/heap.hpp"
+#include "core/process/heap.hpp"
 
 #include <cstdint>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/peak_memory.hpp"
+#include "core/process/peak_memory.hpp"
 
 namespace hmax {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/heap.hpp"
+#include "core/process/heap.hpp"
 
 #include <cstddef>
 #include <cstdint>

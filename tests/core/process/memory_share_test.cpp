@@ -1,4 +1,4 @@
-#include "core/memory_share.hpp"
+#include "core/process/memory_share.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "core/pinned_thread.hpp"
+#include "core/process/pinned_thread.hpp"
 
 namespace hmax {
 
