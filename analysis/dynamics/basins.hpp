@@ -26,7 +26,10 @@ class Trap {
 
   /// Whether y lies inside; costs one product with a 2 x 2 matrix. False for a y that is not finite.
   [[nodiscard]] bool holds(const Eigen::Vector2d& y) const {
-    const Eigen::Vector2d u = (y - equilibrium_).cwiseQuotient(size_);
+    const Eigen::Vector2d from = y - equilibrium_;
+    // Far away without a division: inside |u| < 1e-3.
+    if (!(from.cwiseAbs().array() < 1.001e-3 * size_.array()).all()) return false;
+    const Eigen::Vector2d u = from.cwiseQuotient(size_);
     return u.dot(P_ * u) < bound_;
   }
 

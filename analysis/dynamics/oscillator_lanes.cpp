@@ -103,20 +103,15 @@ struct AdaptiveLanes {
 /// The loop over time of all runs.
 class AdaptiveRuns {
  public:
-  using IsOver = std::function<bool(std::size_t, const Vector2d&)>;
-
-  AdaptiveRuns(std::span<OscillatorRun> runs, const Tolerances<double>& tolerances,
-               std::int64_t most_attempts, const IsOver& is_over, InstructionSet set)
-      : runs_(runs),
+  AdaptiveRuns(const LaneClient& client, const Tolerances<double>& tolerances, std::int64_t most_attempts,
+               bool steady, InstructionSet set)
+      : client_(client),
         tolerances_(tolerances),
         most_attempts_(most_attempts),
-        is_over_(is_over),
         attempt_(CompiledFor<attempt>::of(set)) {
     lanes_.norm = {tolerances.rtol, tolerances.atol};
     lanes_.set = set;
-    lanes_.steady = std::ranges::all_of(runs, [](const OscillatorRun& run) {
-      return run.system->parameters().P == 0 || run.system->parameters().w == 0;
-    });
+    lanes_.steady = steady;
   }
 
   void run() {
@@ -130,7 +125,7 @@ class AdaptiveRuns {
 
  private:
   struct Lane {
-    std::size_t run;
+    OscillatorRun* run;
     Adaptive<double, DeadbandController> control;
     Proposal<double> step{};
     double t = 0;
@@ -160,29 +155,32 @@ class AdaptiveRuns {
 
   /// The next run, from its start.
   bool begin(std::size_t lane) {
-    for (; next_ < runs_.size(); ++next_) {
-      OscillatorRun& run = runs_[next_];
-      run.outcome = Outcome::diverged;
-      if (!is_bounded(run.y)) continue;
+    while (OscillatorRun* run = client_.next()) {
+      run->outcome = Outcome::diverged;
+      if (!is_bounded(run->y)) {
+        client_.ended(*run);
+        continue;
+      }
       Vector2d slope;
-      run.system->rhs(0, run.y, slope);
-      lanes_.rk.start(lane, run.y, slope);
-      put(lane, *run.system);
-      Lane& begun = under_way_[lane].emplace(next_++, Control(tolerances_, tableaux::Dop853::error_order));
-      begun.control.start(lanes_.rk, *run.system, {0, run.t_end}, run.y);
+      run->system->rhs(0, run->y, slope);
+      lanes_.rk.start(lane, run->y, slope);
+      put(lane, *run->system);
+      Lane& begun = under_way_[lane].emplace(run, Control(tolerances_, tableaux::Dop853::error_order));
+      begun.control.start(lanes_.rk, *run->system, {0, run->t_end}, run->y);
       return true;
     }
     return false;
   }
 
   void end(std::size_t lane, Outcome outcome, const Vector2d& y) {
-    OscillatorRun& run = runs_[under_way_[lane]->run];
+    OscillatorRun& run = *under_way_[lane]->run;
     run.outcome = outcome;
     run.y = y;
+    client_.ended(run);
     if (begin(lane) || --used_ == lane) return;
     under_way_[lane] = under_way_[used_];
     lanes_.rk.move(used_, lane);
-    put(lane, *runs_[under_way_[lane]->run].system);
+    put(lane, *under_way_[lane]->run->system);
   }
 
   /// The next step of a lane; a run that has none ends.
@@ -205,24 +203,22 @@ class AdaptiveRuns {
   void judge(std::size_t lane) {
     Lane& run = *under_way_[lane];
     const Vector2d there = lanes_.rk.candidate(lane);
-    const Judgement judgement = run.control.judge(LaneError{lanes_.rk.error_squared(lane)},
-                                                  *runs_[run.run].system, run.step, there, there);
+    const Judgement judgement =
+        run.control.judge(LaneError{lanes_.rk.error_squared(lane)}, *run.run->system, run.step, there, there);
     if (judgement == Judgement::retry) return;
     if (judgement == Judgement::give_up) return end(lane, Outcome::step_too_small, lanes_.rk.state(lane));
     if (!is_bounded(there)) return end(lane, Outcome::diverged, lanes_.rk.state(lane));
-    if (is_over_ && is_over_(run.run, there)) return end(lane, Outcome::stopped, there);
+    if (client_.is_over && client_.is_over(*run.run, there)) return end(lane, Outcome::stopped, there);
     if (run.step.last) return end(lane, Outcome::reached_end, there);
     lanes_.rk.accept(lane);
     run.t = run.step.t_next;
   }
 
   using Control = Adaptive<double, DeadbandController>;
-  std::span<OscillatorRun> runs_;
-  std::size_t next_ = 0,
-              used_ = 0;  ///< the first run that no lane has taken; lanes, from the first, with runs
+  const LaneClient& client_;
+  std::size_t used_ = 0;  ///< lanes, from the first, that have runs
   Tolerances<double> tolerances_;
   std::int64_t most_attempts_;
-  const IsOver& is_over_;
   void (*attempt_)(AdaptiveLanes&);
   AdaptiveLanes lanes_;
   std::array<std::optional<Lane>, lane_count> under_way_;
@@ -313,10 +309,9 @@ void run_shared(std::span<OscillatorRun> runs, std::span<const SharedStep<Method
 
 }  // namespace
 
-void run_side_by_side(std::span<OscillatorRun> runs, const Tolerances<double>& tolerances,
-                      std::int64_t most_attempts,
-                      const std::function<bool(std::size_t, const Vector2d&)>& is_over, InstructionSet set) {
-  AdaptiveRuns(runs, tolerances, most_attempts, is_over, set).run();
+void run_side_by_side(const LaneClient& client, const Tolerances<double>& tolerances,
+                      std::int64_t most_attempts, bool steady, InstructionSet set) {
+  AdaptiveRuns(client, tolerances, most_attempts, steady, set).run();
 }
 
 SharedSteps shared_steps(std::string_view method, double w, double t_end, double h, InstructionSet set) {

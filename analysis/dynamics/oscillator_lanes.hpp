@@ -25,18 +25,25 @@ struct OscillatorRun {
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
 };
 
-/// Runs all of them as integrate() does with dop_853 and a DeadbandController. A lane whose run has ended
-/// takes the next one; where there is none it takes that of the last lane, so that those that are left stand
-/// side by side. Each lane has a step control and a time of its own. Where no force changes in time no cosine
-/// is computed.
+/// What is run side by side.
+struct LaneClient {
+  /// The next run, which stays in its place until it has ended; null where there is none, maybe until another
+  /// one has ended.
+  std::function<OscillatorRun*()> next;
+  /// A run has its end and its outcome.
+  std::function<void(OscillatorRun& run)> ended;
+  /// Whether a run ends, as `stopped`, at a state that is about to be accepted; may be empty.
+  std::function<bool(const OscillatorRun& run, const Eigen::Vector2d& y)> is_over = {};
+};
+
+/// Runs each as integrate() does with dop_853 and a DeadbandController, with a step control and a time of its
+/// own. A lane whose run has ended takes the next one; where there is none it takes that of the last lane, so
+/// that those that are left stand side by side.
 /// @param most_attempts  of a run, after which it ends as too_many_steps
-/// @param is_over        of a state of run i that is about to be accepted: whether the run ends there, as
-///                       `stopped`; may be empty
+/// @param steady         no force of any run changes in time: no cosine is computed
 /// @param set            of the vector operations; it changes times, not motions
-void run_side_by_side(std::span<OscillatorRun> runs, const Tolerances<double>& tolerances,
-                      std::int64_t most_attempts,
-                      const std::function<bool(std::size_t i, const Eigen::Vector2d& y)>& is_over,
-                      InstructionSet set);
+void run_side_by_side(const LaneClient& client, const Tolerances<double>& tolerances,
+                      std::int64_t most_attempts, bool steady, InstructionSet set);
 
 /// Runs all of them by the same steps.
 using SharedSteps = std::function<void(std::span<OscillatorRun> runs)>;

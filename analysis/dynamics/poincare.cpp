@@ -4,7 +4,9 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <list>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -282,15 +284,16 @@ Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
 }
 
 MapEnsemble one_by_one(std::function<VectorFunction(std::size_t map)> map_at) {
-  return {
-      .apply = [map_at = std::move(map_at), map = VectorFunction(), number = std::optional<std::size_t>()](
-                   std::span<const std::size_t> maps, std::span<VectorXd> states) mutable {
-        for (std::size_t i = 0; i < states.size(); ++i) {
-          if (number != maps[i]) map = map_at(maps[i]);
-          number = maps[i];
-          states[i] = map(states[i]);
-        }
-      }};
+  return [map_at = std::move(map_at)](const MapCalls& calls) {
+    VectorFunction map;
+    std::optional<std::size_t> number;
+    while (const auto call = calls.next()) {
+      if (number != call->map) map = map_at(call->map);
+      number = call->map;
+      *call->state = map(*call->state);
+      calls.done(*call);
+    }
+  };
 }
 
 namespace {
@@ -304,24 +307,44 @@ class Diagram {
     tell();
   }
 
-  /// Follows some motions at a time until none is left. The exponent is computed to 30 % of itself: only its
-  /// sign is used.
+  /// Begins a motion whenever no state waits, until there is none left. The exponent is computed to 30 % of
+  /// itself: only its sign is used.
   /// @param tells  whether the thread is the one that asks `going`
-  void work(MapEnsemble ensemble, bool tells) {
-    const std::size_t most = follow_ ? 1 : ensemble.motions;
-    std::vector<Motion> open;
-    while (!ended_) {
-      while (open.size() < most) {
+  void work(const MapEnsemble& ensemble, bool tells) {
+    std::list<Motion> open;
+    std::deque<MapCall> waiting;
+    std::size_t asked = 0;
+    const auto wait = [&](Motion& motion) {
+      for (VectorXd& y : motion.judge.states()) waiting.push_back({motion.value, &y, &motion});
+      motion.images = motion.judge.states().size();
+    };
+    const auto next = [&]() -> std::optional<MapCall> {
+      if (tells && ++asked % 1024 == 0) tell();
+      if (ended_) return std::nullopt;
+      if (waiting.empty()) {
+        if (follow_ && !open.empty()) return std::nullopt;
         const std::size_t value = next_++;
-        if (value >= motions_.size()) break;
-        open.push_back({value, MotionJudge(start_, skip_, count_, {.relative = 0.3})});
+        if (value >= motions_.size()) return std::nullopt;
+        wait(open.emplace_back(value, MotionJudge(start_, skip_, count_, {.relative = 0.3})));
       }
-      if (open.empty()) return;
-      apply(ensemble, open);
-      for (Motion& motion : open)
-        if (motion.judge.has_ended()) take(motion);
-      std::erase_if(open, [](const Motion& motion) { return motion.judge.has_ended(); });
+      const MapCall call = waiting.front();
+      waiting.pop_front();
+      return call;
+    };
+    const auto done = [&](const MapCall& call) {
+      Motion& motion = *static_cast<Motion*>(call.motion);
+      if (--motion.images > 0) return;
+      motion.judge.go_on();
+      if (!motion.judge.has_ended()) return wait(motion);
+      take(motion);
+      open.remove_if([&](const Motion& each) { return &each == &motion; });
       if (tells) tell();
+    };
+    try {
+      ensemble({next, done});
+    } catch (...) {
+      ended_ = true;  // for all threads
+      throw;
     }
   }
 
@@ -337,29 +360,8 @@ class Diagram {
   struct Motion {
     std::size_t value;
     MotionJudge judge;
+    std::size_t images = 0;  ///< that it waits for
   };
-
-  /// One application of the map to every motion.
-  void apply(MapEnsemble& ensemble, std::vector<Motion>& open) {
-    std::vector<std::size_t> maps;
-    std::vector<VectorXd> states;
-    for (auto& [value, judge] : open)
-      for (VectorXd& y : judge.states()) {
-        maps.push_back(value);
-        states.push_back(std::move(y));
-      }
-    try {
-      ensemble.apply(maps, states);
-    } catch (...) {
-      ended_ = true;  // for all threads
-      throw;
-    }
-    auto image = states.begin();
-    for (auto& [value, judge] : open) {
-      for (VectorXd& y : judge.states()) y = std::move(*image++);
-      judge.go_on();
-    }
-  }
 
   void take(Motion& motion) {
     Settled& verdict = motion.judge.verdict();

@@ -125,13 +125,22 @@ struct Settled {
 Settled settle(const VectorFunction& map, std::vector<Eigen::VectorXd> looks, int count,
                const ExponentLimits& limits);
 
-/// The maps of a diagram, which are numbered as its values. Each thread uses a copy.
-struct MapEnsemble {
-  /// Replaces each state by its image under the map of this number; by one that is not finite where there is
-  /// none.
-  std::function<void(std::span<const std::size_t> maps, std::span<Eigen::VectorXd> states)> apply;
-  std::size_t motions = 1;  ///< that are best followed at a time
+/// A state that waits for its image.
+struct MapCall {
+  std::size_t map;         ///< its number
+  Eigen::VectorXd* state;  ///< which the image replaces; not finite where there is none
+  void* motion;            ///< whose state it is
 };
+
+/// States that wait, those of several motions at a time.
+struct MapCalls {
+  std::function<std::optional<MapCall>()>
+      next;                                  ///< nothing while all wait for images under way, or have ended
+  std::function<void(const MapCall&)> done;  ///< the state has been replaced
+};
+
+/// Replaces states until next() has none and all are done. Each thread uses a copy.
+using MapEnsemble = std::function<void(const MapCalls& calls)>;
 
 /// One image after the other.
 /// @param map_at  makes a map of its number; called by several threads at once

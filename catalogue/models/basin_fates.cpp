@@ -40,7 +40,8 @@ struct Destiny {
     int fate = undecided;
     for (const auto& [number, trap] : traps)
       if (trap.holds(here)) fate = number;
-    if (!((here - window.lower).cwiseQuotient(window.size()).cwiseAbs().maxCoeff() < 1e6)) fate = unbounded;
+    const auto away = (here - window.lower).cwiseAbs().array();
+    if (!(away < 1e6 * window.size().array()).all()) fate = unbounded;
     return fate;
   }
 };
@@ -81,21 +82,30 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
     };
   return [system = *oscillator, destiny = Destiny(problem, window, equilibria), set](
              std::span<const Vector2d> starts, std::span<int> fates) {
-    std::vector<OscillatorRun> runs;
-    std::vector<std::size_t> number;  // of the start of each run
-    for (std::size_t i = 0; i < starts.size(); ++i) {
-      fates[i] = is_bounded(starts[i]) ? destiny.of(starts[i]) : unbounded;
-      if (fates[i] != undecided) continue;
-      runs.push_back({&system, destiny.longest, starts[i]});
-      number.push_back(i);
-    }
-    run_side_by_side(
-        runs, basin_tolerances, adaptive_attempts,
-        [&](std::size_t run, const Vector2d& y) { return (fates[number[run]] = destiny.of(y)) != undecided; },
-        set);
-    for (std::size_t run = 0; run < runs.size(); ++run)
-      if (runs[run].outcome == Outcome::diverged || runs[run].outcome == Outcome::step_too_small)
-        fates[number[run]] = unbounded;
+    std::vector<OscillatorRun> runs(starts.size());
+    std::size_t begun = 0;
+    const auto fate = [&](const OscillatorRun& run) -> int& {
+      return fates[std::size_t(&run - runs.data())];
+    };
+    const LaneClient client{
+        .next = [&]() -> OscillatorRun* {
+          for (; begun < starts.size(); ++begun) {
+            const Vector2d& y = starts[begun];
+            fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
+            if (fates[begun] != undecided) continue;
+            runs[begun] = {&system, destiny.longest, y};
+            return &runs[begun++];
+          }
+          return nullptr;
+        },
+        .ended =
+            [&](OscillatorRun& run) {
+              if (run.outcome == Outcome::diverged || run.outcome == Outcome::step_too_small)
+                fate(run) = unbounded;
+            },
+        .is_over = [&](const OscillatorRun& run,
+                       const Vector2d& y) { return (fate(run) = destiny.of(y)) != undecided; }};
+    run_side_by_side(client, basin_tolerances, adaptive_attempts, true, set);
   };
 }
 

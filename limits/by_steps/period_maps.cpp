@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <memory>
 #include <span>
 #include <utility>
@@ -16,14 +17,8 @@ namespace hmax {
 
 namespace {
 
-using Eigen::Vector2d;
-using Eigen::VectorXd;
-
 /// Steps of a period that are kept with their cosines; more are taken one motion at a time.
 constexpr std::int64_t most_shared_steps = 100'000;
-
-/// Motions that are followed at a time: each lane has several, so that few lanes wait for the last run.
-constexpr std::size_t motions_at_a_time = 64;
 
 /// Oscillators, and the periods of their forces.
 struct Driven {
@@ -50,20 +45,54 @@ std::vector<Oscillator> oscillators(const std::function<Problem(std::size_t i)>&
   return systems;
 }
 
-/// Their period maps by runs side by side.
-MapEnsemble in_lanes(std::shared_ptr<const Driven> driven, SharedSteps run) {
-  return {.apply =
-              [driven = std::move(driven), run = std::move(run), runs = std::vector<OscillatorRun>()](
-                  std::span<const std::size_t> maps, std::span<VectorXd> states) mutable {
-                runs.clear();
-                for (std::size_t i = 0; i < maps.size(); ++i)
-                  runs.push_back({&driven->systems[maps[i]], driven->periods[maps[i]], states[i]});
-                run(runs);
-                const Vector2d lost = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-                for (std::size_t i = 0; i < maps.size(); ++i)
-                  states[i] = runs[i].outcome == Outcome::reached_end ? runs[i].y : lost;
-              },
-          .motions = motions_at_a_time};
+/// A period of a motion whose image is asked for.
+struct PeriodRun : OscillatorRun {
+  MapCall call;
+};
+
+PeriodRun run_of(const Driven& driven, const MapCall& call) {
+  return {{&driven.systems[call.map], driven.periods[call.map], *call.state}, call};
+}
+
+void answer(const MapCalls& calls, const MapCall& call, const OscillatorRun& run) {
+  *call.state = run.y;
+  if (run.outcome != Outcome::reached_end) call.state->setConstant(std::numeric_limits<double>::quiet_NaN());
+  calls.done(call);
+}
+
+/// Adaptive periods, each lane at its own time.
+void run_adaptive(const Driven& driven, const MapCalls& calls, InstructionSet set) {
+  std::list<PeriodRun> runs;
+  const LaneClient client{.next = [&]() -> OscillatorRun* {
+                            const auto call = calls.next();
+                            return call ? &runs.emplace_back(run_of(driven, *call)) : nullptr;
+                          },
+                          .ended =
+                              [&](OscillatorRun& run) {
+                                const MapCall call = static_cast<PeriodRun&>(run).call;
+                                answer(calls, call, run);
+                                runs.remove_if([&](const PeriodRun& each) { return &each == &run; });
+                              }};
+  run_side_by_side(client, stroboscope_tolerances, most_period_steps, false, set);
+}
+
+/// Periods of the same steps, some at a time.
+void run_shared(const Driven& driven, const MapCalls& calls, const SharedSteps& run) {
+  constexpr std::size_t at_a_time = 32;
+  std::vector<OscillatorRun> runs;
+  std::vector<MapCall> taken;
+  do {
+    runs.clear();
+    taken.clear();
+    while (taken.size() < at_a_time) {
+      const auto call = calls.next();
+      if (!call) break;
+      taken.push_back(*call);
+      runs.push_back(run_of(driven, *call));
+    }
+    run(runs);
+    for (std::size_t i = 0; i < runs.size(); ++i) answer(calls, taken[i], runs[i]);
+  } while (!runs.empty());
 }
 
 /// The size of steps that divides the period; one that is no size stays, and steps_map() refuses it.
@@ -86,16 +115,14 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
   if (steps && !periods.empty()) stroboscope(problem_at(0), periods.front(), steps);  // may throw
   const auto driven =
       std::make_shared<const Driven>(Driven{oscillators(problem_at, periods.size()), periods});
-  SharedSteps run;
   if (!driven->systems.empty() && !steps)
-    run = [set](std::span<OscillatorRun> runs) {
-      run_side_by_side(runs, stroboscope_tolerances, most_period_steps, {}, set);
-    };
-  else if (!driven->systems.empty() && driven->share_time() &&
-           fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
+    return [driven, set](const MapCalls& calls) { run_adaptive(*driven, calls, set); };
+  SharedSteps run;
+  if (!driven->systems.empty() && driven->share_time() &&
+      fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
     run = shared_steps(steps->method.id, driven->systems.front().parameters().w, periods.front(),
                        size_of_steps(*steps, periods.front()), set);
-  if (run) return in_lanes(driven, run);
+  if (run) return [driven, run](const MapCalls& calls) { run_shared(*driven, calls, run); };
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

@@ -72,7 +72,14 @@ void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
     for (std::size_t i = 0; i < starts.size(); ++i) maps.push_back(i % problems.size());
     std::vector<VectorXd> states = starts;
     for (int image = 0; image < count; ++image) {
-      ensemble.apply(maps, states);
+      std::size_t begun = 0, done = 0;
+      ensemble({[&]() -> std::optional<MapCall> {
+                  if (begun == starts.size()) return std::nullopt;
+                  const std::size_t i = begun++;
+                  return MapCall{maps[i], &states[i], nullptr};
+                },
+                [&](const MapCall&) { ++done; }});
+      ASSERT_EQ(done, starts.size());
       for (std::size_t i = 0; i < starts.size(); ++i)
         expect_equal({states[i]}, {expected[i][std::size_t(image)]},
                      std::string(to_string(set)) + (steps ? " " + steps->method.id : "") + ", start " +
