@@ -15,7 +15,7 @@
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/explicit/user_tableau.hpp"
 #include "integrators/system.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 #include "problems/any_system.hpp"
 #include "problems/linear_structure.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "catalogue/methods/method.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "limits/linearised_problem.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

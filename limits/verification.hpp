@@ -9,8 +9,8 @@
 #include "analysis/dynamics/growth.hpp"
 #include "catalogue/methods/method.hpp"
 #include "limits/modes/mode_start.hpp"
-#include "limits/operating_point.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/operating_point.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

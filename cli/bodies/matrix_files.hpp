@@ -5,7 +5,7 @@
 
 #include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

@@ -10,7 +10,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/families.hpp"
 #include "cli/reproduce/report_page.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 #include "results/limits/limit_exports.hpp"
 #include "results/table.hpp"
 

@@ -15,7 +15,7 @@
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/documents/limit_json.hpp"
 #include "limits/documents/model_json.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 #include "limits/problem_linearity.hpp"
 
 namespace hmax {

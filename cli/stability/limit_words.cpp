@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "limits/documents/limit_json.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

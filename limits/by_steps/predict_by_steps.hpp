@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "limits/by_steps/step_map.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 
 #include "analysis/step_limits/step_map_limit.hpp"
 #include "catalogue/methods/method.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

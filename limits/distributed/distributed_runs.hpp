@@ -6,8 +6,8 @@
 
 #include "catalogue/methods/method.hpp"
 #include "limits/distributed/distributed_engine.hpp"
-#include "limits/operating_point.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/operating_point.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

@@ -9,7 +9,7 @@
 
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/by_steps/step_map.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 #include "results/limit_row.hpp"
 
 namespace hmax {

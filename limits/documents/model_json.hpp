@@ -7,7 +7,7 @@
 
 #include "catalogue/methods/method.hpp"
 #include "catalogue/models/body_summary.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

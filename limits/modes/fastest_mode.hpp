@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "analysis/spectrum/element_bounds.hpp"
-#include "limits/predict.hpp"
+#include "limits/point/operating_point.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/size_limits.hpp"
-#include "limits/operating_point.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/operating_point.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

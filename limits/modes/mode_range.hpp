@@ -12,8 +12,8 @@
 #include "analysis/spectrum/damped_eigenvalues.hpp"
 #include "analysis/step_limits/damping_range.hpp"
 #include "core/size_limits.hpp"
-#include "limits/operating_point.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/operating_point.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 

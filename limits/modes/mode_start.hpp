@@ -4,7 +4,7 @@
 #include "analysis/amplification/amplification.hpp"
 #include "core/size_limits.hpp"
 #include "limits/modes/structure_start.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

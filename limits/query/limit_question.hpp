@@ -7,7 +7,7 @@
 
 #include "catalogue/methods/method.hpp"
 #include "limits/by_steps/step_map.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 
 namespace hmax {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "limits/along/trajectory_limit.hpp"
-#include "limits/operating_point.hpp"
-#include "limits/prediction.hpp"
+#include "limits/point/operating_point.hpp"
+#include "limits/point/prediction.hpp"
 #include "results/limit_row.hpp"
 #include "results/store.hpp"
 

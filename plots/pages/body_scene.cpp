@@ -15,8 +15,8 @@
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/encodings/base64.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/frame.hpp"
-#include "plots/pages/html_text.hpp"
 
 namespace hmax {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
-#include "plots/pages/html_text.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/page_texts.hpp"
 
 namespace hmax {

@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 
 #include "plots/pages/encodings/embedded.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/frame.hpp"
-#include "plots/pages/html_text.hpp"
 
 namespace hmax {
 

@@ -7,8 +7,8 @@
 
 #include "plots/colours.hpp"
 #include "plots/pages/body_scene.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/frame.hpp"
-#include "plots/pages/html_text.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/markdown_text.hpp"
 #include "plots/pages/report_answers.hpp"

@@ -41,15 +41,16 @@ TEST(Declarations, StandInTheRoomThatDefinesThem) {
 
 TEST(Declarations, ThatPointUpAreFound) {
   const std::string header =
-      "Reference make_reference(const Problem& problem,\n                         double t_end);\n";
+      "namespace hmax {\nReference make_reference(const Problem& problem,\n                         double t_end);\n";
   const std::string source =
-      "namespace {\nvoid hidden(int x) {\n}\n}  // namespace\nReference make_reference(const Problem& problem,\n"
+      "namespace hmax {\nnamespace {\nvoid hidden(int x) {\n}\n}  // namespace\nReference make_reference(const Problem& problem,\n"
       "                         double t_end) {\n  return run(problem);\n}\n";
-  EXPECT_EQ(free_functions(header, false), std::set<std::string>{"make_reference"});
-  EXPECT_EQ(free_functions(source, true), std::set<std::string>{"make_reference"});
-  EXPECT_EQ(defined_elsewhere({{"make_reference", {"catalogue"}}}, "bench", source),
-            std::set<std::string>{"make_reference"});
-  EXPECT_EQ(defined_elsewhere({{"make_reference", {"bench"}}}, "bench", source), std::set<std::string>{});
+  EXPECT_EQ(free_functions(header, false), std::set<std::string>{"hmax::make_reference"});
+  EXPECT_EQ(free_functions(source, true), std::set<std::string>{"hmax::make_reference"});
+  EXPECT_EQ(defined_elsewhere({{"hmax::make_reference", {"catalogue"}}}, "bench", source),
+            std::set<std::string>{"hmax::make_reference"});
+  EXPECT_EQ(defined_elsewhere({{"hmax::make_reference", {"bench"}}}, "bench", source),
+            std::set<std::string>{});
 }
 
 }  // namespace

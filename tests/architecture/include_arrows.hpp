@@ -60,7 +60,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^(petsc|slepc)", "^addons/petsc/"},
     {"^mpi", "^addons/"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
-    {"^benchmark/", "^bench/micro/"},
+    {"^benchmark/", "^(bench|limits)/micro/"},
     {"^toml", "\\.cpp$"},
     {"^sqlite3", "^(results/sqlite/.*\\.hpp|(results|tests)/.*\\.cpp)$"},
     {"^results/sqlite/",
@@ -68,7 +68,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^CLI/", "^cli/"},
     {"^pybind11/", "^python/bindings/"},
     {"^cmark", "^plots/pages/markdown_page\\.cpp$"},
-    {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|bench/micro/stability)\\.cpp$"},
+    {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|limits/micro/stability)\\.cpp$"},
     {"^metis", "^integrators/linear/elimination_order\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };

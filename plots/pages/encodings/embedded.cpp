@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "plots/pages/encodings/base64.hpp"
-#include "plots/pages/html_text.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 
 namespace hmax {
 

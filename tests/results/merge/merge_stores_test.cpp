@@ -189,7 +189,7 @@ TEST(Merge, TakesLimitsAndAnswersWithTheirBodies) {
   ASSERT_EQ(limits.size(), 2U);
   EXPECT_EQ(limits[0].h_max, 0.1);
   EXPECT_EQ(limits[1].method, "newmark");
-  EXPECT_EQ(out.operating_point(point.key).value().words, "at rest");
+  EXPECT_EQ(out.operating_point(point.key).value().document, point.document);
   ASSERT_EQ(out.advice().size(), 1U) << "an answer is not mixed from two";
   EXPECT_EQ(out.advice()[0].method, "rk4");
   ASSERT_EQ(out.scenes().size(), 1U);

@@ -10,7 +10,7 @@
 
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/step_limits/stable_step.hpp"
-#include "limits/operating_point.hpp"
+#include "limits/point/operating_point.hpp"
 #include "limits/steps/newton_step.hpp"
 #include "limits/steps/step_defect.hpp"
 

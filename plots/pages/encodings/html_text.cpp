@@ -1,4 +1,4 @@
-#include "plots/pages/html_text.hpp"
+#include "plots/pages/encodings/html_text.hpp"
 
 #include "plots/gnuplot.hpp"
 

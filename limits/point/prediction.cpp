@@ -1,4 +1,4 @@
-#include "limits/prediction.hpp"
+#include "limits/point/prediction.hpp"
 
 namespace hmax {
 
