@@ -104,7 +104,7 @@ namespace {
 
 void add_spectrum(Json& document, const Linearised& near) {
   Json eigenvalues = Json::array();
-  for (const Complex lambda : near.modes.spectrum.lambda)
+  for (const auto& lambda : near.modes.spectrum.lambda)
     eigenvalues.push_back({lambda.real(), lambda.imag()});
   document["eigenvalues"] = std::move(eigenvalues);
   if (near.modes.curve)
