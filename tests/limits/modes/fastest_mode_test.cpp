@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/models/problems.hpp"
+#include "limits/linearised_problem.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 
 namespace hmax {
