@@ -238,15 +238,21 @@ class JacobianSource {
     const Real scale = scale_of(y);
     for (Eigen::Index j = 0; j < y.size(); ++j)
       for (const Real side : {Real(1), Real(-1)}) {
-        if (J.col(j).allFinite()) break;
+        if (!has_infinite(J, j)) break;
         const Real delta = side * increment(y, j, scale);
         moved[j] = y[j] + delta;
         system.rhs(t, moved, f_moved);
         moved[j] = y[j];
         if (!f_moved.allFinite()) continue;
         for (Eigen::Index i = 0; i < y.size(); ++i)
-          if (!std::isfinite(std::abs(J(i, j)))) J(i, j) = (f_moved[i] - f[i]) / delta;
+          if (std::isinf(std::abs(J(i, j)))) J(i, j) = (f_moved[i] - f[i]) / delta;
       }
+  }
+  /// What is not a number is a mistake of the system, which methods tell.
+  static bool has_infinite(const Dense& J, Eigen::Index column) {
+    for (Eigen::Index i = 0; i < J.rows(); ++i)
+      if (std::isinf(std::abs(J(i, column)))) return true;
+    return false;
   }
 
   /// M, K and C in the place of J. M is taken once, since it is constant.

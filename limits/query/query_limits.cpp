@@ -17,6 +17,7 @@
 #include "limits/documents/model_json.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
+#include "limits/problem_linearity.hpp"
 #include "limits/rows/limit_rows.hpp"
 #include "limits/verification.hpp"
 #include "problems/tissue/body.hpp"
@@ -285,7 +286,8 @@ class Query {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].path_note = path.note;
       if (!limits[i]) continue;
-      facts["constant"] = limits[i]->constant;
+      // Of others the structure of the model says it.
+      if (linearity_of(problem) == Linearity::unknown) facts["constant"] = limits[i]->constant;
       const TrajectoryLimit along = as_shown(*limits[i], problem.shown);
       add_path(rows[i], along, path.note);
       Json details = Json::parse(rows[i].details);

@@ -66,7 +66,7 @@ TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
     ASSERT_EQ(shell.hmax(sweep + "--out one.sqlite").exit_code, 0);
     expect_same_rows(shell, "two.sqlite", "one.sqlite");
     for (const Row& row : Store::open_existing(shell / "two.sqlite").rows()) EXPECT_TRUE(row.explored);
-    EXPECT_NE(told.json()["warnings"].dump().find("rough"), std::string::npos);
+    EXPECT_NE(told.json()["warnings"].dump().find("approximate"), std::string::npos);
     // Either form goes on where the other one ended; one that measures takes the rows anew whose times are
     // rough.
     const json again = shell.hmax(sweep + "--out two.sqlite --resume --json").json();

@@ -112,12 +112,19 @@ std::string option_list(const std::string& help, const std::string& group = "Opt
       list += option_item(option, found[1]);
     } else if (inside && std::regex_match(line, found, entry)) {
       option = found[1];
+      std::string meaning = found[3];
+      // A name that leaves one space before the column of meanings.
+      constexpr std::size_t column = 30;
+      if (meaning.empty() && line.size() > column && line[column - 1] == ' ' && line[column - 2] != ' ') {
+        option = line.substr(2, column - 3);
+        meaning = line.substr(column);
+      }
       // An argument may be given as an option, too.
       const std::string name = option.substr(0, option.find_first_of(" ,"));
       const bool repeats =
           name.starts_with("--") && list.find("- `" + name.substr(2) + " ") != std::string::npos;
-      if (found[3].matched && option != "-h,--help" && option != "--json" && !repeats)
-        list += option_item(option, found[3]);
+      if (!meaning.empty() && option != "-h,--help" && option != "--json" && !repeats)
+        list += option_item(option, meaning);
     }
   }
   return list;

@@ -102,34 +102,6 @@ TEST(AdviceStore, KeepsTheWordsOfAnAnswerUntilItIsReplaced) {
 }
 
 /// Layout 4 had neither iterations of conjugate gradients nor bodies.
-TEST(AdviceStore, BringsAdviceOfLayout4UpToDate) {
-  const Scratch scratch;
-  const std::string file = (scratch / "s.sqlite").string();
-  {
-    Store store = Store::open_or_create(file);
-    store.begin_session({});
-    store.insert_advice(a_question(), std::vector{a_record("rk4")});
-  }
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  ASSERT_EQ(
-      sqlite3_exec(
-          database,
-          "ALTER TABLE advice DROP COLUMN linear_per_frame; ALTER TABLE advice DROP COLUMN frame_tail_s; DROP TABLE scenes; DROP TABLE answers; ALTER TABLE rows DROP COLUMN explored; PRAGMA user_version = 4",
-          nullptr, nullptr, nullptr),
-      SQLITE_OK);
-  sqlite3_close(database);
-  Store store = Store::open_existing(file);
-  ASSERT_EQ(store.advice().size(), 1U);
-  EXPECT_TRUE(std::isnan(store.advice()[0].linear_per_frame));
-  EXPECT_EQ(store.advice()[0].frame_tail, "");
-  EXPECT_EQ(store.advice()[0].newton_per_frame, a_record("rk4").newton_per_frame);
-  store.begin_session({});
-  store.insert_advice(a_question(), std::vector{a_record("rk4")}, "{}");
-  EXPECT_EQ(store.advice()[0].linear_per_frame, a_record("rk4").linear_per_frame);
-  EXPECT_EQ(store.scenes().size(), 1U);
-}
-
 TEST(AdviceExports, WriteNumbersThatDoNotApply) {
   std::vector<AdviceRecord> records{a_record("rk4")};
   records[0].key = a_question();
