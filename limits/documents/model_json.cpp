@@ -104,8 +104,7 @@ namespace {
 
 void add_spectrum(Json& document, const Linearised& near) {
   Json eigenvalues = Json::array();
-  for (const auto& lambda : near.modes.spectrum.lambda)
-    eigenvalues.push_back({lambda.real(), lambda.imag()});
+  for (const auto& lambda : near.modes.spectrum.lambda) eigenvalues.push_back({lambda.real(), lambda.imag()});
   document["eigenvalues"] = std::move(eigenvalues);
   if (near.modes.curve)
     document["status"] = near.modes.slow_end

@@ -101,7 +101,6 @@ TEST(AdviceStore, KeepsTheWordsOfAnAnswerUntilItIsReplaced) {
   EXPECT_TRUE(store.advice_words().empty());
 }
 
-/// Layout 4 had neither iterations of conjugate gradients nor bodies.
 TEST(AdviceExports, WriteNumbersThatDoNotApply) {
   std::vector<AdviceRecord> records{a_record("rk4")};
   records[0].key = a_question();
