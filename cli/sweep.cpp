@@ -151,7 +151,8 @@ const Row* fastest(const Group& group, double error) {
 std::string fastest_table(const Group& group, const Console& console) {
   const bool adaptive = group.rows.front()->key.mode == "adaptive";
   TextTable table({"error at most", "fastest method", adaptive ? "tolerances" : "h [s]", "error",
-                   group.rows.front()->explored ? "rough CPU time [s]" : "CPU time [s]", "real-time factor"});
+                   group.rows.front()->explored ? "approximate CPU time [s]" : "CPU time [s]",
+                   "real-time factor"});
   for (int decade = 0; decade >= -15; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
     if (!best) break;
