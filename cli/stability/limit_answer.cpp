@@ -149,16 +149,21 @@ LimitProgress::LimitProgress(Console& console, const LimitQuestion& question)
       progress_(console, "predict"),
       ticker_(1, [this](int) { show(); }) {}
 
-void LimitProgress::enter(LimitStage stage, const Problem& problem, double share) {
+void LimitProgress::enter(LimitStage stage, const Problem& problem) {
   if (stage == LimitStage::state) announce_equilibrium(console_, problem, question_.at);
   const std::lock_guard lock(mutex_);
-  if (stage != stage_) since_ = std::chrono::steady_clock::now();
   stage_ = stage;
-  share_ = share;
+  since_ = std::chrono::steady_clock::now();
+  residual_ = 0;
   material_ = problem.material + (problem.material.empty() ? "" : " ");
   if (stage == LimitStage::path) task_ = task_along(question_, problem, "finding");
   if (stage == LimitStage::along) task_ = task_along(question_, problem, "limits along");
-  if (stage == LimitStage::path || stage == LimitStage::along) progress_.update(share_, task_);
+}
+
+void LimitProgress::go_on(double share) {
+  const std::lock_guard lock(mutex_);
+  share_ = share;
+  if (stage_ == LimitStage::path || stage_ == LimitStage::along) progress_.update(share_, task_);
 }
 
 void LimitProgress::residual(double of_forces) {

@@ -17,7 +17,8 @@ class LimitProgress : public LimitWatcher {
  public:
   LimitProgress(Console& console, const LimitQuestion& question);
 
-  void enter(LimitStage stage, const Problem& problem, double share) override;
+  void enter(LimitStage stage, const Problem& problem) override;
+  void go_on(double share) override;
   void residual(double of_forces) override;
   void begin_row(const std::string& method) override;
   void end_row(const std::string& method) override;
@@ -30,7 +31,7 @@ class LimitProgress : public LimitWatcher {
   const LimitQuestion& question_;
   std::mutex mutex_;
   LimitStage stage_ = LimitStage::path;
-  std::string task_, material_;
+  std::string task_, material_;      ///< words of the stage, and what names its model
   double share_ = 0, residual_ = 0;  ///< 0 before the first
   std::vector<RunningRow> running_;  ///< in the order in which they began
   std::chrono::steady_clock::time_point since_;

@@ -60,28 +60,19 @@ std::optional<StepChoices> step_options(const PredictOptions& options, const std
   return chosen;
 }
 
-/// Ids of the methods that the user names by id or alias, not by a family.
-std::vector<std::string> named_one_by_one(const MethodsChoice& choice, const std::vector<Method>& methods) {
-  std::vector<std::string> ids;
-  if (choice.names.empty()) return ids;
-  for (const std::string& name : parse_names("--methods", choice.names))
-    for (const Method& method : methods)
-      if (method.id == name || std::ranges::find(method.aliases, name) != method.aliases.end())
-        ids.push_back(method.id);
-  return ids;
-}
-
 /// The question that the options ask of problems like this one.
 LimitQuestion question_of(const PredictOptions& options, const std::vector<Method>& methods,
                           const Problem& problem) {
   std::string path = options.along;
   if (!path.empty()) path = parse_choice("--along", path, path_names);
-  return along({.at = options.at.of(problem),
-                .verify = options.verify,
-                .t_end = options.t_end,
-                .options = step_options(options, methods),
-                .named = named_one_by_one(options.methods, methods)},
-               path, problem);
+  std::vector<std::string> names;
+  if (!options.methods.names.empty()) names = parse_names("--methods", options.methods.names);
+  return with_path({.at = options.at.of(problem),
+                    .verify = options.verify,
+                    .t_end = options.t_end,
+                    .options = step_options(options, methods),
+                    .named = named_one_by_one(names, methods)},
+                   path, problem);
 }
 
 /// Ids of a list; all: both ends of the mass range of every material.

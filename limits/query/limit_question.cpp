@@ -32,7 +32,7 @@ bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem)
 
 bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
 
-LimitQuestion along(LimitQuestion question, const std::string& path, const Problem& problem) {
+LimitQuestion with_path(LimitQuestion question, const std::string& path, const Problem& problem) {
   question.path_by_default =
       path.empty() && !question.options && changes_along_motion(problem) && question.at != AskedState::rest;
   question.path = question.path_by_default ? "motion" : path == "none" ? "" : path;
@@ -43,6 +43,16 @@ LimitQuestion along(LimitQuestion question, const std::string& path, const Probl
   question.runs_from_start =
       question.verify && question.path == "motion" && !(question.path_by_default && is_large);
   return question;
+}
+
+std::vector<std::string> named_one_by_one(const std::vector<std::string>& names,
+                                          const std::vector<Method>& methods) {
+  std::vector<std::string> ids;
+  for (const std::string& name : names)
+    for (const Method& method : methods)
+      if (method.id == name || std::ranges::find(method.aliases, name) != method.aliases.end())
+        ids.push_back(method.id);
+  return ids;
 }
 
 }  // namespace hmax

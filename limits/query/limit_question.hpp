@@ -38,6 +38,10 @@ bool has_moving_load(const Problem& problem);
 /// --verify asks for them; of bodies and large models only where the motion was asked for.
 /// @param path  motion | load | none; empty where nobody says
 /// @throws InputError  for an end of a motion that is not looked at
-LimitQuestion along(LimitQuestion question, const std::string& path, const Problem& problem);
+LimitQuestion with_path(LimitQuestion question, const std::string& path, const Problem& problem);
+
+/// Ids of the methods that `names` has by id or alias, not by a family or "all".
+std::vector<std::string> named_one_by_one(const std::vector<std::string>& names,
+                                          const std::vector<Method>& methods);
 
 }  // namespace hmax

@@ -156,7 +156,7 @@ class Query {
   }
 
   Linearised near_state(const Problem& problem) {
-    watcher_.enter(LimitStage::state, problem, share(0));
+    watcher_.enter(LimitStage::state, problem);
     Linearised near =
         linearised(problem, question_.at, [this](double residual) { watcher_.residual(residual); });
     if (problem.body && question_.at == AskedState::equilibrium && near.point.kind == StateKind::rest)
@@ -189,13 +189,14 @@ class Query {
     if (watcher_.stopped()) throw Stopped{};
   }
   [[nodiscard]] Watcher watch_in(LimitStage stage, const Problem& problem) {
-    return [this, stage, &problem] {
+    watcher_.enter(stage, problem);
+    return [this] {
       leave_when_stopped();
-      watcher_.enter(stage, problem, share(0));
+      watcher_.go_on(share());
     };
   }
-  /// Of all rows, those that are done and `more`.
-  [[nodiscard]] double share(std::size_t more) const {
+  /// Of all rows, those of models that are done and `more`.
+  [[nodiscard]] double share(std::size_t more = 0) const {
     return static_cast<double>(done_ + more) / static_cast<double>(problems_.size() * methods_.size());
   }
 
@@ -247,9 +248,10 @@ class Query {
     // shared.
     std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
     std::vector<OperatingPoint> points;
-    // A model of a plugin keeps two cores busy, its process and the thread that calls it.
-    const std::size_t workers =
-        std::max<std::size_t>(1, problem.kind == ModelKind::plugin ? jobs() / 2 : jobs());
+    // A model of a plugin keeps two cores busy, its process and the thread that calls it. What cannot be made
+    // again has one thread.
+    const std::size_t cores = problem.kind == ModelKind::plugin ? jobs() / 2 : jobs();
+    const std::size_t workers = problem.body || problem.again ? std::max<std::size_t>(1, cores) : 1;
     const ThreadLimit limit(workers);
     while (own.size() < std::min(workers, methods.size())) {
       own.push_back(problem.body ? problem : with_frozen_matrices(problem.again(), near.point.model.t));
@@ -258,7 +260,7 @@ class Query {
     const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {
       return worker == 0 || points.empty() ? near.point : points[worker - 1];
     };
-    watcher_.enter(LimitStage::rows, problem, share(0));
+    watcher_.enter(LimitStage::rows, problem);
     parallel_for(
         methods.size(),
         [&](std::size_t i, std::size_t worker) {
@@ -270,7 +272,7 @@ class Query {
           }
           watcher_.end_row(methods[i].id);
         },
-        [](std::size_t) {}, [&] { return watcher_.stopped(); });
+        [&](std::size_t done) { watcher_.go_on(share(done)); }, [&] { return watcher_.stopped(); });
     if (watcher_.stopped()) std::erase_if(rows, [](const LimitRow& row) { return row.method.empty(); });
     for (LimitRow& row : rows) row.point = limits.point.key;
   }

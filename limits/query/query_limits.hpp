@@ -25,8 +25,10 @@ enum class LimitStage {
 class LimitWatcher {
  public:
   virtual ~LimitWatcher() = default;
-  /// @param share  of the rows that are done
-  virtual void enter(LimitStage /*stage*/, const Problem& /*problem*/, double /*share*/) {}
+  virtual void enter(LimitStage /*stage*/, const Problem& /*problem*/) {}
+  /// Called often within a stage.
+  /// @param share  of all rows that are done
+  virtual void go_on(double /*share*/) {}
   /// |F| / |F(0)| of the search for an equilibrium.
   virtual void residual(double /*of_forces*/) {}
   /// A row begins or ends; from any thread.
@@ -57,8 +59,7 @@ struct LimitAnswer {
 };
 
 /// Every problem with every method.
-/// @param problems   of one model with other materials, at least one; Problem::again of each is needed where
-///                   there are several threads
+/// @param problems   of one model with other materials, at least one; without Problem::again on one thread
 /// @param all_facts  of every model; else the costly ones of none, and the fastest mode of the first body
 /// @throws InputError  where a state or a path that was asked for cannot be found
 LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,

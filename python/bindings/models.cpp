@@ -218,11 +218,11 @@ py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
     if (at_rest && !problems[0].body)
       throw InputError(fmt::format("at is 'rest', which is of bodies on a mesh, and {} is none; leave it out",
                                    problems[0].id));
-    const LimitQuestion question = along({.at = at_rest ? AskedState::rest : AskedState::equilibrium,
-                                          .verify = asked.verify,
-                                          .t_end = asked.t_end,
-                                          .named = asked.methods},
-                                         asked.along, problems[0]);
+    const LimitQuestion question = with_path({.at = at_rest ? AskedState::rest : AskedState::equilibrium,
+                                              .verify = asked.verify,
+                                              .t_end = asked.t_end,
+                                              .named = named_one_by_one(asked.methods, methods)},
+                                             asked.along, problems[0]);
     StoppedByCaller watcher(stop);
     const LimitAnswer answer = query_limits(question, problems, methods, {}, true, watcher);
     leave_if(stop);

@@ -29,31 +29,31 @@ LimitAnswer ask(const LimitQuestion& question, const Problem& problem, const std
 
 TEST(LimitQuestion, LooksAlongTheMotionOnlyWhereOneStateDoesNotTellOfIt) {
   const Problem linear = make_problem("liver_linear"), cubic = make_problem("liver_cubic");
-  EXPECT_EQ(along({}, "", linear).path, "");
-  EXPECT_EQ(along({}, "", cubic).path, "motion");
-  EXPECT_TRUE(along({}, "", cubic).path_by_default);
-  EXPECT_EQ(along({}, "none", cubic).path, "");
-  EXPECT_FALSE(along({}, "motion", cubic).path_by_default);
+  EXPECT_EQ(with_path({}, "", linear).path, "");
+  EXPECT_EQ(with_path({}, "", cubic).path, "motion");
+  EXPECT_TRUE(with_path({}, "", cubic).path_by_default);
+  EXPECT_EQ(with_path({}, "none", cubic).path, "");
+  EXPECT_FALSE(with_path({}, "motion", cubic).path_by_default);
   // A body in a load that stands still is in its equilibrium; one that is breathed on is not.
-  EXPECT_EQ(along({}, "", make_problem("fem_green/gravity@cube:n=2")).path, "");
+  EXPECT_EQ(with_path({}, "", make_problem("fem_green/gravity@cube:n=2")).path, "");
   const Problem breathing = make_problem("fem_green/breathing@cube:n=2");
-  EXPECT_EQ(along({}, "", breathing).path, "motion");
-  EXPECT_EQ(along({.at = AskedState::rest}, "", breathing).path, "");
+  EXPECT_EQ(with_path({}, "", breathing).path, "motion");
+  EXPECT_EQ(with_path({.at = AskedState::rest}, "", breathing).path, "");
 }
 
 TEST(LimitQuestion, RunsFromTheStartOfSmallModelsAndOfMotionsThatWereAskedFor) {
   const Problem cubic = make_problem("liver_cubic"), body = make_problem("fem_green/breathing@cube:n=2");
-  EXPECT_FALSE(along({}, "", cubic).runs_from_start);
-  EXPECT_TRUE(along({.verify = true}, "", cubic).runs_from_start);
-  EXPECT_FALSE(along({.verify = true}, "", body).runs_from_start);
-  EXPECT_TRUE(along({.verify = true}, "motion", body).runs_from_start);
+  EXPECT_FALSE(with_path({}, "", cubic).runs_from_start);
+  EXPECT_TRUE(with_path({.verify = true}, "", cubic).runs_from_start);
+  EXPECT_FALSE(with_path({.verify = true}, "", body).runs_from_start);
+  EXPECT_TRUE(with_path({.verify = true}, "motion", body).runs_from_start);
 }
 
 TEST(LimitQuestion, RefusesTheEndOfAMotionThatIsNotLookedAt) {
   const Problem linear = make_problem("liver_linear");
-  EXPECT_THROW(along({.t_end = 2.0}, "", linear), InputError);
-  EXPECT_THROW(along({.t_end = 2.0}, "none", linear), InputError);
-  EXPECT_EQ(along({.t_end = 2.0}, "motion", linear).end_of(linear), 2);
+  EXPECT_THROW(with_path({.t_end = 2.0}, "", linear), InputError);
+  EXPECT_THROW(with_path({.t_end = 2.0}, "none", linear), InputError);
+  EXPECT_EQ(with_path({.t_end = 2.0}, "motion", linear).end_of(linear), 2);
 }
 
 /// The eigenvalues of m x'' + c x' + k x = 0 with c^2 < 4 m k: explicit_euler is stable up to c / k.
@@ -74,7 +74,7 @@ TEST(QueryLimits, LooksUpWhatAStoreHasAndKeepsNoSentences) {
   const Scratch scratch;
   Store store = Store::open_or_create(scratch / "s.sqlite");
   const Problem problem = make_problem("liver_cubic");
-  const LimitQuestion question = along({}, "", problem);
+  const LimitQuestion question = with_path({}, "", problem);
   const LimitAnswer computed = ask(question, problem, some({"rk4", "newmark"}), &store);
   EXPECT_EQ(computed.looked_up, 0U);
   const LimitAnswer known = ask(question, problem, some({"newmark", "rk4"}), &store);
@@ -119,7 +119,7 @@ TEST(QueryLimits, KeepsWhatIsFinishedWhenItIsStopped) {
 
 TEST(QueryLimits, MeansTheSameForProgramsAsForPeople) {
   const Problem problem = make_problem("fem_green/gravity@cube:n=2");
-  const LimitAnswer answer = ask(along({}, "", problem), problem, some({"rk4"}));
+  const LimitAnswer answer = ask(with_path({}, "", problem), problem, some({"rk4"}));
   const auto document = answer_json(answer, {problem});
   ASSERT_EQ(document["rows"].size(), 1U);
   EXPECT_EQ(document["rows"][0]["h_max"], answer.models[0].rows[0].h_max);
