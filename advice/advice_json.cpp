@@ -134,7 +134,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"machine", summary(fingerprint())},
       {"rows", std::move(rows)},
       {"long_runs", to_json(advice.proof)},
-      {"proof", to_json(advice.proof)},  // the name of version 0.1
+      {"proof", to_json(advice.proof)},  // the old name
       {"uncertainty", to_json(advice.bands, best ? best->h_max : AdviceRow::none)},
       {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
       {"ties", std::move(ties)},

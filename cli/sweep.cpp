@@ -330,7 +330,7 @@ Json document_of(const SweepPlan& plan, const Store& store, const std::filesyste
           {"seconds", summary.seconds},
           {"ranks", summary.ranks},
           {"batches", summary.hands},
-          {"hands", summary.hands},  // the names of version 0.1
+          {"hands", summary.hands},  // the old names
           {"distribution_seconds", summary.dealing_seconds},
           {"dealing_seconds", summary.dealing_seconds},
           {"tasks", tasks_json(summary.tasks)},

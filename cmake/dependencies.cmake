@@ -90,7 +90,7 @@ hmax_optional(OpenMPI HMAX_HAVE_MPI "${HMAX_MPI_VERSION}" "libopenmpi-dev openmp
 find_package(ZLIB QUIET)
 set(HMAX_HAVE_ZLIB ${ZLIB_FOUND})
 set(HMAX_ZLIB "${ZLIB_LIBRARIES}")
-hmax_optional(zlib HMAX_HAVE_ZLIB "${ZLIB_VERSION_STRING}" zlib1g-dev "meshes in .vtu compressed by zlib, as ParaView and meshio write them, and large figures in reports as HTML")
+hmax_optional(zlib HMAX_HAVE_ZLIB "${ZLIB_VERSION_STRING}" zlib1g-dev "meshes in .vtu compressed by zlib, as ParaView and meshio write them")
 find_path(HMAX_LZ4_INCLUDE lz4.h)
 find_library(HMAX_LZ4 lz4)
 set(HMAX_HAVE_LZ4 OFF)

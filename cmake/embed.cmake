@@ -1,8 +1,8 @@
 # Compiles files into a library, so that they need no path after installation.
-#   hmax_embed(SOURCE header.hpp TYPE FUNCTION folder/*.ext)
-# sets SOURCE to a C++ source that defines  std::span<const TYPE> FUNCTION()  of header.hpp: pairs of a name without
-# extension and a text, in the order of the names.
-function(hmax_embed source header type function pattern)
+#   hmax_embed(SOURCE header.hpp FUNCTION folder/*.ext)
+# sets SOURCE to a C++ source that defines  std::span<const EmbeddedText> FUNCTION()  of header.hpp, in the order of the
+# names (core/embedded_text.hpp).
+function(hmax_embed source header function pattern)
   file(GLOB files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${pattern}")
   list(SORT files)
   set(texts "")
@@ -18,8 +18,8 @@ function(hmax_embed source header type function pattern)
 
 namespace hmax {
 
-std::span<const @type@> @function@() {
-  static constexpr @type@ texts[] = {
+std::span<const EmbeddedText> @function@() {
+  static constexpr EmbeddedText texts[] = {
 @texts@  };
   return texts;
 }

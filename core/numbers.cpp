@@ -5,8 +5,6 @@
 #include <cmath>
 #include <system_error>
 
-#include <fmt/format.h>
-
 namespace hmax {
 
 std::string to_text(double value) {
@@ -52,5 +50,7 @@ std::string short_number(double value, int digits) {
   if (std::isinf(value)) return std::string(value > 0 ? too_large : too_low);
   return rounded_text(value == 0 ? 0.0 : value, digits);  // no "-0"
 }
+
+std::string millimetres(double metres) { return short_number(1000 * metres, 3) + " mm"; }
 
 }  // namespace hmax

@@ -21,6 +21,9 @@ inline constexpr std::string_view no_number = "undefined", too_large = "infinite
 /// At most `digits` significant digits, for people.
 std::string short_number(double value, int digits = 6);
 
+/// "8.66 mm" of a length [m], with three digits.
+std::string millimetres(double metres);
+
 /// The number that fills `text`, apart from blanks around it; Fortran exponents (1.0D+3) and a leading plus
 /// are understood. Empty when there is anything else, also for digits beyond the range of double.
 std::optional<double> to_number(std::string_view text);

@@ -40,7 +40,8 @@ class StructureOperator {
 /// Complex equations, which no StructureOperator solves.
 struct ComplexEquations : std::invalid_argument {
   ComplexEquations()
-      : std::invalid_argument("its equations are complex, and those of several processes are real") {}
+      : std::invalid_argument(
+            "its equations are no real numbers in double precision, as those of several processes are") {}
 };
 
 }  // namespace hmax

@@ -49,7 +49,7 @@ void replace_element(std::string& text, std::string_view name, const std::string
   const std::size_t from = text.find(opening);
   const std::size_t to = from == std::string::npos ? from : text.find(closing, from);
   if (to == std::string::npos) return;
-  text.replace(from + opening.size(), to - from - opening.size(), svg_escaped(content));
+  text.replace(from + opening.size(), to - from - opening.size(), html_text(content));
 }
 
 }  // namespace

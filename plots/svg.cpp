@@ -8,15 +8,19 @@
 
 namespace hmax {
 
-std::string svg_escaped(const std::string& text) {
+std::string html_text(std::string_view text) {
   std::string safe;
   for (const char c : one_line(text))
-    safe += c == '<' ? "&lt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+    safe += c == '<'   ? "&lt;"
+            : c == '>' ? "&gt;"
+            : c == '&' ? "&amp;"
+            : c == '"' ? "&quot;"
+                       : std::string(1, c);
   return safe;
 }
 
 std::string svg_text(double x, double y, const std::string& what, const std::string& more) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more, svg_escaped(what));
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, more, html_text(what));
 }
 
 double tick_of(Range range, int most) {

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "plots/figure.hpp"
 
 namespace hmax {
 
-/// Any text as content or attribute of an element, on one line.
-std::string svg_escaped(const std::string& text);
+/// `text` on one line, as pages and pictures show it: what markup would take for its own is escaped.
+std::string html_text(std::string_view text);
 
 /// A line of text at (x, y) in pixels. @param more  further attributes
 std::string svg_text(double x, double y, const std::string& what, const std::string& more = "");

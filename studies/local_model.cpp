@@ -57,7 +57,6 @@ class TouchedThigh {
 std::vector<Eigen::VectorXd> tissue(const Thigh& thigh, const HapticContact& contact, const char* method,
                                     RunSpec spec) {
   Problem problem{.id = "touched_thigh",
-                  .kind = ModelKind::body,
                   .material = "",
                   .note = "points of skin on springs, touched by a probe",
                   .parameters = {},

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <tuple>
 #include <vector>
@@ -76,7 +75,7 @@ struct AdaptiveLanes {
   InstructionSet set;
   bool steady;  ///< no force changes in time
   /// [node][lane]: w t, then its cosine and the force; [lane] alone where forces are steady.
-  alignas(64) std::array<double, nodes * lane_count> angles, forces;
+  alignas(64) std::array<double, nodes * lane_count> angles{}, forces{};
 };
 
 [[gnu::always_inline]] inline void attempt(AdaptiveLanes& lanes) {

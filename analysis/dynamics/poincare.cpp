@@ -388,6 +388,8 @@ class Diagram {
 std::vector<BifurcationColumn> bifurcation(const MapEnsemble& ensemble, const std::vector<double>& values,
                                            const VectorXd& y0, int skip, int count, bool follow,
                                            const std::function<bool(double)>& going) {
+  if (skip < 0 || count < 1)
+    throw std::invalid_argument("a diagram skips no negative number of periods, and looks at one at least");
   Diagram diagram(values.size(), y0, skip, count, follow, going);
   parallel_for(follow ? 1 : std::min(jobs(), values.size()),
                [&](std::size_t, std::size_t worker) { diagram.work(ensemble, worker == 0); });

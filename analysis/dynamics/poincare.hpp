@@ -139,7 +139,7 @@ struct MapCalls {
   std::function<void(const MapCall&)> done;  ///< the state has been replaced
 };
 
-/// Replaces states until next() has none and all are done. Each thread uses a copy.
+/// Replaces states until next() has none and all are done; called by several threads at once.
 using MapEnsemble = std::function<void(const MapCalls& calls)>;
 
 /// One image after the other.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/timing/reference.hpp"
 #include "bench/timing/sweep.hpp"
 
 namespace hmax {

@@ -22,31 +22,15 @@
 
 namespace hmax {
 
-/// The solution that errors are measured against; it shares no code with the methods of the
-/// catalogue, but for formulas where Boost is missing: dop_853 then stands in, and `name` says so.
-struct Reference {
-  std::function<Eigen::VectorXd(double t)> at;  ///< shape (dim), t in [0, valid_until]
-  double valid_until = 0;                       ///< [s]
-  double error_bound = 0;                       ///< of `at` in the maximum norm over [0, valid_until]
-  std::string name;                             ///< how it was obtained
-  /// The same in long double; null where there is only double.
-  std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> extended_at;
-  double extended_error = 0;  ///< bound of the error of `extended_at`, where it is more than rounding
-};
-
 /// A problem in the highest precision it is written in, for orders that double is too coarse to see.
 using ExtendedSystem = BasicAnySystem<long double>;
 
 class TissueBody;    // problems/tissue/body.hpp
 struct MatrixModel;  // problems/matrices/matrix_model.hpp
 
-/// What a problem is made of.
-enum class ModelKind { oscillator, test_set, formulas, body, matrices, plugin };
-
 /// A problem with all its numbers fixed.
 struct Problem {
-  std::string id;  ///< catalogue id, or the name of a user's file
-  ModelKind kind = ModelKind::formulas;
+  std::string id;                                          ///< catalogue id, or the name of a user's file
   std::string material;                                    ///< empty when it has none
   std::string note;                                        ///< one line: where it comes from
   std::vector<std::pair<std::string, double>> parameters;  ///< name, value; in the order of the model
@@ -67,7 +51,8 @@ struct Problem {
       tetrahedron_numbers{};  ///< of it, as users know them (catalogue/models/equilibria/body_balance.hpp)
   std::vector<std::string> idle{};                        ///< names of `parameters` that change nothing here
   UserView shown{};                                       ///< how users count its time and states
-  std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< of ModelKind::matrices
+  std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< of matrices of a user
+  bool runs_elsewhere = false;  ///< in a process of its own, which keeps a core busy beside the caller's
   /// The same problem made once more, for a thread of its own: some systems have one workspace.
   std::function<Problem()> again = nullptr;
 };

@@ -328,7 +328,6 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
     start = start_from(*model, given, "--y0");
   }
   Problem problem{.id = id,
-                  .kind = ModelKind::matrices,
                   .material = "",
                   .note = note_of(*model),
                   .parameters = {},

@@ -84,7 +84,6 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
   }
   set_parameters(parameters, oscillator_parameter_names, settings, liver.id);
   Problem problem{.id = std::string(liver.id),
-                  .kind = ModelKind::oscillator,
                   .material = material,
                   .note = std::string(liver.note),
                   .parameters = {},
@@ -118,7 +117,6 @@ Problem test_set_problem(const ProblemSettings& settings) {
   set_parameters(parameters, Wide::Parameters::names, settings, Wide::id);
   const Wide system(parameters);
   Problem problem{.id = std::string(Wide::id),
-                  .kind = ModelKind::test_set,
                   .material = "",
                   .note = fmt::format("{} [{}]", Wide::note, Wide::source),
                   .parameters = {},
@@ -200,7 +198,6 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
   FormulaSystem system(std::move(definition));
   const FormulaDefinition& d = system.definition();
   Problem problem{.id = d.name,
-                  .kind = ModelKind::formulas,
                   .material = "",
                   .note = fmt::format("formulas of {}", file),
                   .parameters = d.parameters,

@@ -145,6 +145,8 @@ bool has_linear_forces(const TissueBody& body) {
   return settings.model.is_linear && settings.tools.empty() && settings.skin.kind == SkinSettings::Kind::none;
 }
 
+bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
+
 Problem make_tissue_problem(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   if (!settings.y0.empty())
@@ -156,7 +158,6 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   auto body =
       std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
-                  .kind = ModelKind::body,
                   .material = settings.material,
                   .note = fmt::format("{} points, {} tetrahedra, {} degrees of freedom", mesh.point_count(),
                                       mesh.tetrahedron_count(), body->dofs()),

@@ -20,6 +20,10 @@ bool is_tissue_id(std::string_view id);
 /// and a skin turns with the surface. Loads and moved supports may change with time.
 bool has_linear_forces(const TissueBody& body);
 
+/// Whether the load of a body changes with time, so that one state does not tell of all; false of what is no
+/// body.
+bool has_moving_load(const Problem& problem);
+
 /// The problem of such an id, at rest at t = 0.
 /// @throws InputError  for an unknown model, mesh, load, material or parameter, and for a mesh that is none
 Problem make_tissue_problem(const std::string& id, const ProblemSettings& settings);

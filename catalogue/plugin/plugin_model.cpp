@@ -209,14 +209,14 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
   return {.id = fmt::format("{}#{}", facts.name, digest),
-          .kind = ModelKind::plugin,
           .material = {},
           .note = facts.note,
           .parameters = {},
           .states = states,
           .y0 = facts.y0,
           .t_end = facts.greeting.t_end,
-          .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link))};
+          .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link)),
+          .runs_elsewhere = true};
 }
 
 std::string plugin_id(std::string_view text) { return std::string(id_prefix) + std::string(text); }

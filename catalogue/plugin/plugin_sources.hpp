@@ -3,20 +3,15 @@
 
 #include <filesystem>
 #include <span>
-#include <string_view>
 #include <vector>
+
+#include "core/embedded_text.hpp"
 
 namespace hmax {
 
-/// A file; the definitions are made at configuration by cmake/embed.cmake.
-struct PluginText {
-  std::string_view name;  ///< of the file, without its ending
-  std::string_view text;
-};
-
-std::span<const PluginText> plugin_headers();         ///< plugin.h
-std::span<const PluginText> plugin_step_examples();   ///< plugin_stepper.cpp
-std::span<const PluginText> plugin_model_examples();  ///< plugin_model.c
+std::span<const EmbeddedText> plugin_headers();         ///< plugin.h
+std::span<const EmbeddedText> plugin_step_examples();   ///< plugin_stepper.cpp
+std::span<const EmbeddedText> plugin_model_examples();  ///< plugin_model.c
 
 /// Writes hmax/plugin.h, plugin_stepper.cpp and plugin_model.c into a folder.
 /// @return  the files

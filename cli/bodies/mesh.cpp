@@ -208,7 +208,7 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
           {"longest_edge", quality.longest_edge},
           {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
           {"smoothed", mending_json(opened.mending)},
-          {"mended", mending_json(opened.mending)},  // the name of version 0.1
+          {"mended", mending_json(opened.mending)},  // the old name
           {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
           {"second_order", opened.file.second_order},
           {"regions", list},

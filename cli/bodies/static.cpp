@@ -186,7 +186,7 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
-  const char* no_equilibrium = outcome == "inverted"  ? "no equilibrium, turned inside out, "
+  const char* no_equilibrium = outcome == "inverted"  ? "no equilibrium, inverted elements, "
                                : outcome == "buckles" ? "unstable equilibrium, "
                                                       : "no equilibrium, ";
   BodyPicture picture{

@@ -69,9 +69,7 @@ std::string number_text(double value, std::string_view format, std::string_view 
   if (format.empty()) return fmt::format("{:g}", value);
   if (const std::size_t digits = format.find(" digits"); digits != std::string_view::npos) {
     const auto count = static_cast<int>(to_number(format.substr(0, digits)).value_or(3));
-    if (std::abs(value) < 1000) return fmt::format("{:.{}g}", value, count);
-    const double unit = std::pow(10, std::max(0.0, std::floor(std::log10(std::abs(value))) + 1 - count));
-    return fmt::format("{:.0f}", std::round(value / unit) * unit);
+    return rounded_text(value, count);
   }
   try {
     return fmt::format(fmt::runtime(fmt::format("{{:{}}}", format)), value);
@@ -205,12 +203,7 @@ class Filler {
 
 }  // namespace
 
-std::string_view report_text(std::string_view name) {
-  const auto texts = report_texts();
-  const auto found = std::ranges::find(texts, name, &ReportText::name);
-  if (found == texts.end()) throw std::logic_error(fmt::format("there is no text {}", name));
-  return found->text;
-}
+std::string_view report_text(std::string_view name) { return text_of(report_texts(), name); }
 
 std::string filled(std::string_view text, const Json& values, const ReportPieces& pieces) {
   return Filler(text, values, pieces).fill();

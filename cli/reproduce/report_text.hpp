@@ -8,15 +8,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/embedded_text.hpp"
+
 namespace hmax {
 
-struct ReportText {
-  std::string_view name;  ///< of the file, without its ending
-  std::string_view text;
-};
-
 /// cli/reproduce/texts/*.md, sorted by name; made at configuration by cmake/embed.cmake.
-std::span<const ReportText> report_texts();
+std::span<const EmbeddedText> report_texts();
 
 /// @throws std::logic_error  where there is none of this name
 std::string_view report_text(std::string_view name);

@@ -17,6 +17,7 @@
 #include "cli/bodies/static_comparison.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 
@@ -41,7 +42,7 @@ std::string made_of(const Problem& problem) {
     return it == problem.parameters.end() ? NAN : it->second;
   };
   return fmt::format(
-      "{}; liver:{}: E = {:g} kPa, nu = {:g} (not of springs), {:g} kg; {:g} % at the supported end are held.",
+      "{}; liver:{}: E = {:g} kPa, nu = {:g} (not of springs), {:g} kg; {:g} % at the supported end are fixed.",
       problem.note, material, value("E") / 1000, value("nu"), value("mass"), 100 * value("support"));
 }
 
@@ -50,8 +51,6 @@ namespace {
 constexpr double pressing = 0.5;          // on springs and elements [N]
 constexpr double pressing_solvers = 0.2;  // where every solver finds the equilibrium [N]
 constexpr std::array<std::string_view, 2> meshes{"phantom", "liver"};
-
-std::string millimetres(double metres) { return fmt::format("{:.3g} mm", 1000 * metres); }
 
 StaticSolution equilibrium(const Problem& problem, double share = 1, int load_steps = 4) {
   return solve_static(static_model(problem, share), {.load_steps = load_steps}, thread_cpu_seconds);
@@ -159,7 +158,7 @@ void solvers(TissuePage& tissue) {
                    "residuals");
 }
 
-/// The first shapes in which the held liver swings.
+/// The first shapes in which the liver with a fixed end swings.
 void modes(TissuePage& tissue) {
   const Problem problem = study_tissue("fem_green", "liver", "gravity", {});
   const TissueBody& body = *problem.body;
@@ -168,7 +167,7 @@ void modes(TissuePage& tissue) {
   body.stiffness(0, zero, zero, K);
   body.damping(0, zero, zero, C);
   const MechanicalModes found = mechanical_modes(mechanical_part(body.mass(), K, C), true);
-  BodyPicture bodies{.title = "The six slowest modes of the held liver",
+  BodyPicture bodies{.title = "The six slowest modes of the liver with a fixed end",
                      .caption = made_of(problem) + " Linearised at rest; amplitudes are arbitrary.",
                      .colours = {.quantity = "displacement, of the largest [1]", .range = Range{0, 1}},
                      .columns = 3};

@@ -132,7 +132,7 @@ Figure rates_figure(const DampedBodies& bodies, std::span<const Method> methods,
   const double softest = study_young * printed_mass / heaviest_particle;
   Figure figure{.title = "Heavier particles allow larger steps, except with explicit Euler", .columns = 2};
   figure.footer =
-      bodies.bare.mesh + " of springs, 10 % held, at rest; E and dampers are our choice; " + options.machine;
+      bodies.bare.mesh + " of springs, 10 % fixed, at rest; E and dampers are our choice; " + options.machine;
   const std::string at_young = fmt::format("E = {:g} kPa", study_young / 1000),
                     at_mass = fmt::format("particles of {:g} g", 1000 * printed_mass);
   for (const auto& [title, body] : {std::pair<std::string, const ParticleBody&>{whole_words(), bodies.whole},

@@ -378,7 +378,7 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
       .title =
           fmt::format("{}{} after {} s: {}{} mm at most", title_of(problem.id),
                       problem.material.empty() ? "" : " of " + problem.material, short_number(record.t, 4),
-                      body.least_volume(record.t, q).first > 0 ? "" : "turned inside out, ",
+                      body.least_volume(record.t, q).first > 0 ? "" : "inverted elements, ",
                       short_number(1000 * largest_displacement(q), 3)),
       .caption =
           fmt::format("{}; {}. {}, {}.", problem.note, describe_acting(problem), method.id,

@@ -46,7 +46,7 @@ struct MatrixOptions {
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
 };
 
-/// --timeout [s], of a call of a plugin; --patience is its name of version 0.1, which 0.2 takes as well
+/// --timeout [s], of a call of a plugin; --patience is its old name, which works, too
 void add_timeout(CLI::App& command, std::optional<double>& seconds);
 
 /// --set --y0

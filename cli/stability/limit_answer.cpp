@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 /// Why the limits of one state do not tell of a motion, or may not.
 std::string_view why_along(const Problem& problem) {
   if (problem.body) return "the load changes with time";
-  if (is_matrices_id(problem.id)) return "the matrices change with time";
+  if (problem.matrices) return "the matrices change with time";
   switch (linearity_of(problem)) {
     case Linearity::time_varying:
       return "the model changes with time";
@@ -64,9 +64,6 @@ Json facts_of(const ModelLimits& limits) {
   return limits.point.document.empty() ? Json::object() : Json::parse(limits.point.document);
 }
 
-/// Whether limits along the path are there, and not only the reason why there are none.
-bool has_path(const Json& model) { return model.contains("along") && model["along"].contains("tolerances"); }
-
 MotionTolerances tolerances_of(const Json& along) {
   const Json& from = along["tolerances"];
   return {.rtol = from["rtol"],
@@ -77,7 +74,7 @@ MotionTolerances tolerances_of(const Json& along) {
 
 /// What the limits of a model hold for, and where it was linearised.
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Json& model) {
-  const bool looked = has_path(model);
+  const bool looked = has_limits_along(model);
   std::string words = fmt::format("{}: {}\n", problem.id, model.value("state", ""));
   if (looked && problem.matrices) {
     if (!times_of_matrices(problem).empty())
@@ -200,7 +197,7 @@ void warn_of_states(const LimitAnswer& answer, const LimitQuestion& question,
     if (model.contains("tool") && model.value("at_equilibrium", false))
       if (const std::string warning = tool_report(model["tool"]).warning(); !warning.empty())
         console.remark(warning);
-    const std::string status = status_of_state(model, problem, !question.path.empty());
+    const std::string status = status_of_state(model, problem);
     if (has_moving_load(problem) && !status.empty()) console.remark(status);
   }
 }

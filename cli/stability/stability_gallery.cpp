@@ -186,7 +186,7 @@ Section section_of(const Chapter& chapter, const fs::path& folder) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
     const auto panels = parallel_map(chapter.formulas.size(), [&](std::size_t i) -> std::vector<Panel> {
       const Formula& formula = chapter.formulas[i];
-      // What foreign engines step with an old Jacobian is not known.
+      // What external integrators step with an old Jacobian is not known.
       const bool own = formula.method && !formula.method->is_foreign();
       if (!own || !(parts.fast.empty() ? formula.method->linearly_implicit : formula.method->needs_split))
         return {};
@@ -292,7 +292,7 @@ void gallery(const std::string& names, const std::string& output, Console& conso
   std::string text =
       "# Stability regions\n\nz = h lambda, the step times an eigenvalue of the model: a step is stable where "
       "the method's amplification is at most 1. The curves come from the coefficients that the methods step "
-      "with, or from steps of foreign engines that show none. Scales are equal on both axes.\n\n";
+      "with, or from steps of external integrators that show none. Scales are equal on both axes.\n\n";
   for (const Section& section : sections) text += markdown_of(section, output);
   const fs::path page = write_report(text, output);
   if (console.json)

@@ -63,7 +63,8 @@ template <class Matrix, class Scalar>
 using with_scalar = typename detail::WithScalar<Matrix, Scalar>::type;
 
 /// A = I - s J. Its scalar may be complex where that of J is real.
-/// @param J  shape (n, n): dense, sparse, or a variant of these and of a MechanicalJacobian
+/// @param J  shape (n, n): dense, sparse, parts or operators (integrators/mechanical.hpp), or a variant of
+/// these
 /// @param s  the shift, h gamma of a stage [s] where J is in 1/s
 /// @param A  keeps its memory where it has the size of J; dense: no allocation then
 template <class Matrix, class Scalar>

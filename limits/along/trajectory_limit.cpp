@@ -280,7 +280,7 @@ Path motion_path(const Problem& problem, double t_end, int points, const Watcher
       if (const auto [volume, at] = problem.body->least_volume(t, y.head(problem.body->dofs()));
           !(volume > 0)) {
         path.note = fmt::format(
-            "tetrahedron {} is turned inside out by t = {} s of the motion: what moves on from there is no body, and "
+            "tetrahedron {} is inverted by t = {} s of the motion: what moves on from there is no body, and "
             "no limit is looked for beyond {} s",
             tetrahedron_number(problem, at), four_digits(t), four_digits(path.at.back()));
         throw Inverted{};

@@ -33,7 +33,7 @@ VectorFunction stroboscope(const Problem& problem, double period, const std::opt
 /// Maps of oscillators are applied side by side in vector lanes: adaptive ones each at a time of its own,
 /// those of fixed steps of an explicit Runge-Kutta method at the same time, so that the cosine of the force
 /// is known beforehand for all periods; they need one w and one period. Others are applied one by one.
-/// @param problem_at  called by several threads at once
+/// @param problem_at  called by several threads at once where maps are applied one by one
 /// @param periods     [s], of each problem
 /// @param set         of the vector operations; it changes times, not images
 /// @throws InputError as steps_map() where the steps are fixed

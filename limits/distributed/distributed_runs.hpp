@@ -12,8 +12,8 @@
 namespace hmax {
 
 /// Why a method cannot step rows that are dealt out; empty where it can. Each process makes steps of its rows
-/// with the code of the method; accelerations, equations and norms are those of all
-/// (core/structure_operator.hpp).
+/// with the code of the method; accelerations and equations are those of all (core/structure_operator.hpp),
+/// and a norm is the largest of those of the processes (`largest_of_all`, integrators/system.hpp).
 std::string why_not_stepped(const Method& method);
 
 /// The user ended the runs; thrown on all processes.

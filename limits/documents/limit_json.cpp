@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
-#include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "limits/documents/number_json.hpp"
 

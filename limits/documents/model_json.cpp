@@ -8,6 +8,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/size_limits.hpp"
 #include "limits/documents/number_json.hpp"
 #include "limits/modes/fastest_mode.hpp"
@@ -32,7 +33,7 @@ Json body_json(const BodySummary& body) {
           {"size", {body.size.x(), body.size.y(), body.size.z()}},
           {"points", body.points},
           {"fixed", body.held},
-          {"held", body.held},  // the name of version 0.1
+          {"held", body.held},  // the old name
           {"gravity", {body.gravity.x(), body.gravity.y(), body.gravity.z()}},
           {"unusual", unusual_values(body)}};
 }
@@ -145,14 +146,19 @@ Json model_json(const Problem& problem, const Linearised& near, ModelFacts facts
   return document;
 }
 
-std::string status_of_state(const Json& model, const Problem& problem, bool along) {
+bool has_limits_along(const Json& model) {
+  return model.contains("along") && model["along"].contains("tolerances");
+}
+
+std::string status_of_state(const Json& model, const Problem& problem) {
+  const bool along = has_limits_along(model);
   const std::string status = model.value("state_status", "");
   std::string missing = model.value("untouched", "");
   if (!missing.empty() && !along)
     missing += model.value("state_kind", "") == name_of(StateKind::rest) && status.empty()
                    ? "; leave out --at rest"
                    : "; add --along motion";
-  if (missing.empty() && problem.body && !problem.body->is_autonomous() && !along)
+  if (missing.empty() && has_moving_load(problem) && !along)
     missing = fmt::format(
         "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
         problem.id);

@@ -11,7 +11,7 @@
 
 namespace hmax {
 
-/// `{E, nu, rho, regions, mass, size, points, held, gravity, unusual}`; null of what is no body.
+/// `{E, nu, rho, regions, mass, size, points, fixed, gravity, unusual}`; null of what is no body.
 nlohmann::ordered_json body_json(const Problem& problem);
 nlohmann::ordered_json body_json(const BodySummary& body);
 
@@ -32,9 +32,12 @@ enum class ModelFacts {
 /// A model near a state.
 nlohmann::ordered_json model_json(const Problem& problem, const Linearised& near, ModelFacts facts);
 
+/// Whether limits along a path stand in the rows of a model, and not only the reason why there are none.
+/// @param model  of model_json() with `along` of the query
+bool has_limits_along(const nlohmann::ordered_json& model);
+
 /// Why the state is not the one that was asked for, and what of the load is not in the limits there.
-/// @param model  of model_json()
-/// @param along  whether the motion is looked at
-std::string status_of_state(const nlohmann::ordered_json& model, const Problem& problem, bool along);
+/// @param model  as above
+std::string status_of_state(const nlohmann::ordered_json& model, const Problem& problem);
 
 }  // namespace hmax

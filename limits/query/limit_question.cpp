@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/problem_linearity.hpp"
-#include "problems/tissue/body.hpp"
 
 namespace hmax {
 
@@ -29,8 +29,6 @@ double LimitQuestion::end_of(const Problem& problem) const {
 bool LimitQuestion::seeks_in_steps(const Method& method, const Problem& problem) const {
   return problem.y0.size() <= soon || std::ranges::find(named, method.id) != named.end();
 }
-
-bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
 
 LimitQuestion with_path(LimitQuestion question, const std::string& path, const Problem& problem) {
   question.path_by_default =

@@ -28,9 +28,6 @@ struct LimitQuestion {
   [[nodiscard]] bool seeks_in_steps(const Method& method, const Problem& problem) const;
 };
 
-/// Whether the load changes with time, so that one state does not tell of all.
-bool has_moving_load(const Problem& problem);
-
 /// The question with the path that is looked along where nobody says: loads of bodies and matrices that
 /// change with time, and other models that are not known to be linear, are looked at along the motion unless
 /// the state at rest or options of steps are asked for. Runs from the start of a motion, some thousand, are

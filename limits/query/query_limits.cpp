@@ -78,16 +78,15 @@ class Query {
     limits.point.key = operating_point_key(problem, question_.at, question_.path,
                                            question_.path == "motion" ? question_.end_of(problem) : 0);
     std::vector<LimitRow> known = stored_rows(limits.point.key);
+    // Its facts, of which a stop or a method without limits may leave some out below.
+    if (!known.empty()) limits.point = *store_.store->operating_point(limits.point.key);
     const auto find = [](std::vector<LimitRow>& rows, const std::string& name) {
       return std::ranges::find(rows, name, &LimitRow::method);
     };
     std::vector<Method> missing;
     for (const Method& method : methods_)
       if (find(known, name_of_row(method)) == known.end()) missing.push_back(method);
-    if (missing.empty())
-      limits.point = *store_.store->operating_point(limits.point.key);
-    else
-      compute(problem, missing, limits);
+    if (!missing.empty()) compute(problem, missing, limits);
     // A stop may have left rows without what lies along the path.
     if (!watcher_.stopped() || question_.path.empty()) keep(limits);
 
@@ -111,6 +110,10 @@ class Query {
     std::vector<LimitRow> known = stored_limits(
         *store_.store, key,
         {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
+    // A motion that was not found is an error for those who ask for it.
+    if (!known.empty() && !question_.path.empty() && !question_.path_by_default &&
+        !has_limits_along(Json::parse(store_.store->operating_point(key)->document)))
+      return {};
     // It may have been left unknown where nobody named the method.
     std::erase_if(known, [&](const LimitRow& row) {
       return row.bound == name_of(Bound::unknown) &&
@@ -144,10 +147,18 @@ class Query {
         }
       }
       Json facts = model_json(problem, near, facts_of(problem));
-      if (!along.is_null()) facts["along"] = std::move(along);
+      if (!along.is_null()) facts["along"] = with_known(std::move(along), limits.point.document);
       limits.point.document = facts.dump();
     } catch (const Stopped&) {
     }
+  }
+
+  /// What is known of a path, with what methods of an earlier question have shown of it.
+  static Json with_known(Json along, const std::string& document) {
+    if (document.empty() || !along.contains("constant") || !along["constant"].is_null()) return along;
+    const Json before = Json::parse(document);
+    if (has_limits_along(before)) along["constant"] = before["along"]["constant"];
+    return along;
   }
 
   [[nodiscard]] ModelFacts facts_of(const Problem& problem) const {
@@ -157,8 +168,10 @@ class Query {
 
   Linearised near_state(const Problem& problem) {
     watcher_.enter(LimitStage::state, problem);
-    Linearised near =
-        linearised(problem, question_.at, [this](double residual) { watcher_.residual(residual); });
+    Linearised near = linearised(problem, question_.at, [this](double residual) {
+      leave_when_stopped();
+      watcher_.residual(residual);
+    });
     if (problem.body && question_.at == AskedState::equilibrium && near.point.kind == StateKind::rest)
       add_remedy(problem, near.point);
     return near;
@@ -248,9 +261,8 @@ class Query {
     // shared.
     std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
     std::vector<OperatingPoint> points;
-    // A model of a plugin keeps two cores busy, its process and the thread that calls it. What cannot be made
-    // again has one thread.
-    const std::size_t cores = problem.kind == ModelKind::plugin ? jobs() / 2 : jobs();
+    // What cannot be made again has one thread.
+    const std::size_t cores = problem.runs_elsewhere ? jobs() / 2 : jobs();
     const std::size_t workers = problem.body || problem.again ? std::max<std::size_t>(1, cores) : 1;
     const ThreadLimit limit(workers);
     while (own.size() < std::min(workers, methods.size())) {
@@ -330,6 +342,8 @@ class Query {
 LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
                          const std::vector<Method>& methods, const LimitStore& store, bool all_facts,
                          LimitWatcher& watcher) {
+  if (problems.empty() || methods.empty())
+    throw InputError("limits are asked for of no model or of no method; name at least one of each");
   return Query(question, problems, methods, store, all_facts, watcher).answer();
 }
 
@@ -338,7 +352,7 @@ Json answer_json(const LimitAnswer& answer, const std::vector<Problem>& problems
   for (std::size_t i = 0; i < answer.models.size(); ++i) {
     const auto& [point, limits] = answer.models[i];
     const Json model = point.document.empty() ? Json::object() : Json::parse(point.document);
-    const std::string status = status_of_state(model, problems[i], !point.key.path.empty());
+    const std::string status = status_of_state(model, problems[i]);
     for (const LimitRow& row : limits) rows.push_back(to_json(row, status, problems[i].parameters));
     if (!model.empty()) models.push_back(model);
   }

@@ -60,8 +60,10 @@ struct LimitAnswer {
 
 /// Every problem with every method.
 /// @param problems   of one model with other materials, at least one; without Problem::again on one thread
-/// @param all_facts  of every model; else the costly ones of none, and the fastest mode of the first body
-/// @throws InputError  where a state or a path that was asked for cannot be found
+/// @param all_facts  of every model, as where there is a store; else the costly ones of none, and the fastest
+/// mode of the first body
+/// @throws InputError  where a state or a path that was asked for cannot be found, and without problems or
+/// methods
 LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
                          const std::vector<Method>& methods, const LimitStore& store, bool all_facts,
                          LimitWatcher& watcher);

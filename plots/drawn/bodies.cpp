@@ -366,7 +366,7 @@ class Page {
     };
     if (any(&BodyView::held))
       entry(fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"#202020\"/>", x + 10, y - 4),
-            "held");
+            "fixed");
     if (any(&BodyView::rest))
       entry(fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"10\" fill=\"#ededed\" "
                         "stroke=\"#8c8c8c\" stroke-width=\"1.1\"/>",

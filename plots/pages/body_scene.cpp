@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/base64.hpp"
 #include "core/errors.hpp"
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
-#include "plots/pages/encodings/base64.hpp"
-#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/frame.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 
@@ -118,12 +118,12 @@ std::string packed(const std::vector<Number>& numbers) {
     for (std::size_t k = 0; k < sizeof(Number); ++k)
       bytes += static_cast<char>(
           static_cast<unsigned char>(std::bit_cast<Bits<Number>>(number) >> (8 * k) & 0xffU));
-  return base64(bytes);
+  return encode_base64(bytes);
 }
 
 template <class Number>
 std::vector<Number> unpacked(const std::string& text) {
-  const auto bytes = base64_bytes(text);
+  const auto bytes = decode_base64(text);
   if (!bytes || bytes->size() % sizeof(Number) != 0) reject("an array is not base64 of whole numbers");
   std::vector<Number> numbers(bytes->size() / sizeof(Number));
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -454,8 +454,8 @@ std::string scene_html(std::string_view scene_json, std::string_view id) {
       "<div class=\"scene-picture\"><img alt=\"{}\" src=\"data:image/svg+xml;base64,{}\"></div>\n"
       "<p class=\"scene-caption\">{}</p>\n<script type=\"application/json\">{}</script>\n</figure>\n",
       html_text(id), towards[0], towards[1], towards[2], stops_text(), html_text(scene.title),
-      html_text("Picture of the body: " + scene.title), base64(picture_of(scene)), html_text(scene.caption),
-      data);
+      html_text("Picture of the body: " + scene.title), encode_base64(picture_of(scene)),
+      html_text(scene.caption), data);
 }
 
 std::string_view scene_style() { return page_style("body_scene"); }

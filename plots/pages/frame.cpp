@@ -6,16 +6,12 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
-#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/page_texts.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 
 namespace {
-
-std::string_view text_of(std::span<const PageText> texts, std::string_view name) {
-  return std::ranges::find(texts, name, &PageText::name)->text;
-}
 
 std::string navigation(const std::vector<PageLink>& links) {
   if (links.size() < 2) return {};

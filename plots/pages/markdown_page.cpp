@@ -15,9 +15,9 @@
 
 #include <fmt/format.h>
 
-#include "plots/pages/encodings/embedded.hpp"
-#include "plots/pages/encodings/html_text.hpp"
+#include "plots/pages/embedded.hpp"
 #include "plots/pages/frame.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 

@@ -2,19 +2,15 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+
+#include "core/embedded_text.hpp"
 
 namespace hmax {
 
-struct PageText {
-  std::string_view name;  ///< of the file, without its ending
-  std::string_view text;
-};
-
 /// plots/pages/web/*.js, sorted by name.
-std::span<const PageText> page_scripts();
+std::span<const EmbeddedText> page_scripts();
 
 /// plots/pages/web/*.css, sorted by name.
-std::span<const PageText> page_styles();
+std::span<const EmbeddedText> page_styles();
 
 }  // namespace hmax

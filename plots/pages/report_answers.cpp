@@ -13,9 +13,9 @@
 #include "core/numbers.hpp"
 #include "plots/figure.hpp"
 #include "plots/pages/answer_words.hpp"
-#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/markdown_text.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 

@@ -8,7 +8,7 @@
 
 #include "core/errors.hpp"
 #include "plots/pages/body_scene.hpp"
-#include "plots/pages/encodings/html_text.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 

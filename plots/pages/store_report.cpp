@@ -7,13 +7,13 @@
 
 #include "plots/colours.hpp"
 #include "plots/pages/body_scene.hpp"
-#include "plots/pages/encodings/html_text.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/markdown_text.hpp"
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_bodies.hpp"
 #include "plots/pages/report_data.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 

@@ -11,6 +11,7 @@
 #include "advice/advise.hpp"
 #include "advice/remaking.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_parameters.hpp"
@@ -213,7 +214,7 @@ class StoppedByCaller : public LimitWatcher {
 py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
   return to_python(in_background([=](const Stop& stop) {
     const std::vector<Problem> problems{recipe.make()};
-    const std::vector<Method> methods = choose_methods(asked.methods, problems);
+    const auto [methods, left_out] = chosen_methods(asked.methods, problems);
     const bool at_rest = asked.at == "rest";
     if (at_rest && !problems[0].body)
       throw InputError(fmt::format("at is 'rest', which is of bodies on a mesh, and {} is none; leave it out",
@@ -226,7 +227,9 @@ py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
     StoppedByCaller watcher(stop);
     const LimitAnswer answer = query_limits(question, problems, methods, {}, true, watcher);
     leave_if(stop);
-    return answer_json(answer, problems);
+    nlohmann::ordered_json document = answer_json(answer, problems);
+    document["left_out"] = in_words(left_out);
+    return document;
   }));
 }
 

@@ -236,7 +236,8 @@ def predict(
     t_end : end of that motion [s]; the problem's own, and at least a period of its load, by default
     material, y0, parameters : of a problem by id, as of `hmax list problems`
 
-    Each of `rows` has `h_max` [s], `bound`, `limiting`, and what was asked for; `models` has the facts of the model.
+    Each of `rows` has `h_max` [s], `bound`, `limiting`, and what was asked for; `models` has the facts of the model, and `left_out` says
+    which methods of a family the model does not suit.
 
     Raises ValueError for input that is wrong.
 
@@ -249,8 +250,7 @@ def predict(
     for name, given, known in (("at", at, ("equilibrium", "rest")), ("along", along, ("", "motion", "load", "none"))):
         if given not in known:
             raise ValueError(f"{name} is {given!r} but must be one of {', '.join(repr(each) for each in known if each)}")
-    end = None if t_end is None else _within("t_end", t_end, 1e-9, 1e9)
-    question = (names, at, along, bool(verify), end)
+    question = (names, at, along, bool(verify), None if t_end is None else number("t_end", t_end))
     if isinstance(model, Body):
         if material or y0 is not None or parameters:
             raise ValueError("a Body has its material and parameters already; give them to Body")

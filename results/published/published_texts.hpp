@@ -2,16 +2,12 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+
+#include "core/embedded_text.hpp"
 
 namespace hmax {
 
-struct PublishedText {
-  std::string_view name;  ///< of the file, without .csv
-  std::string_view csv;
-};
-
 /// Sorted by name.
-std::span<const PublishedText> published_texts();
+std::span<const EmbeddedText> published_texts();
 
 }  // namespace hmax

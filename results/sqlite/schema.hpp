@@ -47,7 +47,7 @@ CREATE TABLE rows (
   reference TEXT NOT NULL,
   subnormals INTEGER NOT NULL,
   status TEXT NOT NULL,
-  explored INTEGER NOT NULL DEFAULT 0,
+  explored INTEGER NOT NULL,
   UNIQUE (problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC)
 );
 )sql";

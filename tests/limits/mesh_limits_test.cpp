@@ -9,6 +9,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/models/problems.hpp"
 #include "limits/modes/mode_curve.hpp"
@@ -202,7 +203,7 @@ TEST(MeshLimits, OfTheLargestEigenvaluesAreThoseOfAllOrBelow) {
     for (const char* name :
          {"explicit_euler", "rk2_heun", "rk4", "dormand_prince_54", "adams_bashforth_3", "rkc_2",
           "symplectic_euler", "stormer_verlet", "newmark", "implicit_euler", "bdf_3"}) {
-      const Method method = choose_methods_and_formulas({name}, {problem}).front();
+      const Method method = chosen_methods_and_formulas({name}, {problem}).methods.front();
       const Prediction truth = predict(method, all), bound = predict(method, largest);
       const std::string where = fmt::format("{} with beta {}: {}", name, beta, bound.note);
       ASSERT_TRUE(truth.h_max && bound.h_max) << where;

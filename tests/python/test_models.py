@@ -192,6 +192,7 @@ def test_limits_of_a_model_are_those_of_the_program(program):
         if "--t-end" in options:
             asked["t_end"] = 0.5
         answer = hmax.predict(body, ["rk4", "newmark"], **asked)
+        assert len(answer.rows) == len(told["rows"]) == 2
         for row, expected in zip(answer.rows, told["rows"]):
             assert row.method == expected["method"] and row.state_kind == expected["state_kind"]
             assert row.h_max == pytest.approx(np.inf if expected["h_max"] == "unbounded" else expected["h_max"], rel=1e-9)
@@ -199,5 +200,9 @@ def test_limits_of_a_model_are_those_of_the_program(program):
     assert hmax.predict("liver_linear", "explicit_euler", m=2, c=1, k1=8).rows[0].h_max == pytest.approx(1 / 8)
     with pytest.raises(ValueError, match="rest"):
         hmax.predict("liver_linear", "rk4", at="rest")
+    with pytest.raises(ValueError, match="no method"):
+        hmax.predict("liver_linear", [])
+    family = hmax.predict("van_der_pol", "structural,rk4".split(","), along="none")
+    assert [row.method for row in family.rows] == ["rk4"] and "van_der_pol" in family.left_out[0]
     with pytest.raises(ValueError, match="along"):
         hmax.predict("liver_linear", "rk4", along="path")

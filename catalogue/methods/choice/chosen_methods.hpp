@@ -36,7 +36,8 @@ void add_methods(const std::string& name, const std::vector<Problem>& problems, 
 /// @throws InputError  where a family was named and nothing is taken
 void require_any(const ChosenMethods& chosen, const std::vector<std::string>& names);
 
-/// As choose_methods_and_formulas, with what the problems do not suit.
+/// As choose_methods, and by name the formulas of find_formula that no stepper takes: their `bind` is empty,
+/// and their family is "formula". With what the problems do not suit.
 ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
                                           const std::vector<Problem>& problems);
 

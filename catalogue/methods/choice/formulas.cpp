@@ -168,11 +168,6 @@ ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
   return chosen;
 }
 
-std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
-                                                const std::vector<Problem>& problems) {
-  return chosen_methods_and_formulas(names, problems).methods;
-}
-
 ChosenFormulas chosen_formulas(const std::vector<std::string>& names) {
   const std::vector<std::string> families = method_families();
   ChosenFormulas chosen;

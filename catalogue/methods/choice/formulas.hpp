@@ -38,11 +38,6 @@ Formula find_formula(std::string_view name);
 /// A method as its stability sees it. @throws InputError when it chooses its steps, and its order, as it runs
 Formula formula_of(const Method& method);
 
-/// As choose_methods, and by name the formulas of find_formula that no stepper takes: their `bind` is empty,
-/// and their family is "formula".
-std::vector<Method> choose_methods_and_formulas(const std::vector<std::string>& names,
-                                                const std::vector<Problem>& problems);
-
 /// The formulas of a list: names as of find_formula, families, or "all"; for rkc_2 and its like one that is
 /// held.
 std::vector<Formula> choose_formulas(const std::vector<std::string>& names);

@@ -201,8 +201,7 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
     prepend(solution, later);
     solution = std::move(later);
     if (solution.converged && solution.note.empty())
-      solution.note =
-          "the whole load at once leads to elements turned inside out, so it was brought on in ten steps";
+      solution.note = "the whole load at once inverts elements, so it was applied in ten steps";
   }
   if (!solution.converged) look_for_unstable(model, settings, clock, solution);
   return solution;
@@ -219,14 +218,13 @@ std::string cause_of(const Problem& problem, const StaticSolution& solution) {
   const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(*problem.body), solution.q);
   if (solution.barred)
     return fmt::format(
-        "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search turn elements inside out",
+        "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search invert elements",
         tetrahedron_number(problem, tetrahedron), volume);
   if (solution.singular)
     if (std::string free = free_parts_in_words(problem); !free.empty()) return free;
   if (volume > 0) return solution.note;
-  return fmt::format("{}{}tetrahedron {} is turned inside out: its volume is {:.3g} of that at rest",
-                     solution.note, solution.note.empty() ? "" : "; ",
-                     tetrahedron_number(problem, tetrahedron), volume);
+  return fmt::format("{}{}tetrahedron {} is inverted: its volume is {:.3g} of that at rest", solution.note,
+                     solution.note.empty() ? "" : "; ", tetrahedron_number(problem, tetrahedron), volume);
 }
 
 namespace {

@@ -70,8 +70,6 @@ std::optional<HeldEnd> best_end(const Problem& problem) {
   return best;
 }
 
-std::string millimetres(double metres) { return rounded_text(1000 * metres, 3) + " mm"; }
-
 }  // namespace
 
 std::optional<double> linear_sag(const TissueBody& body) {

@@ -7,10 +7,6 @@
 
 namespace hmax {
 
-namespace {
-std::string millimetres(double metres) { return short_number(1000 * metres, 3) + " mm"; }
-}  // namespace
-
 nlohmann::ordered_json ToolReport::json() const {
   return {{"depth", reach.depth},
           {"indentation", reach.indentation},

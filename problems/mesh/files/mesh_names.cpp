@@ -103,7 +103,7 @@ TetMesh generated(const Generator& generator, const Parameters& values) {
 const std::vector<NamedMesh>& named_meshes() {
   static const std::vector<NamedMesh> meshes = [] {
     std::vector<NamedMesh> all;
-    for (const MeshTextFile& file : mesh_texts()) {
+    for (const EmbeddedText& file : mesh_texts()) {
       const auto known = std::ranges::find(known_files(), file.name, &NamedMesh::name);
       all.push_back(known != known_files().end()
                         ? *known
@@ -202,8 +202,8 @@ TetMesh unmodified_mesh(const MeshRequest& request) {
   const auto made =
       std::ranges::find(generators(), request.name, [](const Generator& g) { return g.mesh.name; });
   if (made != generators().end()) return generated(*made, values);
-  const auto text = std::ranges::find(mesh_texts(), request.name, &MeshTextFile::name);
-  MeshFile file = read_mesh(request.name + ".msh", text->msh);
+  const auto text = std::ranges::find(mesh_texts(), request.name, &EmbeddedText::name);
+  MeshFile file = read_mesh(request.name + ".msh", text->text);
   require_valid(file);
   number_regions(file.mesh);
   return file.mesh;

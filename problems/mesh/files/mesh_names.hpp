@@ -8,19 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/embedded_text.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
 
-/// A file of problems/meshes as text; the definition is made at configuration by cmake/embed.cmake.
-struct MeshTextFile {
-  std::string_view name;  ///< of the file, without .msh
-  std::string_view msh;
-};
-
 /// Sorted by name.
-std::span<const MeshTextFile> mesh_texts();
+std::span<const EmbeddedText> mesh_texts();
 
 /// A mesh as it is asked for: "ball:n=6,radius=0.04:refine=1" is `ball` with n = 6, radius = 0.04, refine
 /// = 1.

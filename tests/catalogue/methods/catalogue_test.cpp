@@ -58,7 +58,7 @@ TEST(Catalogue, TakesAMethodThatIsNamedTwiceOnceInItsFirstPlace) {
   EXPECT_EQ(rk4_first.front(), "rk4");
   EXPECT_EQ(rk4_first.size(), family.size());
   EXPECT_EQ(choose_formulas({"bdf_3", "rk4", "bdf_3", "explicit_runge_kutta"}).size(), family.size() + 1);
-  EXPECT_EQ(choose_methods_and_formulas({"bdf_3", "rk4", "bdf_3"}, {}).size(), 2U);
+  EXPECT_EQ(chosen_methods_and_formulas({"bdf_3", "rk4", "bdf_3"}, {}).methods.size(), 2U);
 }
 
 TEST(Catalogue, NamesWhatItLeavesOutOfFamiliesWithTheReason) {

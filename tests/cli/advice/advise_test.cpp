@@ -23,7 +23,7 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
   for (const char* key : {"model", "rate", "tolerance", "budget_ms", "machine", "rows", "recommended", "ties",
                           "remedies", "long_runs", "proof", "uncertainty"})
     EXPECT_TRUE(document.contains(key)) << key;
-  EXPECT_EQ(document.at("long_runs"), document.at("proof"));  // its name of version 0.1
+  EXPECT_EQ(document.at("long_runs"), document.at("proof"));  // its old name
   ASSERT_EQ(document.at("rows").size(), 2U);
   for (const char* key : {"method", "options", "h", "steps_per_frame", "h_max", "h_max_observed",
                           "h_accurate", "bound", "error", "error_of", "frame_ms", "missed", "frames",

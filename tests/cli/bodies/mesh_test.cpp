@@ -239,7 +239,7 @@ TEST(Mesh, InfoSaysWhatWasSmoothed) {
   EXPECT_TRUE(shell.hmax("mesh info ball:n=2 --json").json().at("smoothed").is_null());
   const Json document = shell.hmax("mesh info ball:n=2:refine=1:mend=8 --json").json();
   const Json mended = document.at("smoothed");
-  EXPECT_EQ(document.at("mended"), mended);  // its name of version 0.1
+  EXPECT_EQ(document.at("mended"), mended);  // its old name
   EXPECT_GT(mended.at("moved_points"), 0);
   EXPECT_GT(mended.at("farthest"), 0);
   EXPECT_GT(mended.at("least_height_after"), 0.999999 * mended.at("least_height_before").get<double>());

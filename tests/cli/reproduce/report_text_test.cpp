@@ -2,11 +2,14 @@
 
 #include <cmath>
 #include <limits>
+#include <regex>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "plots/pages/markdown_page.hpp"
 #include "studies/scale_study.hpp"
 
 namespace hmax {
@@ -101,6 +104,21 @@ TEST(ReportText, OfEveryReportIsThere) {
   for (const char* name : {"all", "oscillators", "stability", "tissue"})
     EXPECT_TRUE(report_text(name).starts_with("# ")) << name;
   EXPECT_THROW(report_text("none"), std::logic_error);
+}
+
+/// Links lead into the pages of the parts by their headings.
+TEST(ReportText, OfAllLinksToHeadingsThatAreThere) {
+  static const std::regex link("\\]\\((\\w+)\\.md#([^)]+)\\)"), heading("(?:^|\n)## ([^\n]*)");
+  const std::string all(report_text("all"));
+  int links = 0;
+  for (std::sregex_iterator it(all.begin(), all.end(), link), end; it != end; ++it, ++links) {
+    const std::string part(report_text((*it)[1].str()));
+    std::set<std::string> anchors;
+    for (std::sregex_iterator each(part.begin(), part.end(), heading); each != end; ++each)
+      anchors.insert(heading_anchor((*each)[1].str()));
+    EXPECT_TRUE(anchors.contains((*it)[2].str())) << it->str();
+  }
+  EXPECT_GT(links, 20);
 }
 
 /// The other parts are filled by the tests of the reports; this one is made for --scale alone.

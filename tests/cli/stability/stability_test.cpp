@@ -546,7 +546,7 @@ TEST(StabilityPredict, SaysWhatABodyWasTakenToBe) {
   EXPECT_NE(kilopascals.err.find("E is 5.5 Pa"), std::string::npos) << kilopascals.err;
   const Json body = kilopascals.json().at("models").at(0).at("body");
   EXPECT_EQ(body.at("E"), 5.5);
-  EXPECT_EQ(body.at("fixed"), body.at("held"));  // its name of version 0.1
+  EXPECT_EQ(body.at("fixed"), body.at("held"));  // its old name
   EXPECT_EQ(body.at("unusual").size(), 1U);
 }
 

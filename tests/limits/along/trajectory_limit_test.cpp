@@ -132,7 +132,7 @@ TEST(MotionPath, EndsWhereAnElementIsTurnedInsideOut) {
   const Problem problem = cube("fem_green/press", {{"force", 500}});
   const Path path = motion_path(problem, 0.5, 50);
   EXPECT_LT(path.at.back(), 0.5);
-  EXPECT_NE(path.note.find("inside out"), std::string::npos);
+  EXPECT_NE(path.note.find("inverted"), std::string::npos);
   const Eigen::Index n = problem.body->dofs();
   for (const Eigen::VectorXd& y : path.y) EXPECT_GT(problem.body->least_volume(0, y.head(n)).first, 0);
 }

@@ -92,6 +92,27 @@ TEST(QueryLimits, LooksUpWhatAStoreHasAndKeepsNoSentences) {
   EXPECT_EQ(ask(question, problem, some({"rk4", "explicit_euler"}), &store).looked_up, 1U);
 }
 
+TEST(QueryLimits, RefusesNoModelAndNoMethod) {
+  LimitWatcher watcher;
+  EXPECT_THROW(query_limits({}, {}, some({"rk4"}), {}, false, watcher), InputError);
+  EXPECT_THROW(query_limits({}, {make_problem("liver_linear")}, {}, {}, false, watcher), InputError);
+}
+
+/// Rows of a motion that was not found answer those alone who did not ask for it.
+TEST(QueryLimits, DoesNotLookUpAMotionThatWasNotFoundForThoseWhoAskForIt) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "s.sqlite");
+  // x' = x^2 from 1 ends at t = 1.
+  write_text(scratch / "blows_up.toml", "[problem]\nt_end = 3\n[equations]\nx = \"x^2\"\n[initial]\nx = 1\n");
+  const Problem problem = make_problem((scratch / "blows_up.toml").string());
+  const LimitQuestion by_default = with_path({}, "", problem);
+  const LimitAnswer answer = ask(by_default, problem, some({"rk4"}), &store);
+  const auto facts = nlohmann::json::parse(answer.models[0].point.document);
+  ASSERT_TRUE(facts["along"].contains("status")) << facts;
+  EXPECT_EQ(ask(by_default, problem, some({"rk4"}), &store).looked_up, 1U);
+  EXPECT_THROW(ask(with_path({}, "motion", problem), problem, some({"rk4"}), &store), InputError);
+}
+
 /// Stops once `rows` rows have begun.
 struct StopAfter : LimitWatcher {
   explicit StopAfter(int rows) : left(rows) {}

@@ -272,7 +272,7 @@ TEST(Bodies, ShowTheShapeAtRestTheSupportsTheForceAndTheTool) {
   BodyView view = cube();
   const std::string bare = bodies_svg({.views = {view}});
   EXPECT_EQ(bare.find(">at rest<"), std::string::npos);
-  EXPECT_EQ(bare.find(">held<"), std::string::npos);
+  EXPECT_EQ(bare.find(">fixed<"), std::string::npos);
   view.rest = view.points;
   for (SpacePoint& p : view.points) p[2] *= 0.8;
   view.held = {0, 1, 2, 3};

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/own_files.hpp"
-#include "plots/pages/encodings/embedded.hpp"
+#include "plots/pages/embedded.hpp"
 #include "plots/pages/markdown_text.hpp"
 #include "tests/results/scratch.hpp"
 

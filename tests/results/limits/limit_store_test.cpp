@@ -71,7 +71,7 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   EXPECT_TRUE(store.limits_at(other).empty());
 }
 
-constexpr const char* operating_points_of_layout_1 = R"sql(CREATE TABLE operating_points (
+constexpr const char* operating_points_of_layout_8 = R"sql(CREATE TABLE operating_points (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -86,7 +86,7 @@ constexpr const char* operating_points_of_layout_1 = R"sql(CREATE TABLE operatin
   UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
 ))sql";
 
-constexpr const char* limits_of_layout_1 = R"sql(CREATE TABLE limits (
+constexpr const char* limits_of_layout_8 = R"sql(CREATE TABLE limits (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   point INTEGER NOT NULL REFERENCES operating_points(id),
@@ -123,7 +123,7 @@ constexpr const char* limits_of_layout_1 = R"sql(CREATE TABLE limits (
   UNIQUE (point, method)
 ))sql";
 
-constexpr const char* advice_of_layout_1 = R"sql(CREATE TABLE advice (
+constexpr const char* advice_of_layout_8 = R"sql(CREATE TABLE advice (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -161,7 +161,7 @@ constexpr const char* advice_of_layout_1 = R"sql(CREATE TABLE advice (
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s, method, options)
 ))sql";
 
-constexpr const char* scenes_of_layout_1 = R"sql(CREATE TABLE scenes (
+constexpr const char* scenes_of_layout_8 = R"sql(CREATE TABLE scenes (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -181,7 +181,7 @@ constexpr const char* scenes_of_layout_1 = R"sql(CREATE TABLE scenes (
 /// Another column in the lists is another layout: raise Store::schema_version, and write the tables
 /// down here.
 TEST(LimitStore, HasTheTablesOfItsLayout) {
-  static_assert(Store::schema_version == 1);
+  static_assert(Store::schema_version == 8);
   const Scratch scratch;
   const std::string file = (scratch / "s.sqlite").string();
   Store::open_or_create(file);
@@ -197,10 +197,10 @@ TEST(LimitStore, HasTheTablesOfItsLayout) {
     sqlite3_exec(database, query.c_str(), take, &text, nullptr);
     return text;
   };
-  EXPECT_EQ(table("operating_points"), operating_points_of_layout_1);
-  EXPECT_EQ(table("limits"), limits_of_layout_1);
-  EXPECT_EQ(table("advice"), advice_of_layout_1);
-  EXPECT_EQ(table("scenes"), scenes_of_layout_1);
+  EXPECT_EQ(table("operating_points"), operating_points_of_layout_8);
+  EXPECT_EQ(table("limits"), limits_of_layout_8);
+  EXPECT_EQ(table("advice"), advice_of_layout_8);
+  EXPECT_EQ(table("scenes"), scenes_of_layout_8);
   sqlite3_close(database);
 }
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "problems/mesh/files/base64.hpp"
+#include "core/base64.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
 #include "tests/problems/mesh/meshes.hpp"
 #include "tests/results/scratch.hpp"
@@ -361,17 +361,6 @@ TEST(MeshFiles, PairsOfTetgenAreFoundFromEitherFile) {
   EXPECT_THROW(read_mesh_file(folder.folder()), std::invalid_argument);
   std::filesystem::remove(folder / "zero.ele");
   EXPECT_THROW(read_mesh_file(folder / "zero.node"), std::invalid_argument);
-}
-
-TEST(Base64, KnownTextsAndTheirWayBack) {
-  EXPECT_EQ(encode_base64("Man"), "TWFu");
-  EXPECT_EQ(encode_base64("Ma"), "TWE=");
-  EXPECT_EQ(encode_base64("M"), "TQ==");
-  EXPECT_EQ(decode_base64("TQ==TWE=TWFu"), "MMaMan");
-  EXPECT_EQ(decode_base64(" TW\nFu"), "Man");
-  EXPECT_EQ(decode_base64("TW*u"), std::nullopt);
-  for (const char* damaged : {"TWF", "TQ=", "T===", "TQ=a", "=TQ="})
-    EXPECT_EQ(decode_base64(damaged), std::nullopt) << damaged;
 }
 
 }  // namespace

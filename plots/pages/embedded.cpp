@@ -1,11 +1,11 @@
-#include "plots/pages/encodings/embedded.hpp"
+#include "plots/pages/embedded.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "plots/pages/encodings/base64.hpp"
-#include "plots/pages/encodings/html_text.hpp"
+#include "core/base64.hpp"
+#include "plots/svg.hpp"
 
 namespace hmax {
 
@@ -30,7 +30,7 @@ std::string embedded_svg(std::string_view svg, const std::string& alt) {
 }
 
 std::string embedded_png(std::string_view png, const std::string& alt) {
-  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", html_text(alt), base64(png));
+  return fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", html_text(alt), encode_base64(png));
 }
 
 }  // namespace hmax

@@ -1,4 +1,4 @@
-/// Base64 as VTK writes its arrays.
+/// Bytes as text of 64 characters and back (RFC 4648, section 4).
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@ namespace hmax {
 inline constexpr std::string_view base64_letters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
+/// With padding, without line breaks.
 inline std::string encode_base64(std::string_view bytes) {
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
