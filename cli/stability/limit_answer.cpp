@@ -8,6 +8,7 @@
 
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/stability/fastest_mode_words.hpp"
 #include "cli/stability/limit_words.hpp"
@@ -187,8 +188,7 @@ void LimitProgress::show() {
                                          running_.front().row, seconds_since(running_.front().start)));
 }
 
-void warn_of_states(const LimitAnswer& answer, const LimitQuestion& question,
-                    const std::vector<Problem>& problems, Console& console) {
+void warn_of_states(const LimitAnswer& answer, const std::vector<Problem>& problems, Console& console) {
   for (std::size_t i = 0; i < answer.models.size(); ++i) {
     const Json model = facts_of(answer.models[i]);
     const Problem& problem = problems[i];

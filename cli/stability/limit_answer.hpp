@@ -41,8 +41,7 @@ class LimitProgress : public LimitWatcher {
 
 /// Says on standard error what the answer holds for: a load that changes, a tool that slides off, a motion
 /// that was not looked at.
-void warn_of_states(const LimitAnswer& answer, const LimitQuestion& question,
-                    const std::vector<Problem>& problems, Console& console);
+void warn_of_states(const LimitAnswer& answer, const std::vector<Problem>& problems, Console& console);
 
 /// The table, and below it what holds for it.
 /// @param of_engine  lines about the first model that its facts do not tell

@@ -169,7 +169,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
     const LimitStore kept{.store = store ? &*store : nullptr, .looks_up = options.methods.tableau.empty()};
     return query_limits(question, problems, methods, kept, console.json, progress);
   }();
-  warn_of_states(answer, question, problems, console);
+  warn_of_states(answer, problems, console);
   judge(answer, question, console);
   print(answer, question, problems, store, console);
   if (!answer.stopped) return;
