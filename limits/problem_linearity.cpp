@@ -44,13 +44,13 @@ bool is_analytic(const LinearModel& model) { return model.origin == JacobianOrig
 /// What an entry is known to, beside itself.
 double known_to(const LinearModel& model) { return is_analytic(model) ? 1e-12 : 1e-6; }
 
-/// What rounding makes of the entries of a Jacobian: that of the terms J_ij y_j of f_i over y_j, and of
-/// differences over the increment of y_j. The entries of one row have different units, which a comparison
-/// with the largest of them would mix.
-class RoundingOfEntries {
+/// What rounding makes of the entries of a Jacobian of differences: that of f_i over the increment of y_j.
+/// The entries of one row have different units, which a comparison with the largest of them would mix.
+class RoundingOfDifferences {
  public:
   /// @param J  that of `model`
-  RoundingOfEntries(const LinearModel& model, const AnyMatrix& J) {
+  RoundingOfDifferences(const LinearModel& model, const AnyMatrix& J) {
+    if (is_analytic(model)) return;
     const double largest = model.y.size() == 0 ? 0 : model.y.cwiseAbs().maxCoeff();
     increments_ = model.y.unaryExpr([&](double y) { return detail::central_increment(y, largest); });
     terms_.setZero(rows(J));
@@ -58,9 +58,12 @@ class RoundingOfEntries {
       terms_[i] = std::max(terms_[i], std::abs(value) * increments_[j]);
     });
     constexpr double roundings = 256, epsilon = std::numeric_limits<double>::epsilon();
-    terms_ *= roundings * epsilon / (is_analytic(model) ? 1 : std::cbrt(epsilon));
+    terms_ *= roundings * epsilon / std::cbrt(epsilon);
   }
-  [[nodiscard]] double of(Eigen::Index i, Eigen::Index j) const { return terms_[i] / increments_[j]; }
+  /// 0 of analytic Jacobians.
+  [[nodiscard]] double of(Eigen::Index i, Eigen::Index j) const {
+    return terms_.size() == 0 ? 0 : terms_[i] / increments_[j];
+  }
 
  private:
   Eigen::VectorXd increments_, terms_;  ///< terms: roundings of the largest |J_ij y_j| of each row
@@ -78,7 +81,7 @@ bool jacobian_differs(const LinearModel& A, const LinearModel& B) {
         return Matrix((a - b).cwiseAbs() - known * (a.cwiseAbs() + b.cwiseAbs()));
       },
       of_A);
-  const RoundingOfEntries rounding_A(A, of_A), rounding_B(B, of_B);
+  const RoundingOfDifferences rounding_A(A, of_A), rounding_B(B, of_B);
   bool differs = false;
   each_entry(beyond, [&](Eigen::Index i, Eigen::Index j, double value) {
     differs = differs || !(value <= rounding_A.of(i, j) + rounding_B.of(i, j));

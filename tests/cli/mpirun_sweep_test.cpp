@@ -155,9 +155,12 @@ Told modelled(const std::vector<double>& seconds, const std::string& options) {
   for (const double length : seconds)
     tasks.push_back(
         {{"rank", 0}, {"problem", "p"}, {"rows", 1}, {"expected_seconds", length}, {"seconds", length}});
-  std::ofstream(shell / "tasks.json") << json{
-      {"ranks", 2},    {"seconds", 1}, {"measured", seconds.size()}, {"hands", 4}, {"dealing_seconds", 4e-3},
-      {"tasks", tasks}};
+  std::ofstream(shell / "tasks.json") << json{{"ranks", 2},
+                                              {"seconds", 1},
+                                              {"measured", seconds.size()},
+                                              {"batches", 4},
+                                              {"distribution_seconds", 4e-3},
+                                              {"tasks", tasks}};
   return shell.line("'" HMAX_SOURCE_DIR "/scripts/scaling-model' tasks.json --latency 0 " + options);
 }
 

@@ -16,7 +16,7 @@ TEST(Pictures, OfABodyInEquilibriumShowItsLoadItsSupportsAndItsShapeAtRest) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.json().at("picture"), "new/pressed.svg");
   const std::string svg = read_text(shell / "new/pressed.svg");
-  for (const char* part : {"displacement [mm]", ">held<", ">at rest<", ">force<", "57 points", "E=5500"})
+  for (const char* part : {"displacement [mm]", ">fixed<", ">at rest<", ">force<", "57 points", "E=5500"})
     EXPECT_NE(svg.find(part), std::string::npos) << part;
   EXPECT_TRUE(shell.hmax("static --mesh phantom --json").json().at("picture").is_null());
 }

@@ -246,7 +246,7 @@ TEST(Bodies, StandBesideEachOtherOnOneScaleOfColours) {
                                       .columns = 2,
                                       .views = {a, b}});
   EXPECT_NE(svg.find("A &amp; B"), std::string::npos);
-  EXPECT_NE(svg.find("two &lt;cubes>"), std::string::npos);
+  EXPECT_NE(svg.find("two &lt;cubes&gt;"), std::string::npos);
   EXPECT_EQ(count(svg, "displacement [mm]"), 1U);
   EXPECT_EQ(count(svg, "linearGradient id"), 1U);
   EXPECT_NE(svg.find(">1<"), std::string::npos);
