@@ -20,7 +20,6 @@ namespace hmax {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Steps stay this far below a predicted limit.
 constexpr double safety = 0.95;
 /// Rows this close to the best are as good.

@@ -6,13 +6,13 @@
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
+#include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double largest = 8;    // times the loads
 constexpr double most_cpu = 10;  // [s]
 

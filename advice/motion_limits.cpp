@@ -8,6 +8,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "limits/by_steps/predict_by_steps.hpp"
 #include "limits/predict.hpp"
 #include "limits/steps/linearly_implicit.hpp"
@@ -16,7 +17,6 @@ namespace hmax {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 /// Of so many states at most the maps of steps are looked at: seconds for each candidate.
 constexpr Eigen::Index most_states_stepped = 2000;

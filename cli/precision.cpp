@@ -78,8 +78,6 @@ PrecisionSpec spec_of(const PrecisionOptions& options) {
   return spec;
 }
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 /// The largest stable step of each method, where it is known.
 using StepLimits = std::map<std::string, std::optional<double>>;
 
@@ -98,18 +96,18 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
                         {"atol", row.key.mode == "fixed" ? Json() : Json(row.key.atol)},
                         {"h", row.key.mode == "fixed" ? Json(row.key.h) : Json()},
                         {"outcome", row.outcome},
-                        {"error_global", number_or_null(row.error_global)},
-                        {"error_end", number_or_null(row.error_end)},
-                        {"error_l2", number_or_null(row.error_l2)},
+                        {"error_global", row.error_global},
+                        {"error_end", row.error_end},
+                        {"error_l2", row.error_l2},
                         {"error_of", error_of},
-                        {"cpu_median_s", number_or_null(time.median)},
-                        {"cpu_q1_s", number_or_null(time.q1)},
-                        {"cpu_q3_s", number_or_null(time.q3)},
+                        {"cpu_median_s", time.median},
+                        {"cpu_q1_s", time.q1},
+                        {"cpu_q3_s", time.q3},
                         {"rhs", row.rhs},
                         {"steps", row.steps},
                         {"h_stable", limit_of(limits, row.key.method)},
                         {"reference", row.reference},
-                        {"reference_error", number_or_null(row.reference_error)},
+                        {"reference_error", row.reference_error},
                         {"status", row.status}});
   }
   return document;

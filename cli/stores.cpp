@@ -170,7 +170,7 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   Comparison found = compare(rows_a, rows_b);
   for (const std::string& difference : differences(last_fingerprint(store_a), last_fingerprint(store_b)))
     found.remarks.push_back("Measured under different conditions: " + difference + ".");
-  const std::size_t outside = found.rows.size() - found.count(Verdict::same);
+  const std::size_t outside = found.rows.size() - found.count(TimingVerdict::same);
   const LimitComparison limits = compare_limits(store_a.limits(), store_b.limits());
   const bool nothing_shared =
       found.rows.empty() && limits.compared == 0 && limits.only_in_a.size() + limits.only_in_b.size() > 0;
@@ -182,10 +182,10 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
     return console.print_json(Json{{"a", store_a.file().string()},
                                    {"b", store_b.file().string()},
                                    {"compared", found.rows.size()},
-                                   {"same", found.count(Verdict::same)},
-                                   {"faster", found.count(Verdict::faster)},
-                                   {"slower", found.count(Verdict::slower)},
-                                   {"changed", found.count(Verdict::changed)},
+                                   {"same", found.count(TimingVerdict::same)},
+                                   {"faster", found.count(TimingVerdict::faster)},
+                                   {"slower", found.count(TimingVerdict::slower)},
+                                   {"changed", found.count(TimingVerdict::changed)},
                                    {"common_ratio", found.common_ratio},
                                    {"scatter", found.scatter},
                                    {"remarks", found.remarks},
@@ -196,7 +196,7 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   }
   TextTable table({"row", "B is", "A [s]", "B [s]", "B/A", "p", "changes"});
   for (const RowComparison& row : found.rows) {
-    if (row.verdict == Verdict::same && !all) continue;
+    if (row.verdict == TimingVerdict::same && !all) continue;
     table.add({benchmark_name(row.key), std::string(to_string(row.verdict)), short_number(row.median_a, 3),
                short_number(row.median_b, 3), short_number(row.ratio, 3), short_number(row.p, 2),
                row.changes.empty() ? "" : row.changes.front()});
@@ -204,8 +204,8 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   if (outside > 0 || all) console.print(table.text(console) + "\n");
   console.print(
       fmt::format("{} rows in both: {} the same within the noise, {} faster, {} slower, {} changed\n",
-                  found.rows.size(), found.count(Verdict::same), found.count(Verdict::faster),
-                  found.count(Verdict::slower), found.count(Verdict::changed)));
+                  found.rows.size(), found.count(TimingVerdict::same), found.count(TimingVerdict::faster),
+                  found.count(TimingVerdict::slower), found.count(TimingVerdict::changed)));
   if (!found.only_in_a.empty() || !found.only_in_b.empty())
     console.print(
         fmt::format("only in A: {}, only in B: {}\n", found.only_in_a.size(), found.only_in_b.size()));

@@ -1,11 +1,14 @@
 /// Numbers as text and back, independent of the locale.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace hmax {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The shortest digits that read back as the same double; "nan", "inf", "-inf" for the others, "-0" for minus
 /// zero.

@@ -12,6 +12,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
+#include "core/numbers.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "integrators/structural/structural.hpp"
 #include "limits/modes/mode_curve.hpp"
@@ -21,8 +22,6 @@
 namespace hmax {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The amplification as far as the method can be analysed on this model, or why not.
 std::string obstacle(const Method& method, const LinearModel& model) {

@@ -28,8 +28,6 @@ namespace hmax {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 RunRecord take_steps(const Runner& runner, RunSpec spec, double h, std::int64_t steps, const Sink& sink) {
   spec.t_end = h * static_cast<double>(steps);
   spec.h = h;

@@ -95,7 +95,7 @@ void judge(const std::vector<Pair>& pairs, const CompareOptions& options, Compar
     const double effect_of_fastest = std::log(fastest(*pair.b) / fastest(*pair.a) / comparison.common_ratio);
     const double sign = effect > 0 ? 1 : -1;
     if (row.p <= threshold && sign * effect > floor && sign * effect_of_fastest > floor / 2) {
-      row.verdict = effect > 0 ? Verdict::slower : Verdict::faster;
+      row.verdict = effect > 0 ? TimingVerdict::slower : TimingVerdict::faster;
     }
   }
 }
@@ -151,12 +151,12 @@ double exact_lower_tail(std::size_t n, std::size_t m, double u) {
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) {
+std::string_view to_string(TimingVerdict verdict) {
   constexpr std::string_view names[] = {"same", "faster", "slower", "changed"};
   return names[static_cast<std::size_t>(verdict)];
 }
 
-std::size_t Comparison::count(Verdict verdict) const {
+std::size_t Comparison::count(TimingVerdict verdict) const {
   return static_cast<std::size_t>(std::count_if(
       rows.begin(), rows.end(), [&](const RowComparison& row) { return row.verdict == verdict; }));
 }
@@ -258,7 +258,7 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b, const Compare
     row.changes = changes_between(*pair.a, *pair.b);
     if (pair.a->explored || pair.b->explored) ++explored;
     if (!row.changes.empty()) {
-      row.verdict = Verdict::changed;
+      row.verdict = TimingVerdict::changed;
     } else if (std::isfinite(row.ratio)) {
       comparable.push_back(pair);
     }

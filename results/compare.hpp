@@ -13,9 +13,9 @@ namespace hmax {
 
 /// slower and faster say what B is against A; changed: the same key gave another outcome, cost in steps or
 /// error.
-enum class Verdict { same, faster, slower, changed };
+enum class TimingVerdict { same, faster, slower, changed };
 
-std::string_view to_string(Verdict verdict);
+std::string_view to_string(TimingVerdict verdict);
 
 struct CompareOptions {
   double false_discovery_rate = 0.05;  ///< share of false ones among the rows called faster or slower
@@ -25,7 +25,7 @@ struct CompareOptions {
 /// One key that both sides have.
 struct RowComparison {
   RowKey key;
-  Verdict verdict = Verdict::same;
+  TimingVerdict verdict = TimingVerdict::same;
   double median_a = 0, median_b = 0;  ///< CPU time of one run [s]; NaN without samples
   double ratio = 0;                   ///< median_b / median_a as measured; NaN without samples
   double relative_ratio = 0;          ///< ratio / Comparison::common_ratio: what is judged
@@ -41,7 +41,7 @@ struct Comparison {
   double scatter = 0;                ///< robust relative spread of the rows around common_ratio
   std::vector<std::string> remarks;  ///< sentences for the reader: the common ratio, the noise, caveats
 
-  std::size_t count(Verdict verdict) const;
+  std::size_t count(TimingVerdict verdict) const;
 };
 
 /// Compares B with A, row by row.

@@ -17,7 +17,7 @@ namespace hmax {
 
 namespace {
 
-constexpr double frame = 0.01;  // [s]
+constexpr double thesis_frame = 0.01;  // [s]
 
 Problem pressed(std::string_view model, std::string_view mesh, std::string_view material) {
   return make_problem(tissue_id(model, mesh, "press"),
@@ -32,11 +32,11 @@ std::vector<ConstantJacobian> constant_jacobians(const std::vector<std::string>&
   for (const std::string& mesh : meshes)
     for (const std::string_view model : {"mass_spring", "fem_green"}) {
       const ProbingMotion motion = probing_motion(pressed(model, mesh, material));
-      const ReferenceMotion reference = reference_motion(motion, frame, 0.01);
+      const ReferenceMotion reference = reference_motion(motion, thesis_frame, 0.01);
       const Candidate candidate{.method = find_method("linearly_implicit_euler"),
                                 .jacobian = jacobian_update_from("frozen"),
                                 .linear_solve = linear_solve_from("direct")};
-      const MotionRun run = run_motion(candidate, motion, reference, frame, 1, {.frames = 300});
+      const MotionRun run = run_motion(candidate, motion, reference, thesis_frame, 1, {.frames = 300});
       const FrameTimes times = frame_times(run.frames_s);
       const TetMesh& tetrahedra = motion.problem.body->mesh();
       all.push_back({mesh, std::string(model), static_cast<long>(tetrahedra.tetrahedron_count()),

@@ -6,11 +6,11 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/numbers.hpp"
+
 namespace hmax {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Products without the search for infinities that the library's operator makes.
 Complex times(Complex a, Complex b) {

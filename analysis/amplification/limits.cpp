@@ -5,12 +5,11 @@
 #include <numbers>
 
 #include "analysis/amplification/structural_amplification.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The map on the ray z = h direction, |direction| = 1, so that h is |z|.
 Growth along(const Amplification& amplification, Complex direction) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numbers.hpp"
+
 namespace hmax {
 
 // sum_ and magnitude_ stay of one length: both grow with the product.
@@ -131,7 +133,6 @@ std::vector<Interval> negative_intervals(std::span<const long double> p, long do
   add_roots(b, error, 0, 1, value, roots);
 
   std::vector<Interval> negative;
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   bool below = p.front() < 0;
   double since = 0;
   for (const long double t : roots) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Cholesky>
@@ -11,6 +10,7 @@
 #include "analysis/amplification/structural_amplification.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
@@ -22,8 +22,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The coefficient of zeta^j; zero beyond the degree.
 double coefficient(const Polynomial& p, std::size_t j) {

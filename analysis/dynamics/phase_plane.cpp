@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -97,7 +98,6 @@ std::size_t column_index(const Table& table, std::string_view name) {
 // Bounding box, made symmetric about zero and widened, one side after the other.
 Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
                      const std::vector<Vector2d>& also, double margin) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   Window window{Vector2d::Constant(infinity), Vector2d::Constant(-infinity)};
   const auto include = [&](const Vector2d& y) {
     if (!y.allFinite()) return;

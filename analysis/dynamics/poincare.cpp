@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <list>
 #include <numeric>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {
@@ -113,7 +113,6 @@ class ExponentSearch {
   std::array<VectorXd, 2> states;  ///< the motion, and a neighbour
 
   std::optional<Exponent> go_on() {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     auto& [y, beside] = states;
     // The separation after one application, that before had the size `separation`.
     VectorXd apart = beside - y;

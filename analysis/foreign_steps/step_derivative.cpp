@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "analysis/spectrum/lanczos.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -14,8 +15,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Another direction for each k, its largest part 1.
 VectorXd direction(Index n, Index k) {

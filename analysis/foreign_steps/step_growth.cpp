@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "analysis/spectrum/lanczos.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -14,7 +14,6 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Growth of less is no growth, however exact the products are.
 constexpr double least_tolerance = 1e-9;
 

@@ -19,7 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr int home = 0, work = 1, rest = 2;
 /// A motion that grows by less than this factor more than at h0 is no growth of the steps.

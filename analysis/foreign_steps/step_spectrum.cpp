@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <Eigen/LU>
@@ -12,6 +11,7 @@
 #include "analysis/foreign_steps/step_growth.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -21,7 +21,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// A motion in scaled coordinates as numbers of the state.
 VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale,
                   Index dim) {

@@ -14,6 +14,7 @@
 
 #include "core/dense_solvers.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -23,7 +24,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Growing modulus; conjugates stay together, the upper one first.
 bool comes_before(Complex a, Complex b) {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/LU>
+
+#include "core/numbers.hpp"
 
 namespace hmax {
 
@@ -12,8 +13,6 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::MatrixXd;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// step_matrix for matrices of any kind; those of a spring live on the stack.
 template <class Matrix>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
@@ -18,7 +19,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// sigma_min(z I - T) of an upper triangular T.
 class SmallestSingularValue {

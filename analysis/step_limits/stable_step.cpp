@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numbers.hpp"
+
 namespace hmax {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The limit of `count` modes, of which first_exit_of(i) tells the first exit and grows(i) whether it grows.
 template <class Grows, class FirstExit>

@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
 #include "analysis/spectrum/lanczos.hpp"
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double norm_of(const VectorXd& y, const LinearOperator& inner) {
   return inner ? std::sqrt(std::max(0.0, y.dot(inner(y)))) : y.norm();

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "core/numbers.hpp"
 #include "problems/tissue/tissue_settings.hpp"
 
 namespace hmax {
@@ -25,8 +25,6 @@ struct TissueId {
 
 /// What a user may set of a body on a mesh.
 struct TissueParameters {
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-
   double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
   double mass = 0;                ///< of the whole body [kg]; 0: by the density
   double alpha = 0, beta = 0;     ///< Rayleigh [1/s], [s]

@@ -84,8 +84,6 @@ Window around(const Problem& problem, const std::vector<VectorXd>& points, doubl
   return window;
 }
 
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 /// About what a period takes [s]: the first of the motion, or what its fixed steps take.
 double seconds_of_period(const Problem& problem, double period, const std::optional<FixedSteps>& steps) {
   constexpr double stage = 15e-9;
@@ -344,7 +342,7 @@ Json column_document(const BifurcationColumn& column, double period) {
   Json xs = Json::array();
   for (const VectorXd& y : motion.looks) xs.push_back(y(0));
   const auto exponent = [&](double Exponent::*part) {
-    return motion.exponent ? number_or_null((*motion.exponent).*part / period) : Json();
+    return motion.exponent ? Json((*motion.exponent).*part / period) : Json();
   };
   return {{"value", column.value},
           {"x", xs},
@@ -376,8 +374,8 @@ Json section_document(const Problem& problem, const Section& section) {
           {"settling", name_of(motion.settling)},
           {"period", motion.period ? Json(*motion.period) : Json()},
           {"followed", motion.followed},
-          {"lyapunov", section.exponent ? number_or_null(section.lyapunov()) : Json()},
-          {"lyapunov_error", section.exponent ? number_or_null(section.lyapunov_error()) : Json()},
+          {"lyapunov", section.exponent ? Json(section.lyapunov()) : Json()},
+          {"lyapunov_error", section.exponent ? Json(section.lyapunov_error()) : Json()},
           {"lyapunov_periods", section.exponent ? Json(section.exponent->count) : Json()},
           {"periodic", periodic},
           {"search", search_document(section.searched, section.periodic, guarantee(problem, section))},

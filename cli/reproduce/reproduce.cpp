@@ -36,13 +36,13 @@ void show(const ReproducedPart& part, Console& console) {
 }
 
 /// A part of `reproduce all`, in a folder of its own.
-struct Part {
+struct ReportPart {
   std::string name, title;
   std::function<ReproducedPart(const std::filesystem::path& folder, bool quick, Console& console)> make;
 };
 
-const std::vector<Part>& parts() {
-  static const std::vector<Part> all{
+const std::vector<ReportPart>& parts() {
+  static const std::vector<ReportPart> all{
       {"oscillators", "The liver oscillator study",
        [](const auto& folder, bool, Console& console) { return reproduce_oscillator_part(folder, console); }},
       {"stability", "Step limits of every method on every model of that study",
@@ -57,13 +57,13 @@ const std::vector<Part>& parts() {
 }
 
 /// The parts of these names, all where there are none.
-std::vector<Part> chosen_parts(const std::vector<std::string>& names) {
+std::vector<ReportPart> chosen_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names)
-    if (std::ranges::find(parts(), name, &Part::name) == parts().end())
+    if (std::ranges::find(parts(), name, &ReportPart::name) == parts().end())
       throw InputError(
           fmt::format("there is no part '{}'; take some of oscillators, stability, tissue", name));
-  std::vector<Part> chosen;
-  for (const Part& part : parts())
+  std::vector<ReportPart> chosen;
+  for (const ReportPart& part : parts())
     if (names.empty() || std::ranges::find(names, part.name) != names.end()) chosen.push_back(part);
   return chosen;
 }
@@ -118,7 +118,7 @@ struct AllOptions {
 /// Links of the text lead to the texts of the parts; those of the page to the parts that the folder has. Of
 /// others the words are left, and how to make the part.
 void lead_to_parts(std::string& text, const std::filesystem::path& folder) {
-  for (const Part& part : parts()) {
+  for (const ReportPart& part : parts()) {
     const std::regex link(fmt::format(R"(\[([^\]]*)\]\({}\.md#([^)]*)\))", part.name));
     const bool made = std::filesystem::exists(folder / part.name / "README.md");
     text = std::regex_replace(text, link,
@@ -129,12 +129,12 @@ void lead_to_parts(std::string& text, const std::filesystem::path& folder) {
 
 void reproduce_all(const AllOptions& options, Console& console) {
   const std::filesystem::path folder = options.folder;
-  const std::vector<Part> chosen = chosen_parts(options.names);
+  const std::vector<ReportPart> chosen = chosen_parts(options.names);
   check_report_place(folder);
   FinishedParts finished(folder, options.quick);
   ReportPage page("all", folder);
   Json shown = Json::array(), listed = Json::array();
-  for (const Part& part : chosen) {
+  for (const ReportPart& part : chosen) {
     auto done = finished.find(part.name);
     if (!done) {
       done = part.make(folder / part.name, options.quick, console);

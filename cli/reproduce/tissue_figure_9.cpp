@@ -18,14 +18,14 @@ namespace hmax {
 namespace {
 
 constexpr double h = 0.005, t_end = 1;  // [s]
-constexpr double pressing = 0.3;        // [N]
+constexpr double drawn_force = 0.3;     // [N]
 
 /// A liver of the table's stiffness k [kPa] and damping c [N s/m], as c over its mass.
 struct Shown {
   double k, c;
 };
 // One row of stiffnesses with the damping between, one of dampings with the stiffness between.
-constexpr std::array<Shown, 6> shown{{{4.3, 6}, {5.3, 6}, {6.7, 6}, {5.3, 4.5}, {5.3, 6}, {5.3, 8}}};
+constexpr std::array<Shown, 6> shown_livers{{{4.3, 6}, {5.3, 6}, {6.7, 6}, {5.3, 4.5}, {5.3, 6}, {5.3, 8}}};
 
 /// The farthest that the body goes when the force begins to act.
 BodyView farthest(const Problem& problem) {
@@ -59,10 +59,10 @@ void figure_9(TissuePage& tissue) {
                      ? "Springs: the farthest that the body goes when a force begins to press"
                      : "Finite elements: the farthest that the body goes when a force begins to press",
         .columns = 3};
-    for (const Shown& each : shown) {
+    for (const Shown& each : shown_livers) {
       const Parameters material{{"E", 1000 * each.k}, {"alpha", each.c / 1.45}};
       Parameters loaded = material;
-      loaded.emplace_back("force", pressing);
+      loaded.emplace_back("force", drawn_force);
       const Problem problem = study_tissue(model, tissue.options.mesh(), "press", loaded);
       bodies.views.push_back(farthest(problem));
       bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
@@ -70,7 +70,7 @@ void figure_9(TissuePage& tissue) {
                        fmt::format(
                            " {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
                            "h = {:g} s. E and alpha as above each picture.",
-                           pressing, h);
+                           drawn_force, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
       // Scenes have no pressing forces.
       write_file(tissue.page.folder / name,

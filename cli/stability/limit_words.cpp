@@ -14,10 +14,6 @@ namespace hmax {
 
 namespace {
 
-std::string words_of(double h) {
-  return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, 7);
-}
-
 std::string number_or_dash(double value, int digits = 6) {
   return std::isfinite(value) ? short_number(value, digits) : "-";
 }
@@ -39,10 +35,14 @@ std::string words_of_rates(const LimitRow& row) {
 
 std::string words_of_observed(const LimitRow& row) {
   if (!row.is_observed()) return "-";
-  return std::isnan(row.observed) ? "grows" : words_of(row.observed);
+  return std::isnan(row.observed) ? "grows" : step_words(row.observed, 7);
 }
 
 }  // namespace
+
+std::string step_words(double h, int digits) {
+  return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, digits);
+}
 
 std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& columns, const Console& console) {
   std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
@@ -62,7 +62,7 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
   for (const LimitRow& row : rows) {
     std::vector<std::string> cells{row.method,
                                    row.point.material.empty() ? "-" : row.point.material,
-                                   words_of(row.h_max),
+                                   step_words(row.h_max, 7),
                                    row.bound,
                                    number_or_dash(row.omega),
                                    std::isnan(row.zeta) ? "-" : short_number(0.0 + row.zeta)};
@@ -79,9 +79,9 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
       cells.push_back(!row.is_observed() ? "-" : fmt::format("{:.0f}", row.steps_used));
     }
     if (!columns.path.empty()) {
-      cells.push_back(words_of(row.along_least));
+      cells.push_back(step_words(row.along_least, 7));
       cells.push_back(std::isfinite(row.along_least) ? short_number(row.along_at, 4) : "-");
-      if (columns.from_start) cells.push_back(words_of(row.from_start));
+      if (columns.from_start) cells.push_back(step_words(row.from_start, 7));
     }
     table.add(std::move(cells));
   }

@@ -17,6 +17,9 @@ struct LimitColumns {
   std::string path;         ///< motion | load: the least limit along it; empty for none
 };
 
+/// "unbounded" of infinity, "-" of NaN.
+std::string step_words(double h, int digits = 6);
+
 /// One line a row.
 std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& columns, const Console& console);
 

@@ -87,7 +87,7 @@ double without_rounding(double difference) {
 }
 
 /// "7.92 %"; without a sign what rounds to nothing.
-std::string percent(double share) {
+std::string signed_percent(double share) {
   const std::string text = fmt::format("{:.2f} %", 100 * share);
   return text == "-0.00 %" ? text.substr(1) : text;
 }
@@ -148,7 +148,7 @@ void numerical_damping(const DampingOptions& options, Console& console) {
                          {"stable", shown.spectral_radius <= 1 + 1e-12}});
     table.add({formula.id, short_number(shown.zeta, 4), short_number(added, 4),
                short_number(shown.frequency_damped, 4),
-               std::isfinite(shown.period_error) ? percent(shown.period_error) : "-",
+               std::isfinite(shown.period_error) ? signed_percent(shown.period_error) : "-",
                short_number(shown.spectral_radius, 6)});
   }
   if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);

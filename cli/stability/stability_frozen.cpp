@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/shared/options.hpp"
+#include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -25,9 +26,8 @@ Json to_json(const ToleratedRatios& ratios) {
   return {{"least", ratios.least}, {"most", number_or_word(ratios.most)}};
 }
 
-std::string words_of(double value) { return std::isinf(value) ? "unbounded" : short_number(value); }
 std::string words_of(const ToleratedRatios& ratios) {
-  return fmt::format("{} to {}", short_number(ratios.least, 4), words_of(ratios.most));
+  return fmt::format("{} to {}", short_number(ratios.least, 4), step_words(ratios.most));
 }
 
 void frozen(const FrozenOptions& options, Console& console) {
@@ -62,11 +62,11 @@ void frozen(const FrozenOptions& options, Console& console) {
     for (const double ratio : ratios) {
       const double exit = frozen_spring_exit(*method, ratio);
       exits.push_back(number_or_word(exit));
-      cells.push_back(words_of(exit));
+      cells.push_back(step_words(exit));
       if (steps == 0) continue;
       const double period = stiffening_exit(*method, ratio, static_cast<int>(steps));
       refreshed.push_back(number_or_word(period));
-      with_every.push_back(words_of(period));
+      with_every.push_back(step_words(period));
     }
     Json document{{"method", formula.id},
                   {"decay", to_json(decay)},

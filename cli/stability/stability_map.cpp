@@ -17,6 +17,7 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
+#include "cli/stability/limit_words.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
@@ -128,8 +129,6 @@ Area cells_with(const StabilityMap& map, const std::string& label, int colour, c
   return area;
 }
 
-std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
-
 Panel panel_of(const StabilityMap& map, const std::vector<double>& levels,
                const std::array<std::string, 2>& labels) {
   Panel panel{.title = map.method,
@@ -168,8 +167,8 @@ Panel panel_of(const StabilityMap& map, const std::vector<double>& levels,
     }
     ++k;
   }
-  panel.notes = {fmt::format("h falls along {}: {}, along {}: {}", map.x.name, percent(map.falling_share_x()),
-                             map.y.name, percent(map.falling_share_y()))};
+  panel.notes = {fmt::format("h falls along {}: {:.1f} %, along {}: {:.1f} %", map.x.name,
+                             100 * map.falling_share_x(), map.y.name, 100 * map.falling_share_y())};
   return panel;
 }
 
@@ -281,8 +280,6 @@ Json to_json(const MapStudy& study) {
   return documents.size() == 1 ? documents.front() : documents;
 }
 
-std::string words_of(double h) { return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h); }
-
 std::string in_words(const MapStudy& study, const Console& console) {
   TextTable table({"method", "smallest h [s]", "largest h [s]", "falls along " + study.x.name,
                    "falls along " + study.y.name});
@@ -293,8 +290,9 @@ std::string in_words(const MapStudy& study, const Console& console) {
       least = std::fmin(least, h);
       most = std::fmax(most, h);
     }
-    table.add({each.method, words_of(least), words_of(most), percent(each.falling_share_x()),
-               percent(each.falling_share_y())});
+    table.add({each.method, step_words(least), step_words(most),
+               fmt::format("{:.1f} %", 100 * each.falling_share_x()),
+               fmt::format("{:.1f} %", 100 * each.falling_share_y())});
     if (!each.note.empty()) remarks += fmt::format("{}: at some points: {}\n", each.method, each.note);
   }
   std::string text = table.text(console) +

@@ -29,8 +29,6 @@ namespace hmax {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 std::string four_digits(double value) { return fmt::format("{:.4g}", value); }
 
 /// The modes of a tangent, of large bodies by the ends of its spectrum.

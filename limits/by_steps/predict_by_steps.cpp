@@ -24,7 +24,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Up to which an observed limit is the predicted one, relative: of linear maps, and of truncated iterations,
 /// whose orbits fluctuate.
 constexpr double tolerance_linear = 0.01, tolerance_truncated = 0.05;

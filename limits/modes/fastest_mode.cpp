@@ -41,14 +41,15 @@ std::vector<Index> free_numbers(const TissueBody& body) {
 }
 
 /// One element with its share of the masses.
-struct Part {
+struct ModePart {
   std::vector<Index> points;  // free numbers
   MatrixXd K;
   VectorXd share;  // of each point [kg]
 };
 
-Part part_of(const ElementSum& elements, const VectorXd& mass, std::span<const double> weights, Index which) {
-  Part part;
+ModePart part_of(const ElementSum& elements, const VectorXd& mass, std::span<const double> weights,
+                 Index which) {
+  ModePart part;
   VectorXd total = VectorXd::Zero(mass.size()), own;
   Index e = 0;
   elements([&](std::span<const Index> points, const Eigen::Ref<const MatrixXd>& K) {
@@ -71,14 +72,14 @@ Part part_of(const ElementSum& elements, const VectorXd& mass, std::span<const d
 }
 
 /// The masses of all degrees of freedom with `times` the share of an element more.
-VectorXd with_share(VectorXd mass, const Part& part, double times) {
+VectorXd with_share(VectorXd mass, const ModePart& part, double times) {
   for (Index a = 0; a < part.share.size(); ++a)
     if (const Index point = part.points[at(a)]; point >= 0)
       mass.segment<3>(3 * point).array() += times * part.share[a];
   return mass;
 }
 
-Sparse without(Sparse K, const Part& part) {
+Sparse without(Sparse K, const ModePart& part) {
   for (std::size_t a = 0; a < part.points.size(); ++a)
     for (std::size_t b = 0; b < part.points.size(); ++b) {
       if (part.points[a] < 0 || part.points[b] < 0) continue;
@@ -172,7 +173,7 @@ FastestMode described(const TissueBody& body, const Sparse& K, const LanczosPair
     mode.centre += body.mesh().points.col(point) / static_cast<double>(mode.points.size());
   if (!with_gains) return mode;
 
-  const Part owner = part_of(elements, mass, weights, mode.owner.element);
+  const ModePart owner = part_of(elements, mass, weights, mode.owner.element);
   const auto gain = [&](const LanczosPair& changed) { return std::sqrt(mode.kappa / changed.value); };
   // A point that belongs to nothing else has no mass left, and no motion.
   const VectorXd less = with_share(body.mass(), owner, -1);

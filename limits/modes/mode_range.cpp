@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -14,13 +13,12 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "limits/modes/mode_curve.hpp"
 
 namespace hmax {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// First exits of eigenvalues of which the method is told the same spectral radius.
 std::vector<double> exits_of(const Amplification& amplification, std::vector<Eigenmode> modes,

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "analysis/amplification/amplification.hpp"
 #include "catalogue/methods/measured_amplification.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Not on one line, none of them near a pole, in the left half-plane.
 constexpr std::array<Complex, 6> samples{

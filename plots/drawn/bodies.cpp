@@ -23,7 +23,7 @@ constexpr double tallest = 470;                                       // pixels 
 constexpr std::size_t most_triangles = 14'000, most_if_coarse = 700;  // that look this way, of a picture
 constexpr double shaft_length = 5;                                    // radii of the tool's ball
 constexpr std::size_t caption_line = 142;                             // characters
-constexpr std::size_t title_line = 90;                                // characters, which are larger
+constexpr std::size_t characters_of_title = 90;                       // characters, which are larger
 constexpr double title_height = 21;                                   // pixels of a line
 
 struct Box {
@@ -338,8 +338,8 @@ class Page {
 
   /// Lines that fit; a word that does not is cut.
   std::vector<std::string> title() const {
-    std::vector<std::string> lines = lines_of(picture_.title, title_line);
-    for (std::string& line : lines) line = shortened(line, title_line);
+    std::vector<std::string> lines = lines_of(picture_.title, characters_of_title);
+    for (std::string& line : lines) line = shortened(line, characters_of_title);
     return lines;
   }
 

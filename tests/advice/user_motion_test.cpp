@@ -20,7 +20,7 @@ std::filesystem::path written(const Scratch& scratch, const std::string& text) {
   return file;
 }
 
-Problem cube(const std::string& load) {
+Problem pressed_cube(const std::string& load) {
   return make_problem("fem_green/" + load + "@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
 }
 
@@ -29,7 +29,7 @@ TEST(UserMotion, PressesWithForcesOverTime) {
   const UserMotion user = read_user_motion(written(scratch, "t,fx,fz\n0,0,0\n0.1,0.02,-0.01\n0.3,0,0\n"));
   EXPECT_EQ(user.kind, UserMotion::Kind::forces);
   EXPECT_EQ(user.t_end, 0.3);
-  const ProbingMotion motion = probing_motion(cube("gravity"), user);
+  const ProbingMotion motion = probing_motion(pressed_cube("gravity"), user);
   const TissueBody& body = *motion.problem.body;
   EXPECT_GT(motion.problem.y0.norm(), 0);  // it rests under gravity
   const Eigen::VectorXd q = motion.problem.y0.head(body.dofs()), zero = Eigen::VectorXd::Zero(body.dofs());
@@ -49,9 +49,9 @@ TEST(UserMotion, MovesPoints) {
   UserMotion user =
       read_user_motion(written(scratch, "t [s],x [m],y [m]\n0,0,0\n0.1,0.002,0.001\n0.4,0.002,0\n"));
   EXPECT_EQ(user.kind, UserMotion::Kind::displacements);
-  EXPECT_THROW(probing_motion(cube("press"), user), InputError);  // of no point
+  EXPECT_THROW(probing_motion(pressed_cube("press"), user), InputError);  // of no point
   user.points = {26};
-  const ProbingMotion motion = probing_motion(cube("press"), user);
+  const ProbingMotion motion = probing_motion(pressed_cube("press"), user);
   const TissueBody& body = *motion.problem.body;
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
   const Eigen::Vector3d moved = body.positions(0.1, rest).col(26) - body.mesh().points.col(26);
@@ -65,7 +65,7 @@ TEST(UserMotion, IsWhatStepsAreJudgedBy) {
   asked.frames = 20;
   asked.proof = 1;
   asked.motion = read_user_motion(written(scratch, "t,fz\n0,0\n0.1,-0.02\n0.2,0\n"));
-  const Problem problem = cube("press");
+  const Problem problem = pressed_cube("press");
   asked.methods = choose_methods({"symplectic_euler", "newmark"}, {problem});
   const Advice advice = advise(problem, asked);
   EXPECT_NE(advice.recommended(), nullptr);

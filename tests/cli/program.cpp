@@ -25,4 +25,9 @@ void expect_refused(const Told& told, const std::string& named) {
   EXPECT_NE(told.err.find(named), std::string::npos) << "'" << named << "' is not in: " << told.err;
 }
 
+void expect_refusal(const std::string& arguments, const std::string& named) {
+  SCOPED_TRACE(arguments);
+  expect_refused(Shell().hmax(arguments), named);
+}
+
 }  // namespace hmax

@@ -42,4 +42,7 @@ class Shell {
 /// what is wrong.
 void expect_refused(const Told& told, const std::string& named);
 
+/// The same of `hmax ARGUMENTS` in an empty folder.
+void expect_refusal(const std::string& arguments, const std::string& named);
+
 }  // namespace hmax

@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/numbers.hpp"
+
 namespace hmax {
 namespace {
 
@@ -44,7 +46,6 @@ TEST(Cosines, HaveTheBitsOfCosAtEighthsOfAPeriod) {
 }
 
 TEST(Cosines, HaveTheBitsOfCosOfWhatIsNoAngle) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   expect_the_bits_of_cos({0.0, -0.0, 5e-324, -1e-310, 1e22, -1e300, std::numeric_limits<double>::max()});
   for (const double x : {infinity, -infinity, std::nan("")}) {
     std::vector<double> found{1, x, 1};

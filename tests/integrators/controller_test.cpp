@@ -6,14 +6,14 @@
 
 #include <gtest/gtest.h>
 
+#include "core/numbers.hpp"
 #include "integrators/control.hpp"
 #include "tests/integrators/methods.hpp"
 
 namespace hmax {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Controllers take the square of the error.
 template <class Controller>
@@ -34,7 +34,7 @@ TYPED_TEST(EveryController, AcceptsAnErrorOfOneAndNoMore) {
 }
 
 TYPED_TEST(EveryController, RejectsWhatIsNotANumberAndShrinks) {
-  for (const double error : {nan, infinity, 1e200}) {
+  for (const double error : {not_a_number, infinity, 1e200}) {
     TypeParam controller(5);
     const Verdict<double> verdict = judge(controller, error, 0.5);
     EXPECT_FALSE(verdict.accept) << error;
@@ -141,7 +141,7 @@ TEST(MatlabNorm, IsTheLargestErrorInUnitsOfTheTolerance) {
   const auto component = [&](Eigen::Index i) { return error[i]; };
   // 0.01 / 0.02, 0.04 / 0.05, 0.0005 / 0.001: the second rules.
   EXPECT_DOUBLE_EQ(norm.squared(y, y_new, component), 0.64);
-  const auto broken = [&](Eigen::Index i) { return i == 0 ? nan : error[i]; };
+  const auto broken = [&](Eigen::Index i) { return i == 0 ? not_a_number : error[i]; };
   EXPECT_TRUE(std::isnan(norm.squared(y, y_new, broken)));
 }
 

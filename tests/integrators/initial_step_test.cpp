@@ -23,7 +23,7 @@ namespace {
 
 using forced::Forced;
 using forced::Switched;
-using State = Eigen::VectorXd;
+using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 constexpr Tolerances<double> tolerances{.rtol = 1e-5, .atol = 1e-7};
@@ -35,25 +35,25 @@ void with_each(const Run& run) {
     run(name, stepper, Adaptive<double, DeadbandController>(tolerances, stepper.error_order));
     run(name, stepper, Adaptive<double, MatlabController, MatlabNorm>(tolerances, stepper.error_order));
   };
-  steered("bogacki_shampine_32", Rk<tableaux::BogackiShampine32, State>{});
-  steered("dormand_prince_54", Rk<tableaux::DormandPrince54, State>{});
-  steered("dop_853", Rk<tableaux::Dop853, State>{});
-  steered("rkc_2", StabilizedRk<Rkc2, State>{});
-  steered("implicit_euler", Dirk<tableaux::ImplicitEuler, State, Matrix>{});
-  steered("trapezoidal", Dirk<tableaux::Trapezoidal, State, Matrix>{});
-  steered("tr_bdf2", Dirk<tableaux::TrBdf2, State, Matrix>{});
-  steered("sdirk_4", Dirk<tableaux::Sdirk4, State, Matrix>{});
-  steered("radau_iia_5", RadauIIA5<State, Matrix>{});
-  steered("rosenbrock_23", Rosenbrock<tableaux::Rosenbrock23, State, Matrix>{});
-  steered("rodas_4", Rosenbrock<tableaux::Rodas4, State, Matrix>{});
-  run("adams_pece", AdamsPece<State>{}, ShampineGordonControl<double>(tolerances));
+  steered("bogacki_shampine_32", Rk<tableaux::BogackiShampine32, Vector>{});
+  steered("dormand_prince_54", Rk<tableaux::DormandPrince54, Vector>{});
+  steered("dop_853", Rk<tableaux::Dop853, Vector>{});
+  steered("rkc_2", StabilizedRk<Rkc2, Vector>{});
+  steered("implicit_euler", Dirk<tableaux::ImplicitEuler, Vector, Matrix>{});
+  steered("trapezoidal", Dirk<tableaux::Trapezoidal, Vector, Matrix>{});
+  steered("tr_bdf2", Dirk<tableaux::TrBdf2, Vector, Matrix>{});
+  steered("sdirk_4", Dirk<tableaux::Sdirk4, Vector, Matrix>{});
+  steered("radau_iia_5", RadauIIA5<Vector, Matrix>{});
+  steered("rosenbrock_23", Rosenbrock<tableaux::Rosenbrock23, Vector, Matrix>{});
+  steered("rodas_4", Rosenbrock<tableaux::Rodas4, Vector, Matrix>{});
+  run("adams_pece", AdamsPece<Vector>{}, ShampineGordonControl<double>(tolerances));
 }
 
 TEST(InitialStep, SeesForcesThatBeginAtZeroInEveryUnitOfTime) {
   for (const double unit : {1e-9, 1e-3, 1.0, 1e3, 1e9})
     for (const forced::Forcing& forcing : forced::forcings())
       with_each([&](const std::string& name, const auto& stepper, const auto& control) {
-        State y = State::Zero(1);
+        Vector y = Vector::Zero(1);
         const auto end = integrate(stepper, Forced{forcing.g, unit}, Span<double>{0, 10 * unit}, y, control,
                                    ObserveNothing{}, 2'000'000);
         EXPECT_EQ(end.outcome, Outcome::reached_end) << name << " " << forcing.name << " " << unit;
@@ -66,8 +66,8 @@ TEST(InitialStep, SeesForcesThatBeginAtZeroInEveryUnitOfTime) {
 TEST(InitialStep, TakesTheLongestStepWhereNothingEverActs) {
   const RmsNorm<double> norm{1e-6, 1e-9};
   const Forced still{[](double) { return 0.0; }};
-  EXPECT_EQ(hairer_initial_step(still, 0.0, State(State::Zero(1)), 5, norm, 10.0, 1.0), 1);
-  EXPECT_EQ(matlab_initial_step(still, 0.0, State(State::Zero(1)), 5, 1e-6, 1e-9, 10.0, 1.0), 1);
+  EXPECT_EQ(hairer_initial_step(still, 0.0, Vector(Vector::Zero(1)), 5, norm, 10.0, 1.0), 1);
+  EXPECT_EQ(matlab_initial_step(still, 0.0, Vector(Vector::Zero(1)), 5, 1e-6, 1e-9, 10.0, 1.0), 1);
 }
 
 TEST(InitialStep, EndsBeforeAForceBegins) {
@@ -75,8 +75,8 @@ TEST(InitialStep, EndsBeforeAForceBegins) {
   const Forced late{[](double s) { return s < 0.4 ? 0.0 : 1.0; }};
   for (const double direction : {1.0, -1.0}) {
     const Forced mirrored{[](double s) { return s > -0.4 ? 0.0 : 1.0; }};
-    const double h = hairer_initial_step(direction > 0 ? late : mirrored, 0.0, State(State::Zero(1)), 5, norm,
-                                         direction * 10, 1.0);
+    const double h = hairer_initial_step(direction > 0 ? late : mirrored, 0.0, Vector(Vector::Zero(1)), 5,
+                                         norm, direction * 10, 1.0);
     EXPECT_GT(h, 0.1);
     EXPECT_LT(h, 0.4);
   }
@@ -88,10 +88,10 @@ TEST(LongestStep, IsATenthOfTheSpanUnlessItIsGiven) {
   // y' = 0: every error is zero.
   const Forced still{[](double) { return 0.0; }};
   const auto steps = [&](double h_first, double h_max) {
-    State y = State::Zero(1);
+    Vector y = Vector::Zero(1);
     const auto control =
         adaptive<tableaux::DormandPrince54>({.rtol = 1e-6, .atol = 1e-9, .h_first = h_first, .h_max = h_max});
-    return integrate(Rk<tableaux::DormandPrince54, State>{}, still, Span<double>{0, 20}, y, control)
+    return integrate(Rk<tableaux::DormandPrince54, Vector>{}, still, Span<double>{0, 20}, y, control)
         .stats.steps;
   };
   constexpr double none = std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ TEST(Breakpoints, AreLandedOnByEveryMethodAndReadOnBothSides) {
     for (const bool at_once : {true, false})
       with_each([&](const std::string& name, const auto& stepper, const auto& control) {
         const Switched system{.height = height, .at_once = at_once};
-        State y = State::Zero(1);
+        Vector y = Vector::Zero(1);
         std::vector<double> ends;
         const auto note = [&](const auto& view) { ends.push_back(view.t1()); };
         const auto end = integrate(stepper, system, Span<double>{0, 10}, y, control, note, 1'000'000);
@@ -123,25 +123,25 @@ TEST(Breakpoints, AreLandedOnByEveryMethodAndReadOnBothSides) {
 
 TEST(Breakpoints, AreLandedOnBackwards) {
   const Switched system{};
-  State y = State::Constant(1, system.end());
-  const auto end = integrate(Rk<tableaux::DormandPrince54, State>{}, system, Span<double>{10, 0}, y,
+  Vector y = Vector::Constant(1, system.end());
+  const auto end = integrate(Rk<tableaux::DormandPrince54, Vector>{}, system, Span<double>{10, 0}, y,
                              adaptive<tableaux::DormandPrince54>({.rtol = 1e-9, .atol = 1e-12}));
   EXPECT_EQ(end.outcome, Outcome::reached_end);
   EXPECT_NEAR(y[0], 0, 1e-6);
 }
 
 TEST(Breakpoints, AreNotLandedOnByFixedSteps) {
-  State y = State::Zero(1);
+  Vector y = Vector::Zero(1);
   std::vector<double> ends;
   const auto note = [&](const auto& view) { ends.push_back(view.t1()); };
-  integrate(Rk<tableaux::Rk4, State>{}, Switched{}, Span<double>{0, 10}, y, FixedStep<double>(2), note);
+  integrate(Rk<tableaux::Rk4, Vector>{}, Switched{}, Span<double>{0, 10}, y, FixedStep<double>(2), note);
   EXPECT_EQ(ends, (std::vector<double>{2, 4, 6, 8, 10}));
 }
 
 TEST(Breakpoints, ThatAreNotKnownAreNamedByTheRunThatFailsThere) {
   const Switched unknown{.height = 1e12, .knows = false};
-  State y = State::Zero(1);
-  const auto end = integrate(Rk<tableaux::DormandPrince54, State>{}, unknown, Span<double>{0, 10}, y,
+  Vector y = Vector::Zero(1);
+  const auto end = integrate(Rk<tableaux::DormandPrince54, Vector>{}, unknown, Span<double>{0, 10}, y,
                              adaptive<tableaux::DormandPrince54>({.rtol = 1e-14, .atol = 1e-14}));
   EXPECT_EQ(end.outcome, Outcome::step_too_small);
   EXPECT_NEAR(end.t, 3, 1e-12);
@@ -149,9 +149,9 @@ TEST(Breakpoints, ThatAreNotKnownAreNamedByTheRunThatFailsThere) {
 }
 
 TEST(Breakpoints, LimitTheAttemptsOfAllPiecesTogether) {
-  State y = State::Zero(1);
+  Vector y = Vector::Zero(1);
   const auto end =
-      integrate(Rk<tableaux::DormandPrince54, State>{}, Switched{}, Span<double>{0, 10}, y,
+      integrate(Rk<tableaux::DormandPrince54, Vector>{}, Switched{}, Span<double>{0, 10}, y,
                 adaptive<tableaux::DormandPrince54>({.rtol = 1e-6, .atol = 1e-9}), ObserveNothing{}, 12);
   EXPECT_EQ(end.outcome, Outcome::too_many_steps);
   EXPECT_EQ(end.stats.steps + end.stats.rejected, 12);

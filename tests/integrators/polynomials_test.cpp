@@ -5,12 +5,12 @@
 namespace hmax {
 namespace {
 
-using State = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+using LongState = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
 constexpr Eigen::Index degrees = 10;
 
 /// y_k' = k t^(k-1): y_k = t^k by quadrature, the bushy trees of the order conditions.
-const auto quadrature = system_of<State>(
-    [](long double t, const State&, State& dydt) {
+const auto quadrature = system_of<LongState>(
+    [](long double t, const LongState&, LongState& dydt) {
       long double power = 1;
       for (Eigen::Index k = 0; k <= degrees; ++k) {
         dydt[k] = k == 0 ? 0 : static_cast<long double>(k) * power;
@@ -20,15 +20,15 @@ const auto quadrature = system_of<State>(
     degrees + 1);
 
 /// y_k' = k y_(k-1), y_0 = 1: y_k = t^k by a chain, the tall trees.
-const auto chain = system_of<State>(
-    [](long double, const State& y, State& dydt) {
+const auto chain = system_of<LongState>(
+    [](long double, const LongState& y, LongState& dydt) {
       dydt[0] = 0;
       for (Eigen::Index k = 1; k <= degrees; ++k) dydt[k] = static_cast<long double>(k) * y[k - 1];
     },
     degrees + 1);
 
-State powers_of(long double t) {
-  State y(degrees + 1);
+LongState powers_of(long double t) {
+  LongState y(degrees + 1);
   y[0] = 1;
   for (Eigen::Index k = 1; k <= degrees; ++k) y[k] = t * y[k - 1];
   return y;
@@ -36,16 +36,17 @@ State powers_of(long double t) {
 
 /// The result of one step from t to t + h on either system; the stepper shows its error estimate afterwards.
 template <class Method, class System>
-State one_step(Rk<Method, State>& stepper, const System& system, long double t, long double h) {
-  const State y = powers_of(t);
-  State y_new = y;
+LongState one_step(Rk<Method, LongState>& stepper, const System& system, long double t, long double h) {
+  const LongState y = powers_of(t);
+  LongState y_new = y;
   stepper.init(system, t, y);
   stepper.attempt(system, t, y, h, y_new);
   return y_new;
 }
 
 template <class Method>
-long double estimate(long double h, const State& y, const Rk<Method, State>& stepper, Eigen::Index degree) {
+long double estimate(long double h, const LongState& y, const Rk<Method, LongState>& stepper,
+                     Eigen::Index degree) {
   return std::sqrt(stepper.error_squared(h, y, y, Component{degree}));
 }
 
@@ -57,10 +58,10 @@ TYPED_TEST_SUITE(Polynomials, EveryMethod, MethodId);
 constexpr long double rounding = 1e-16L;
 
 TYPED_TEST(Polynomials, AreIntegratedExactlyUpToTheOrder) {
-  Rk<TypeParam, State> stepper;
-  const State exact = powers_of(1.1L);
-  const State by_quadrature = one_step<TypeParam>(stepper, quadrature, 0.4L, 0.7L);
-  const State by_chain = one_step<TypeParam>(stepper, chain, 0.4L, 0.7L);
+  Rk<TypeParam, LongState> stepper;
+  const LongState exact = powers_of(1.1L);
+  const LongState by_quadrature = one_step<TypeParam>(stepper, quadrature, 0.4L, 0.7L);
+  const LongState by_chain = one_step<TypeParam>(stepper, chain, 0.4L, 0.7L);
   for (Eigen::Index k = 0; k <= TypeParam::order; ++k) {
     EXPECT_LT(std::abs(by_quadrature[k] - exact[k]), rounding) << "degree " << k;
     EXPECT_LT(std::abs(by_chain[k] - exact[k]), rounding) << "degree " << k;
@@ -71,8 +72,8 @@ TYPED_TEST(Polynomials, AreIntegratedExactlyUpToTheOrder) {
 
 TYPED_TEST(Polynomials, AreErrorlessToTheEstimateUpToTheEmbeddedOrder) {
   if constexpr (TypeParam::error_order > 0) {
-    Rk<TypeParam, State> stepper;
-    const State y = powers_of(0.4L);
+    Rk<TypeParam, LongState> stepper;
+    const LongState y = powers_of(0.4L);
     one_step<TypeParam>(stepper, quadrature, 0.4L, 0.7L);
     for (Eigen::Index k = 0; k <= TypeParam::embedded_order; ++k)
       EXPECT_LT(estimate<TypeParam>(0.7L, y, stepper, k), rounding) << "degree " << k;
@@ -87,8 +88,8 @@ TYPED_TEST(Polynomials, AreErrorlessToTheEstimateUpToTheEmbeddedOrder) {
 TYPED_TEST(Polynomials, OfTheNextDegreeScaleTheEstimateByTheErrorOrder) {
   if constexpr (TypeParam::error_order > 0) {
     constexpr int q = TypeParam::embedded_order + 1;
-    Rk<TypeParam, State> stepper;
-    const State y = powers_of(0);
+    Rk<TypeParam, LongState> stepper;
+    const LongState y = powers_of(0);
     one_step<TypeParam>(stepper, chain, 0, 0.5L);
     const long double small = estimate<TypeParam>(0.5L, y, stepper, q);
     one_step<TypeParam>(stepper, chain, 0, 1);

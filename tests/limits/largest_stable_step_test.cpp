@@ -15,6 +15,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "integrators/control.hpp"
 #include "integrators/explicit/explicit_rk.hpp"
 #include "integrators/integrate.hpp"
@@ -26,7 +27,6 @@ namespace hmax {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The stability polynomial of RK4 at its first zero of |R| - 1 on the negative axis.
 constexpr double real_limit_of_rk4 = 2.785293563405282;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -17,6 +16,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "limits/verification.hpp"
 #include "tests/limits/planted_tableau.hpp"
@@ -27,7 +27,6 @@ void PrintTo(Bound bound, std::ostream* out) { *out << name_of(bound); }
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 /// What prediction and run may differ by.
 constexpr double tolerance = 1e-3;
 

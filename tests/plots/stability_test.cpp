@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/numbers.hpp"
 #include "plots/draw.hpp"
 
 namespace hmax {
@@ -146,7 +147,6 @@ TEST(StabilityFigures, AFieldIsDeeperTheMoreItDampsAndTheMoreItAmplifies) {
 }
 
 TEST(StabilityFigures, AChartEndsWhereStepsAreUnstable) {
-  const double infinity = std::numeric_limits<double>::infinity();
   const Panel one = oscillation_panel({{"", {0, 1, 2}, {2, 1, 0.5}}});
   ASSERT_EQ(one.fills.size(), 1U);
   EXPECT_EQ(one.fills[0].loops[0].size(), 5U);

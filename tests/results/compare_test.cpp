@@ -44,7 +44,7 @@ std::vector<Row> session(std::mt19937& random, double noise,
 }
 
 double flagged_share(const Comparison& c) {
-  return static_cast<double>(c.count(Verdict::faster) + c.count(Verdict::slower)) /
+  return static_cast<double>(c.count(TimingVerdict::faster) + c.count(TimingVerdict::slower)) /
          static_cast<double>(c.rows.size());
 }
 
@@ -128,7 +128,9 @@ TEST(Compare, FindsPlantedChangesOfTenToTwentyPercentUnderTwoPercentNoise) {
     });
     const Comparison c = compare(a, b);
     for (std::size_t i = 0; i < c.rows.size(); ++i) {
-      const Verdict expected = i < 10 ? Verdict::slower : i < 15 ? Verdict::faster : Verdict::same;
+      const TimingVerdict expected = i < 10   ? TimingVerdict::slower
+                                     : i < 15 ? TimingVerdict::faster
+                                              : TimingVerdict::same;
       planted += i < 15;
       found += i < 15 && c.rows[i].verdict == expected;
       wrong += i >= 15 && c.rows[i].verdict != expected;
@@ -145,7 +147,7 @@ TEST(Compare, ASlowdownOfTheWholeSessionIsReportedByItself) {
   const auto b = session(random, 0.01, [](int, int) { return 1.3; });
   const Comparison c = compare(a, b);
   EXPECT_NEAR(c.common_ratio, 1.3, 0.01);
-  EXPECT_EQ(c.count(Verdict::same), c.rows.size());
+  EXPECT_EQ(c.count(TimingVerdict::same), c.rows.size());
   EXPECT_NEAR(c.rows[0].ratio, 1.3, 0.05);
   EXPECT_NEAR(c.rows[0].relative_ratio, 1.0, 0.05);
   EXPECT_TRUE(c.remarks.at(0).starts_with("B takes 1.")) << c.remarks[0];
@@ -159,7 +161,7 @@ TEST(Compare, WithFewRowsNoCommonRatioIsRemoved) {
   b.resize(2);
   const Comparison c = compare(a, b);
   EXPECT_EQ(c.common_ratio, 1.0);
-  EXPECT_EQ(c.count(Verdict::slower), 2u);
+  EXPECT_EQ(c.count(TimingVerdict::slower), 2u);
   EXPECT_NE(c.remarks.at(0).find("Only 2 rows"), std::string::npos);
 }
 
@@ -193,27 +195,27 @@ TEST(Compare, AnotherResultIsAChangeWhateverTheTimes) {
     a.cpu_s = b.cpu_s = {1e-3, 1.1e-3};
     change(b);
     const Comparison c = compare(std::vector{a}, std::vector{b});
-    EXPECT_EQ(c.rows.at(0).changes.empty(), c.rows[0].verdict != Verdict::changed);
+    EXPECT_EQ(c.rows.at(0).changes.empty(), c.rows[0].verdict != TimingVerdict::changed);
     return c.rows[0].verdict;
   };
-  EXPECT_EQ(verdict([](Row&) {}), Verdict::same);
-  EXPECT_EQ(verdict([](Row& r) { r.steps += 1; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.rejected += 1; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.rhs += 1; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.outcome = "diverged"; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.t_reached = 99; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.error_end *= 1.001; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.error_end *= 1 + 1e-9; }), Verdict::same);
-  EXPECT_EQ(verdict([](Row& r) { r.error_global = NAN; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.error_global = INFINITY; }), Verdict::changed);
-  EXPECT_EQ(verdict([](Row& r) { r.cpu_s.clear(); }), Verdict::changed);
+  EXPECT_EQ(verdict([](Row&) {}), TimingVerdict::same);
+  EXPECT_EQ(verdict([](Row& r) { r.steps += 1; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.rejected += 1; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.rhs += 1; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.outcome = "diverged"; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.t_reached = 99; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.error_end *= 1.001; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.error_end *= 1 + 1e-9; }), TimingVerdict::same);
+  EXPECT_EQ(verdict([](Row& r) { r.error_global = NAN; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.error_global = INFINITY; }), TimingVerdict::changed);
+  EXPECT_EQ(verdict([](Row& r) { r.cpu_s.clear(); }), TimingVerdict::changed);
 }
 
 TEST(Compare, RowsOfOneSideAreListed) {
   const std::vector<Row> a{plain(1), plain(2)}, b{plain(2), plain(3)};
   const Comparison c = compare(a, b);
   ASSERT_EQ(c.rows.size(), 1u);
-  EXPECT_EQ(c.rows[0].verdict, Verdict::same);
+  EXPECT_EQ(c.rows[0].verdict, TimingVerdict::same);
   EXPECT_TRUE(std::isnan(c.rows[0].ratio));
   EXPECT_EQ(c.only_in_a, std::vector{plain(1).key});
   EXPECT_EQ(c.only_in_b, std::vector{plain(3).key});
@@ -267,14 +269,14 @@ TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
   std::mt19937 random(1);
   const std::vector<Row> a = session(random, 0.01, [](int, int) { return 1.0; });
   std::vector<Row> b = session(random, 0.01, [](int i, int) { return i == 0 ? 5.0 : 1.0; });
-  ASSERT_EQ(compare(a, b).rows[0].verdict, Verdict::slower);
+  ASSERT_EQ(compare(a, b).rows[0].verdict, TimingVerdict::slower);
   b[0].explored = b[1].explored = true;
   b[1].steps += 1;
   const Comparison found = compare(a, b);
-  EXPECT_EQ(found.rows[0].verdict, Verdict::same);
+  EXPECT_EQ(found.rows[0].verdict, TimingVerdict::same);
   EXPECT_TRUE(found.rows[0].changes.empty());
   EXPECT_TRUE(std::isnan(found.rows[0].ratio));
-  EXPECT_EQ(found.rows[1].verdict, Verdict::changed);
+  EXPECT_EQ(found.rows[1].verdict, TimingVerdict::changed);
   EXPECT_NE(found.remarks.back().find("2 of the rows were explored"), std::string::npos)
       << found.remarks.back();
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 
@@ -12,13 +11,13 @@
 #include "analysis/amplification/structural_amplification.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "analysis/step_limits/stable_step.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Named {
   std::string name;

@@ -20,7 +20,7 @@
 
 namespace hmax {
 
-enum class Support { free, held, touching };
+enum class LatticeSupport { free, held, touching };
 enum class Scheme { symplectic_euler, explicit_euler, implicit_euler, newmark };
 
 struct Lattice {
@@ -28,7 +28,7 @@ struct Lattice {
     Eigen::Index a, b;
     double k, length;
   };
-  Support support = Support::free;
+  LatticeSupport support = LatticeSupport::free;
   Scheme scheme = Scheme::symplectic_euler;
   double alpha = 0, beta = 0;  ///< damping alpha M + beta K
   double newmark_beta = 0.25;
@@ -312,7 +312,8 @@ inline bool settle(Lattice& lattice) {
 }
 
 /// About `numbers` numbers, at least 48.
-inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme scheme, double numbers) {
+inline Lattice random_lattice(std::mt19937_64& random, LatticeSupport support, Scheme scheme,
+                              double numbers) {
   const auto uniform = [&](double from, double to) {
     return std::uniform_real_distribution(from, to)(random);
   };
@@ -342,7 +343,7 @@ inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme s
               spacing * Eigen::Vector3d(i + uniform(-jitter, jitter), j + uniform(-jitter, jitter),
                                         k + uniform(-up, up));
           found.mass.segment<3>(3 * node).setConstant(mass * std::pow(spread, uniform(0, 1)));
-          if (support == Support::held && k == 0) found.held[static_cast<std::size_t>(node)] = true;
+          if (support == LatticeSupport::held && k == 0) found.held[static_cast<std::size_t>(node)] = true;
         }
     for (Eigen::Index a = 0; a < nodes; ++a)
       for (Eigen::Index b = a + 1; b < nodes; ++b) {
@@ -351,7 +352,7 @@ inline Lattice random_lattice(std::mt19937_64& random, Support support, Scheme s
           found.springs.push_back({a, b, stiffness * std::pow(spread, uniform(0, 1)), l});
       }
     found.tells_pattern = uniform(0, 1) < 0.5;
-    if (support == Support::touching) {
+    if (support == LatticeSupport::touching) {
       found.floor = stiffness * uniform(0.2, 2) / softer;
       found.gravity =
           uniform(0.002, 0.02) / softer * spacing * stiffness / (found.mass.sum() / 3 / (n[0] * n[1]));

@@ -53,7 +53,8 @@ TEST(RandomLattice, ItsModesAreThoseOfTheMatrixOfItsStep) {
   std::mt19937_64 random(1);
   for (const Scheme scheme :
        {Scheme::symplectic_euler, Scheme::explicit_euler, Scheme::implicit_euler, Scheme::newmark})
-    for (const Support support : {Support::free, Support::held, Support::touching}) {
+    for (const LatticeSupport support :
+         {LatticeSupport::free, LatticeSupport::held, LatticeSupport::touching}) {
       const Lattice lattice = random_lattice(random, support, scheme, 60);
       const Eigen::VectorXd w2 = lattice.squared_frequencies();
       const double h = 2.5 / std::sqrt(w2.maxCoeff());
@@ -79,19 +80,19 @@ TEST(RandomLattice, ItsModesAreThoseOfTheMatrixOfItsStep) {
 
 TEST(StepProbe, BodiesOfMoreThan300NumbersHaveTheirLimits) {
   std::mt19937_64 random(36);
-  const auto expect_right = [&](Support support, Scheme scheme, double numbers) {
+  const auto expect_right = [&](LatticeSupport support, Scheme scheme, double numbers) {
     const Lattice lattice = random_lattice(random, support, scheme, numbers);
     const Judged found = judged(lattice, random, 0.1);
     EXPECT_TRUE(found.is_right()) << lattice.name() << ", " << found.found.dim << " numbers: h_max "
                                   << found.found.h_max << ", observed " << found.found.observed << ", right "
                                   << found.exact << "; " << status_of(found.found);
   };
-  expect_right(Support::free, Scheme::symplectic_euler, 384);
-  expect_right(Support::touching, Scheme::symplectic_euler, 330);
-  expect_right(Support::free, Scheme::explicit_euler, 384);
-  expect_right(Support::held, Scheme::symplectic_euler, 400);
-  expect_right(Support::free, Scheme::newmark, 330);
-  expect_right(Support::free, Scheme::implicit_euler, 330);
+  expect_right(LatticeSupport::free, Scheme::symplectic_euler, 384);
+  expect_right(LatticeSupport::touching, Scheme::symplectic_euler, 330);
+  expect_right(LatticeSupport::free, Scheme::explicit_euler, 384);
+  expect_right(LatticeSupport::held, Scheme::symplectic_euler, 400);
+  expect_right(LatticeSupport::free, Scheme::newmark, 330);
+  expect_right(LatticeSupport::free, Scheme::implicit_euler, 330);
 }
 
 /// Free bodies, held ones and bodies on a floor, of 48 to 3,000 numbers, with runs as long as those of `hmax
@@ -102,7 +103,7 @@ TEST(StepProbe, DISABLED_TwoHundredRandomLattices) {
   int wrong = 0, remarked = 0;
   for (std::uint64_t i = 0; i < 200; ++i) {
     std::mt19937_64 random(seed + i);
-    const auto support = static_cast<Support>(i % 3);
+    const auto support = static_cast<LatticeSupport>(i % 3);
     const auto scheme = static_cast<Scheme>(std::array{0, 0, 1, 1, 3, 0, 1, 2}[i / 3 % 8]);
     const double numbers = 48 * std::pow(3000.0 / 48, std::uniform_real_distribution(0.0, 1.0)(random));
     const Lattice lattice = random_lattice(random, support, scheme, numbers);

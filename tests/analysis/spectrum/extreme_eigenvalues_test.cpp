@@ -10,6 +10,7 @@
 #include "core/errors.hpp"
 #include "problems/test_set/brusselator.hpp"
 #include "problems/test_set/spring_chain.hpp"
+#include "tests/analysis/spectrum/chain_model.hpp"
 
 namespace hmax {
 namespace {
@@ -20,11 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 constexpr Index krylov = 0;
-
-LinearModel chain_model(const SpringChainParameters& p) {
-  const SpringChain<double> chain(p);
-  return linearise(chain, 0, chain.y0());
-}
 
 /// k / m 4 sin^2(j pi / (2 (n + 1))).
 double kappa_of(const SpringChainParameters& p, double j) {

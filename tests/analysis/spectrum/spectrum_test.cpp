@@ -15,6 +15,7 @@
 #include "problems/test_set/arenstorf.hpp"
 #include "problems/test_set/lorenz.hpp"
 #include "problems/test_set/spring_chain.hpp"
+#include "tests/analysis/spectrum/chain_model.hpp"
 
 namespace hmax {
 namespace {
@@ -25,11 +26,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
-
-LinearModel chain_model(const SpringChainParameters& p) {
-  const SpringChain<double> chain(p);
-  return linearise(chain, 0, chain.y0());
-}
 
 /// 4 sin^2(j pi / (2 (n + 1))), j = 1 ... n: the second difference between two walls.
 double second_difference(Index j, Index n) {

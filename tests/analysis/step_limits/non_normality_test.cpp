@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
+#include "core/numbers.hpp"
 #include "problems/oscillator/oscillator.hpp"
 #include "problems/test_set/spring_chain.hpp"
 
@@ -123,7 +123,6 @@ TEST(KreissConstant, IsNoSmallerThanAnySampleAndItsBoundHolds) {
 }
 
 TEST(KreissConstant, OfWhatGrowsForeverIsInfinite) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(kreiss_constant(two(0.1, 0, 0, -1)).value, infinity);
   EXPECT_EQ(kreiss_constant(two(0, 1, 0, 0)).value, infinity);  // a free body drifts
   EXPECT_EQ(kreiss_constant_of_step(two(1.01, 0, 0, 0)).value, infinity);

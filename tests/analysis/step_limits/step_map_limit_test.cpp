@@ -2,11 +2,11 @@
 #include "analysis/step_limits/step_map_limit.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
 #include "analysis/step_limits/frozen_jacobian.hpp"
+#include "core/numbers.hpp"
 #include "limits/steps/linearly_implicit.hpp"
 
 namespace hmax {
@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The map of a matrix that depends on h.
 template <class Matrix>

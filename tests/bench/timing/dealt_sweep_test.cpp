@@ -21,7 +21,7 @@ namespace hmax {
 namespace {
 
 /// Rows of very unequal cost, of two problems.
-SweepSpec quick() {
+SweepSpec small_sweep() {
   SweepSpec spec;
   spec.problems = {{"liver_forced", {}}, {"liver_linear", {}}};
   spec.methods = {"explicit_euler", "rk4", "bogacki_shampine_32", "dormand_prince_54"};
@@ -32,7 +32,7 @@ SweepSpec quick() {
 }
 
 SweepSpec exploring() {
-  SweepSpec spec = quick();
+  SweepSpec spec = small_sweep();
   spec.explore = true;
   spec.repeats = 1;
   return spec;
@@ -47,7 +47,7 @@ std::vector<Row> serial_rows(const SweepSpec& spec) {
 }
 
 /// The same rows in the same order, but for times.
-void expect_same_rows(const std::vector<Row>& rows, const std::vector<Row>& expected) {
+void expect_equal_rows(const std::vector<Row>& rows, const std::vector<Row>& expected) {
   ASSERT_EQ(rows.size(), expected.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i].key, expected[i].key);
@@ -115,7 +115,7 @@ SweepSummary dealt(const SweepSpec& spec, Store& store, int size, int most_on_a_
 }
 
 TEST(DealtSweep, HasTheRowsOfASerialSweepOnAnyNumberOfRanks) {
-  for (const SweepSpec& spec : {quick(), exploring()}) {
+  for (const SweepSpec& spec : {small_sweep(), exploring()}) {
     const std::vector<Row> expected = serial_rows(spec);
     for (const int most_on_a_node : {1, 2})
       for (const int size : {2, 3, 5}) {
@@ -124,7 +124,7 @@ TEST(DealtSweep, HasTheRowsOfASerialSweepOnAnyNumberOfRanks) {
         const SweepSummary summary = dealt(spec, store, size, most_on_a_node);
         EXPECT_FALSE(summary.interrupted);
         EXPECT_EQ(summary.measured, static_cast<std::int64_t>(expected.size()));
-        expect_same_rows(store.rows(), expected);
+        expect_equal_rows(store.rows(), expected);
         const bool rough = spec.explore || most_on_a_node > 1;
         for (const Row& row : store.rows()) EXPECT_EQ(row.explored, rough);
         EXPECT_EQ(summary.warnings.empty(), !rough);
@@ -142,24 +142,24 @@ TEST(DealtSweep, HasTheRowsOfASerialSweepOnAnyNumberOfRanks) {
 }
 
 TEST(DealtSweep, OneRankDoesAllItself) {
-  for (const SweepSpec& spec : {quick(), exploring()}) {
+  for (const SweepSpec& spec : {small_sweep(), exploring()}) {
     const Scratch scratch;
     Store store = open_sweep_store(plan_sweep(spec), scratch / "a.sqlite", false);
     dealt(spec, store, 1, 1);
-    expect_same_rows(store.rows(), serial_rows(spec));
+    expect_equal_rows(store.rows(), serial_rows(spec));
   }
 }
 
 TEST(DealtSweep, ARankThatNeverAnswersCostsItsHand) {
   const Scratch scratch;
-  const SweepPlan plan = plan_sweep(quick());
+  const SweepPlan plan = plan_sweep(small_sweep());
   Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
   std::atomic<std::size_t> lost = 0;
   SweepSummary ended;
   {
     ThreadRanks ranks(3, 2);
     const Helpers helpers(
-        ranks, 3, [&](int) { return plan_sweep(quick()); },
+        ranks, 3, [&](int) { return plan_sweep(small_sweep()); },
         [&](int rank, std::string_view bytes) {
           const SweepMessage message = sweep_message(bytes);
           const auto* rows = std::get_if<RankRows>(&message);
@@ -181,7 +181,7 @@ TEST(DealtSweep, ARankThatNeverAnswersCostsItsHand) {
   rough.spec.explore = true;
   Store again = open_sweep_store(plan, scratch / "a.sqlite", true);
   EXPECT_EQ(run_sweep(rough, again).measured, static_cast<std::int64_t>(lost));
-  expect_same_rows(again.rows(), serial_rows(quick()));
+  expect_equal_rows(again.rows(), serial_rows(small_sweep()));
 }
 
 TEST(DealtSweep, IsInterruptedAndResumed) {
@@ -201,18 +201,18 @@ TEST(DealtSweep, IsInterruptedAndResumed) {
   EXPECT_EQ(rest.skipped, kept);
   EXPECT_EQ(rest.measured, plan.rows() - kept);
   EXPECT_EQ(dealt(exploring(), store, 3, 2).measured, 0);
-  expect_same_rows(store.rows(), serial_rows(exploring()));
+  expect_equal_rows(store.rows(), serial_rows(exploring()));
 }
 
 TEST(DealtSweep, ARankThatIsInterruptedEndsTheSweep) {
   const Scratch scratch;
-  const SweepPlan plan = plan_sweep(quick());
+  const SweepPlan plan = plan_sweep(small_sweep());
   Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
   ThreadRanks ranks(2, 1);
   std::atomic<bool> some = false;
   std::jthread helper([&] {
     help_sweep(
-        ranks[1], [] { return plan_sweep(quick()); }, [&] { return some.load(); });
+        ranks[1], [] { return plan_sweep(small_sweep()); }, [&] { return some.load(); });
   });
   SweepDealer dealer(ranks[0]);
   const SweepSummary summary =
@@ -223,13 +223,13 @@ TEST(DealtSweep, ARankThatIsInterruptedEndsTheSweep) {
 
 TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
   const Scratch scratch;
-  const SweepPlan plan = plan_sweep(quick());
+  const SweepPlan plan = plan_sweep(small_sweep());
   Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
   SweepSummary summary;
   {
     ThreadRanks ranks(4, 1);
     const Helpers helpers(
-        ranks, 4, [&](int) { return plan_sweep(quick()); },
+        ranks, 4, [&](int) { return plan_sweep(small_sweep()); },
         [](int rank, std::string_view bytes) {
           SweepMessage message = sweep_message(bytes);
           auto* ready = std::get_if<RankReady>(&message);
@@ -259,12 +259,12 @@ std::string error_of(
         [](int, std::string_view b) { return unchanged(b); },
     int most_on_a_node = 1) {
   const Scratch scratch;
-  Store store = open_sweep_store(plan_sweep(quick()), scratch / "a.sqlite", false);
+  Store store = open_sweep_store(plan_sweep(small_sweep()), scratch / "a.sqlite", false);
   ThreadRanks ranks(2, most_on_a_node);
   const Helpers helpers(ranks, 2, plan, change);
   SweepDealer dealer(ranks[0]);
   try {
-    const SweepPlan own = plan_sweep(quick());
+    const SweepPlan own = plan_sweep(small_sweep());
     dealer.run(own, store);
   } catch (const Error& error) {
     return error.what();
@@ -278,14 +278,14 @@ TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
   EXPECT_EQ(error_of<std::logic_error>([](int) -> SweepPlan { throw std::runtime_error("broken"); }),
             "rank 1: broken");
   const auto other = [](int) {
-    SweepSpec spec = quick();
+    SweepSpec spec = small_sweep();
     spec.h.back() = 0.001;
     return plan_sweep(spec);
   };
   EXPECT_NE(error_of<InputError>(other).find("rank 1 has another sweep"), std::string::npos);
-  const auto shard = [](int) { return shard_of(plan_sweep(quick()), {1, 2}); };
+  const auto shard = [](int) { return shard_of(plan_sweep(small_sweep()), {1, 2}); };
   EXPECT_NE(error_of<InputError>(shard).find("rank 1 has another sweep"), std::string::npos);
-  const auto own = [](int) { return plan_sweep(quick()); };
+  const auto own = [](int) { return plan_sweep(small_sweep()); };
   const auto of_another_build = [](int, std::string_view bytes) {
     SweepMessage message = sweep_message(bytes);
     if (auto* ready = std::get_if<RankReady>(&message)) ready->machine.program = "another";
@@ -297,7 +297,7 @@ TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
 TEST(DealtSweep, ARankThatIsLateIsHeardBeforeTheSweepEnds) {
   const auto late = [&](int) {
     std::this_thread::sleep_for(std::chrono::seconds(2));  // long after rank 0 has measured the last row
-    SweepSpec spec = quick();
+    SweepSpec spec = small_sweep();
     spec.h.back() = 0.001;
     return plan_sweep(spec);
   };
@@ -308,7 +308,7 @@ TEST(DealtSweep, ARankThatIsLateIsHeardBeforeTheSweepEnds) {
 
 TEST(DealtSweep, AnErrorOfRank0EndsTheOthers) {
   ThreadRanks ranks(3, 2);
-  const Helpers helpers(ranks, 3, [&](int) { return plan_sweep(quick()); });
+  const Helpers helpers(ranks, 3, [&](int) { return plan_sweep(small_sweep()); });
   // As where the store cannot be written. The helpers would never end otherwise.
   const auto fail = [&] {
     const SweepDealer dealer(ranks[0]);

@@ -21,10 +21,6 @@ Json json_of(const std::string& arguments) {
   return told.json();
 }
 
-void expect_refusal(const std::string& arguments, const std::string& named) {
-  expect_refused(Shell{}.hmax(arguments), named);
-}
-
 TEST(TissueRun, SaysHowFarTheBodyMovedAndWithFullWhere) {
   const std::string common =
       "run --mesh phantom --model fem_green --material liver:male_normal --method linearly_implicit_euler --h "

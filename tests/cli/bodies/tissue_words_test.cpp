@@ -8,11 +8,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-void expect_refusal(const std::string& arguments, const std::string& named) {
-  SCOPED_TRACE(arguments);
-  expect_refused(Shell{}.hmax(arguments), named);
-}
-
 /// Whether a word that is no number stands in a text.
 bool holds_no_number(const std::string& text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };

@@ -15,10 +15,10 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Ordered = nlohmann::ordered_json;
 
 /// The message of what `filled` throws; empty where it throws nothing.
-std::string refusal(std::string_view text, const Json& values, const ReportPieces& pieces = {}) {
+std::string refusal(std::string_view text, const Ordered& values, const ReportPieces& pieces = {}) {
   try {
     filled(text, values, pieces);
   } catch (const std::logic_error& error) {
@@ -32,7 +32,7 @@ void expect_says(const std::string& message, const char* part) {
 }
 
 TEST(ReportText, FormatsNumbersAndEscapesWords) {
-  const Json values{
+  const Ordered values{
       {"n", 7},      {"x", 0.0123456789}, {"large", 123456.7}, {"many", {1.5, 2.25}}, {"never", INFINITY},
       {"none", NAN}, {"name", "rk2_heun"}};
   EXPECT_EQ(
@@ -43,11 +43,11 @@ TEST(ReportText, FormatsNumbersAndEscapesWords) {
 }
 
 TEST(ReportText, RepeatsRowsAndLooksNamesUpFromInsideOut) {
-  const Json values{{"unit", "s"},
-                    {"rows", {{{"h", 1}, {"unit", "ms"}}, {{"h", 2}, {"unit", "us"}}}},
-                    {"empty", Json::array()},
-                    {"box", Json::object({{"inside", 3}})},
-                    {"words", {"a", "b"}}};
+  const Ordered values{{"unit", "s"},
+                       {"rows", {{{"h", 1}, {"unit", "ms"}}, {{"h", 2}, {"unit", "us"}}}},
+                       {"empty", Ordered::array()},
+                       {"box", Ordered::object({{"inside", 3}})},
+                       {"words", {"a", "b"}}};
   EXPECT_EQ(
       filled("| h |\n{{#rows}}\n| {{h}} {{unit}} |\n{{/rows}}\nin {{unit}}{{#box}}, {{inside}}{{/box}}\n"
              "{{#empty}}{{/empty}}{{^empty}}none{{/empty}} {{#words|; }}<{{.}}>{{/words}}",
@@ -70,8 +70,8 @@ TEST(ReportText, PutsPiecesWhereTheyBelong) {
 }
 
 TEST(ReportText, RefusesUnknownPlaces) {
-  expect_says(refusal("{{x}}", Json::object()), "the place {{x}}: it has no value");
-  expect_says(refusal("{{figure x}}", Json::object()), "the place {{figure x}}: there is none");
+  expect_says(refusal("{{x}}", Ordered::object()), "the place {{x}}: it has no value");
+  expect_says(refusal("{{figure x}}", Ordered::object()), "the place {{figure x}}: there is none");
   // Also where nobody would see it today.
   expect_says(refusal("{{#a}}{{x}}{{/a}}", {{"a", false}}), "the place {{x}}");
   expect_says(refusal("{{^a}}{{x}}{{/a}}", {{"a", true}}), "the place {{x}}");
@@ -84,7 +84,7 @@ TEST(ReportText, RefusesWhatHasNoPlace) {
               "no place for the value rows.y");
   expect_says(refusal("{{#box}}{{x}}{{/box}}", {{"box", {{"x", 1}, {"y", 2}}}}),
               "no place for the value box.y");
-  expect_says(refusal("", Json::object(), {{"figure x", ""}}), "no place for the figure x");
+  expect_says(refusal("", Ordered::object(), {{"figure x", ""}}), "no place for the figure x");
   EXPECT_EQ(refusal("{{#a}}{{x}}{{/a}}", {{"a", false}, {"x", 1}}), "");
 }
 
@@ -125,8 +125,8 @@ TEST(ReportText, OfAllLinksToHeadingsThatAreThere) {
 TEST(ReportText, HasAPlaceForEveryCostOfAMesh) {
   const std::string_view text = report_text("tissue");
   const std::vector<ScaleRow> rows{{.mesh = "ball:n=2", .tetrahedra = 48, .peak_memory = 2.5e9}};
-  const Json sizes{{"meshes", rows}, {"force_spread", 1.25}, {"step_spread", 1.5}};
-  const std::string part = filled(text.substr(text.find("{{#sizes}}")), Json::object({{"sizes", sizes}}),
+  const Ordered sizes{{"meshes", rows}, {"force_spread", 1.25}, {"step_spread", 1.5}};
+  const std::string part = filled(text.substr(text.find("{{#sizes}}")), Ordered::object({{"sizes", sizes}}),
                                   {{"figure costs_over_size", "the figure"}});
   EXPECT_NE(part.find("| ball:n=2 | 48 | 0 | 0 | 0 | 0 | 0 | 0 | 0 | 2.50 |\n\nthe figure\n"),
             std::string::npos)

@@ -10,8 +10,8 @@
 namespace hmax {
 namespace {
 
-using State = Eigen::Vector2d;
-using Runtime = ExplicitRk<RuntimeTableau, State>;
+using Plane = Eigen::Vector2d;
+using Runtime = ExplicitRk<RuntimeTableau, Plane>;
 
 template <class Method>
 RuntimeTableau at_run_time() {
@@ -33,11 +33,11 @@ struct AtRunTime : testing::Test {};
 TYPED_TEST_SUITE(AtRunTime, EveryMethod, MethodId);
 
 TYPED_TEST(AtRunTime, StepsAndEstimatesAsAtCompileTime) {
-  const Pendulum<State> system;
+  const Pendulum<Plane> system;
   const RmsNorm<double> norm{0, 1};
-  Rk<TypeParam, State> known;
+  Rk<TypeParam, Plane> known;
   Runtime read(at_run_time<TypeParam>());
-  State y(0.3, 0.5), y_known, y_read;
+  Plane y(0.3, 0.5), y_known, y_read;
   known.init(system, 0, y);
   read.init(system, 0, y);
   // Three steps, so that the first stage kept from the step before counts.
@@ -57,10 +57,10 @@ TYPED_TEST(AtRunTime, StepsAndEstimatesAsAtCompileTime) {
 }
 
 TYPED_TEST(AtRunTime, ReadsBetweenStepsByCubicHermite) {
-  const Pendulum<State> system;
+  const Pendulum<Plane> system;
   Runtime read(at_run_time<TypeParam>());
-  const State y(0.3, 0.5);
-  State y_new, between, f0, f1;
+  const Plane y(0.3, 0.5);
+  Plane y_new, between, f0, f1;
   read.init(system, 0, y);
   read.attempt(system, 0, y, 0.2, y_new);
   read.interpolate(system, 0, 0.2, y, y_new, 0.5, between);
@@ -71,11 +71,11 @@ TYPED_TEST(AtRunTime, ReadsBetweenStepsByCubicHermite) {
 }
 
 TEST(RuntimeTableau, RunsUnderErrorControlLikeTheStaticOne) {
-  const Pendulum<State> system;
+  const Pendulum<Plane> system;
   const Adaptive<double, PiController> control({1e-8, 1e-8}, 5);
-  State y_known(0.3, 0.5), y_read = y_known;
+  Plane y_known(0.3, 0.5), y_read = y_known;
   const auto known =
-      integrate(Rk<tableaux::DormandPrince54, State>{}, system, Span<double>{0, 10}, y_known, control);
+      integrate(Rk<tableaux::DormandPrince54, Plane>{}, system, Span<double>{0, 10}, y_known, control);
   const auto read = integrate(Runtime(at_run_time<tableaux::DormandPrince54>()), system, Span<double>{0, 10},
                               y_read, control);
   EXPECT_EQ(known.stats.steps, read.stats.steps);

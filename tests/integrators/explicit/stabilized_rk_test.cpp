@@ -89,7 +89,7 @@ TEST(Rkc2, HasThePublishedBounds) {
 }
 
 /// R(z) from closed forms: Chebyshev polynomials and their derivatives as hyperbolic cosines.
-std::complex<double> stability_function(Rkc2, int s, std::complex<double> z) {
+std::complex<double> stability_polynomial(Rkc2, int s, std::complex<double> z) {
   const double n = s, w0 = 1 + 2 / (13 * n * n), u = std::acosh(w0), root = std::sinh(u);
   const double d = n * std::sinh(n * u) / root;
   const double d2 = (n * n * std::cosh(n * u) - w0 * d) / (root * root);
@@ -97,7 +97,7 @@ std::complex<double> stability_function(Rkc2, int s, std::complex<double> z) {
   return 1 - b * std::cosh(n * u) + b * std::cos(n * std::acos(w0 + (d / d2) * z));
 }
 /// Legendre polynomials of the standard library, which knows them on [-1, 1].
-std::complex<double> stability_function(Rkl2, int s, std::complex<double> z) {
+std::complex<double> stability_polynomial(Rkl2, int s, std::complex<double> z) {
   const double n = s, w1 = 4 / (n * n + n - 2), b = (n * n + n - 2) / (2 * n * (n + 1));
   return 1 - b + b * std::legendre(static_cast<unsigned>(s), 1 + w1 * z.real());
 }
@@ -121,7 +121,7 @@ double worst_defect(bool complex) {
       stepper.init(system, 0, y);
       stepper.attempt(system, 0, y, h, y_new);
       EXPECT_EQ(stepper.stages(), s);
-      const std::complex<double> R = stability_function(Polynomials{}, s, z);
+      const std::complex<double> R = stability_polynomial(Polynomials{}, s, z);
       for (const auto& component : y_new)
         worst = std::max(worst, std::abs(component - R) / std::max(1.0, std::abs(R)));
     }

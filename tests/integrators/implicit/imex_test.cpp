@@ -127,7 +127,8 @@ auto two_rates(Complex nonstiff, Complex stiff) {
 
 /// R(zE, zI) = 1 + (zE bE + zI bI) . (1 - zE AE - zI AI)^-1 1, by substitution from stage to stage.
 template <class Method>
-std::complex<long double> stability_function(std::complex<long double> zE, std::complex<long double> zI) {
+std::complex<long double> additive_stability_function(std::complex<long double> zE,
+                                                      std::complex<long double> zI) {
   const auto& [nonstiff, stiff] = Method::tableau;
   std::vector<std::complex<long double>> Y;
   std::complex<long double> R = 1;
@@ -156,7 +157,7 @@ TYPED_TEST(Imex, StepMultipliesByTheStabilityFunctionOfBothParts) {
   for (int repeat = 0; repeat < 500; ++repeat) {
     const Complex zE = std::polar(size(random), angle(random));
     const Complex zI = std::polar(std::pow(10, far(random)), left(random));
-    const Complex R(stability_function<TypeParam>(zE, zI));
+    const Complex R(additive_stability_function<TypeParam>(zE, zI));
     // Far out R is the small difference of large numbers.
     const double scale = std::max({1.0, std::abs(R), 10 * std::abs(zI)});
     EXPECT_LT(std::abs(one_step<TypeParam>(zE, zI, 0.3) - R), 1e-13 * scale) << zE << zI;
@@ -167,7 +168,7 @@ TYPED_TEST(Imex, DampsInfinitelyStiffPartsAtOnce) {
   for (const Complex direction : {Complex(-1, 0), Complex(0, 1), Complex(-1, 1)})
     EXPECT_LT(std::abs(one_step<TypeParam>(0.0, 1e7 * direction, 0.1)), 1e-5);
   for (double y = 0.01; y < 1e5; y *= 1.1)
-    EXPECT_LE(std::abs(stability_function<TypeParam>(0, {0, y})), 1 + 1e-15L)
+    EXPECT_LE(std::abs(additive_stability_function<TypeParam>(0, {0, y})), 1 + 1e-15L)
         << "A-stable on the imaginary axis";
 }
 

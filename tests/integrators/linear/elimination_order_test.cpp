@@ -19,11 +19,11 @@
 namespace hmax {
 namespace {
 
-using Index = Graph::Index;
-using Indices = std::vector<Index>;
-using Edges = std::vector<std::pair<Index, Index>>;
+using Vertex = Graph::Index;
+using Indices = std::vector<Vertex>;
+using Edges = std::vector<std::pair<Vertex, Vertex>>;
 
-Graph graph_of(Index vertices, const Edges& edges) {
+Graph graph_of(Vertex vertices, const Edges& edges) {
   std::vector<Indices> neighbours(static_cast<std::size_t>(vertices));
   for (const auto& [a, b] : edges) {
     neighbours[static_cast<std::size_t>(a)].push_back(b);
@@ -32,18 +32,18 @@ Graph graph_of(Index vertices, const Edges& edges) {
   Graph graph;
   for (const Indices& of : neighbours) {
     graph.to.insert(graph.to.end(), of.begin(), of.end());
-    graph.first.push_back(static_cast<Index>(graph.to.size()));
+    graph.first.push_back(static_cast<Vertex>(graph.to.size()));
   }
   return graph;
 }
 
 /// The points of a cube, each beside those next to it along the axes.
-Graph cube(Index side) {
+Graph cube(Vertex side) {
   Edges edges;
-  for (Index z = 0; z < side; ++z)
-    for (Index y = 0; y < side; ++y)
-      for (Index x = 0; x < side; ++x) {
-        const Index a = (z * side + y) * side + x;
+  for (Vertex z = 0; z < side; ++z)
+    for (Vertex y = 0; y < side; ++y)
+      for (Vertex x = 0; x < side; ++x) {
+        const Vertex a = (z * side + y) * side + x;
         if (x + 1 < side) edges.emplace_back(a, a + 1);
         if (y + 1 < side) edges.emplace_back(a, a + side);
         if (z + 1 < side) edges.emplace_back(a, a + side * side);
@@ -53,17 +53,17 @@ Graph cube(Index side) {
 
 /// Operations of the elimination of matrices with three unknowns a vertex: the sum over the columns of their
 /// entries from the diagonal down, squared. The elimination of a vertex makes a clique of its neighbours.
-constexpr Index unknowns = 3, most_vertices = 1728;
+constexpr Vertex unknowns = 3, most_vertices = 1728;
 double work_of(const Graph& graph, const Indices& order) {
   using Neighbours = std::bitset<most_vertices>;
   std::vector<Neighbours> left(static_cast<std::size_t>(graph.size()));
-  for (Index v = 0; v < graph.size(); ++v)
-    for (const Index u : graph.of(v)) left[static_cast<std::size_t>(v)].set(static_cast<std::size_t>(u));
+  for (Vertex v = 0; v < graph.size(); ++v)
+    for (const Vertex u : graph.of(v)) left[static_cast<std::size_t>(v)].set(static_cast<std::size_t>(u));
   double work = 0;
-  for (const Index vertex : order) {
+  for (const Vertex vertex : order) {
     const auto v = static_cast<std::size_t>(vertex);
     const auto below = static_cast<double>(unknowns * left[v].count());
-    for (Index k = 1; k <= unknowns; ++k) work += (below + k) * (below + k);
+    for (Vertex k = 1; k <= unknowns; ++k) work += (below + k) * (below + k);
     for (std::size_t u = 0; u < left.size(); ++u)
       if (left[v][u]) {
         left[u] |= left[v];
@@ -77,14 +77,14 @@ double work_of(const Graph& graph, const Indices& order) {
 /// The work of the plan for such a matrix.
 double planned_work(const Graph& graph) {
   Indices outer{0}, inner;
-  for (Index v = 0; v < graph.size(); ++v) {
+  for (Vertex v = 0; v < graph.size(); ++v) {
     Indices rows(graph.of(v).begin(), graph.of(v).end());
     rows.push_back(v);
     std::ranges::sort(rows);
-    for (Index c = 0; c < unknowns; ++c) {
-      for (const Index u : rows)
-        for (Index r = 0; r < unknowns; ++r) inner.push_back(unknowns * u + r);
-      outer.push_back(static_cast<Index>(inner.size()));
+    for (Vertex c = 0; c < unknowns; ++c) {
+      for (const Vertex u : rows)
+        for (Vertex r = 0; r < unknowns; ++r) inner.push_back(unknowns * u + r);
+      outer.push_back(static_cast<Vertex>(inner.size()));
     }
   }
   return PanelAnalysis(outer, inner).work;
@@ -94,15 +94,15 @@ bool has_nested_dissection() { return !nested_dissection(cube(3)).empty(); }
 
 TEST(EliminationOrder, NamesEveryVertexOnce) {
   Edges path, star, wheel, full, nearly_full, pairs;
-  for (Index i = 1; i < 3000; ++i) {
+  for (Vertex i = 1; i < 3000; ++i) {
     path.emplace_back(i - 1, i);
     star.emplace_back(0, i);
     if (i % 2 == 1) pairs.emplace_back(i - 1, i);
   }
   wheel = star;
   wheel.insert(wheel.end(), path.begin() + 1, path.end());
-  for (Index i = 1; i < 300; ++i)
-    for (Index j = 0; j < i; ++j) {
+  for (Vertex i = 1; i < 300; ++i)
+    for (Vertex j = 0; j < i; ++j) {
       full.emplace_back(i, j);
       if (i < 150 && (i % 2 == 0 || j + 1 < i)) nearly_full.emplace_back(i, j);
     }
@@ -120,7 +120,7 @@ TEST(EliminationOrder, NamesEveryVertexOnce) {
 }
 
 TEST(EliminationOrder, ThePlanTakesTheOneOfLessWork) {
-  for (const Index side : {5, 12}) {
+  for (const Vertex side : {5, 12}) {
     const Graph graph = cube(side);
     const double by_degree = work_of(graph, minimum_degree(graph));
     // The small cube is not worth a dissection, the large one is.

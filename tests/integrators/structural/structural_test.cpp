@@ -24,7 +24,7 @@ using WideOscillator = BasicOscillator<Wide>;
 using Wider = Eigen::Matrix<Wide, Eigen::Dynamic, 1>;
 
 /// m = 1, so that omega = sqrt(k1) and 2 zeta omega = c.
-Oscillator linear(double omega, double zeta) {
+Oscillator linear_oscillator(double omega, double zeta) {
   return Oscillator({.m = 1, .c = 2 * zeta * omega, .k1 = omega * omega, .k3 = 0, .P = 0, .w = 0});
 }
 const OscillatorParameters cubic{.m = 1.45, .c = 0, .k1 = 0.7, .k3 = 0.8, .P = 0, .w = 0};
@@ -105,7 +105,7 @@ TYPED_TEST(Structural, StepsAsItsAmplificationMatrixSays) {
   std::uniform_real_distribution<double> frequency(0, 2.5), damping(0, 1.5), exponent(-3, 3), start(-1, 1);
   for (int repeat = 0; repeat < 300; ++repeat) {
     const double W = frequency(random), zeta = damping(random), h = std::pow(10, exponent(random));
-    const Oscillator system = linear(W / h, zeta);
+    const Oscillator system = linear_oscillator(W / h, zeta);
     const Eigen::MatrixXd A = TypeParam::amplification(W, zeta);
     Plane y(start(random), start(random) / h);
     Eigen::VectorXd x(A.rows());

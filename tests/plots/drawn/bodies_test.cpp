@@ -14,15 +14,10 @@
 
 #include "core/errors.hpp"
 #include "plots/drawn/colour_map.hpp"
+#include "tests/plots/text_search.hpp"
 
 namespace hmax {
 namespace {
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
-}
 
 /// A cube of 0.1 m, each side of two triangles.
 BodyView cube() {

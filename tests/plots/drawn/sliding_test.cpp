@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/plots/text_search.hpp"
+
 namespace hmax {
 namespace {
 
@@ -20,12 +22,6 @@ SlidingPicture square() {
       .im = {-3, 3},
       .spectra = {{"leaves", {{-2, 0, 1}}}, {"stays", {{-0.1, 0, std::numeric_limits<double>::infinity()}}}},
       .end = 2};
-}
-
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-  return found;
 }
 
 TEST(SlidingSpectrum, TurnsRedWhenItsStepIsTooLong) {

@@ -5,16 +5,13 @@
 #include "core/own_files.hpp"
 #include "plots/pages/embedded.hpp"
 #include "plots/pages/markdown_text.hpp"
+#include "tests/plots/text_search.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// An SVG of about `size` bytes that is hard to make smaller.
 std::string large_svg(std::size_t size) {

@@ -12,6 +12,7 @@
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_data.hpp"
 #include "tests/plots/pages/reported_stores.hpp"
+#include "tests/plots/text_search.hpp"
 
 namespace hmax {
 namespace {
@@ -19,10 +20,6 @@ namespace {
 using Json = nlohmann::json;
 
 std::string page_of(const std::vector<ReportedStore>& stores) { return store_report(stores, "1.2.3").html; }
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// The data that the script of a page reads.
 Json data_in(const std::string& page) {

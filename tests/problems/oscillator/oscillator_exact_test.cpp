@@ -9,22 +9,22 @@
 namespace hmax {
 namespace {
 
-using Quad = BasicOscillator<long double>;
+using LongOscillator = BasicOscillator<long double>;
 
 /// Largest |y' - f(t, y)| of a solution over [0, t_end], y' by an eighth-order central difference, relative
 /// to the largest |f| met.
 double residual(const ExactSolution& solution, const OscillatorParameters& p, long double t_end) {
-  const Quad system(p);
+  const LongOscillator system(p);
   const long double h = 2e-3L;
   long double largest = 0, scale = 1;
   for (int i = 0; i <= 200; ++i) {
     const long double t = t_end * i / 200;
-    const auto pair = [&](int k) -> Quad::State {
+    const auto pair = [&](int k) -> LongOscillator::State {
       return solution.extended(t + k * h) - solution.extended(t - k * h);
     };
-    const Quad::State slope =
+    const LongOscillator::State slope =
         (pair(1) * (4.0L / 5) - pair(2) / 5 + pair(3) * (4.0L / 105) - pair(4) / 280) / h;
-    Quad::State f;
+    LongOscillator::State f;
     system.rhs(t, solution.extended(t), f);
     largest = std::max(largest, (slope - f).cwiseAbs().maxCoeff());
     scale = std::max(scale, f.cwiseAbs().maxCoeff());
@@ -88,7 +88,7 @@ TEST(ExactSolution, SatisfiesTheDifferentialEquationAndItsInitialState) {
 
 TEST(ExactSolution, UndampedCubicKeepsItsEnergy) {
   for (const auto& [what, p, y0] : cubic_cases) {
-    const Quad system(p);
+    const LongOscillator system(p);
     const auto solution = *exact_solution(p, y0);
     const long double energy = system.energy(y0.cast<long double>());
     for (int i = 0; i <= 1000; ++i)
@@ -135,9 +135,9 @@ TEST(ExactSolution, IsContinuousAcrossCriticalDamping) {
       const auto at = [&](double c) { return (*exact_solution({1, c, 1, 0, P, 0.5}, {0.5, 1})).extended(t); };
       for (const double distance : {1e-15, 1e-12, 1e-9, 1e-6}) {
         // To first order in the distance the solution is linear in c: the mean of both sides is the middle.
-        const Quad::State bend = (at(2 - distance) + at(2 + distance)) / 2 - at(2);
+        const LongOscillator::State bend = (at(2 - distance) + at(2 + distance)) / 2 - at(2);
         EXPECT_LT(static_cast<double>(bend.norm()), 1e-16 + 10 * distance * distance) << distance << " " << t;
-        const Quad::State jump = at(2 + distance) - at(2);
+        const LongOscillator::State jump = at(2 + distance) - at(2);
         EXPECT_LT(static_cast<double>(jump.norm()), 1e-16 + 3 * distance) << distance << " " << t;
       }
     }

@@ -21,7 +21,7 @@ static_assert(DifferentiableSystem<BasicOscillator<long double>>);
 static_assert(noexcept(std::declval<const Oscillator&>().rhs(0.0, std::declval<const Eigen::Vector2d&>(),
                                                              std::declval<Eigen::Vector2d&>())));
 
-using Quad = BasicOscillator<long double>;
+using LongOscillator = BasicOscillator<long double>;
 
 TEST(Oscillator, SpectralRadiusIsThatOfItsJacobian) {
   for (const double c : {-0.4, 0.0, 0.5, 3.0, 40.0})
@@ -45,18 +45,18 @@ TEST(Oscillator, RhsIsNewtonsLawOfTheSixTerms) {
 }
 
 TEST(Oscillator, JacobianAndTimeDerivativeAgreeWithCentralDifferences) {
-  const Quad system;
+  const LongOscillator system;
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-3, 3);
   const long double d = 1e-6L;
   for (int repeat = 0; repeat < 100; ++repeat) {
-    const Quad::State y(uniform(random), uniform(random));
+    const LongOscillator::State y(uniform(random), uniform(random));
     const long double t = 10 * uniform(random);
-    Quad::Jacobian J;
+    LongOscillator::Jacobian J;
     system.jacobian(t, y, J);
-    Quad::State plus, minus, dfdt;
+    LongOscillator::State plus, minus, dfdt;
     for (int j = 0; j < 2; ++j) {
-      const Quad::State step = Quad::State::Unit(j) * d;
+      const LongOscillator::State step = LongOscillator::State::Unit(j) * d;
       system.rhs(t, y + step, plus);
       system.rhs(t, y - step, minus);
       EXPECT_LT(((plus - minus) / (2 * d) - J.col(j)).norm(), 1e-11L);
@@ -71,9 +71,9 @@ TEST(Oscillator, JacobianAndTimeDerivativeAgreeWithCentralDifferences) {
 TEST(Oscillator, EnergyFallsByThePowerOfTheDamper) {
   OscillatorParameters p;
   p.P = 0;
-  const Quad system(p);
-  const Quad::State y(0.7L, -1.3L);
-  Quad::State dydt;
+  const LongOscillator system(p);
+  const LongOscillator::State y(0.7L, -1.3L);
+  LongOscillator::State dydt;
   system.rhs(0, y, dydt);
   const long double d = 1e-6L;
   const long double power = (system.energy(y + d * dydt) - system.energy(y - d * dydt)) / (2 * d);
@@ -96,8 +96,8 @@ TEST(Oscillator, DecimalDataAreTheSameDoublesInEveryPrecision) {
   p.P = 0;
   p.k3 = 0;
   p.c = 0;
-  Quad::State dydt;
-  Quad(p).rhs(0, {1.0L, 0.0L}, dydt);
+  LongOscillator::State dydt;
+  LongOscillator(p).rhs(0, {1.0L, 0.0L}, dydt);
   EXPECT_EQ(dydt[1], -(static_cast<long double>(0.7) / static_cast<long double>(1.45)));
 }
 

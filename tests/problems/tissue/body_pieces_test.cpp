@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Index = TetMesh::Index;
 
 /// Matrices of a body as one or as many pieces have them.
 struct Whole {
@@ -23,12 +22,12 @@ struct Whole {
 Whole of_body(const TetMesh& mesh, TissueSettings settings) {
   settings.alpha = settings.beta = 0;
   const TissueBody body(mesh, settings);
-  std::vector<Index> place(static_cast<std::size_t>(mesh.point_count()), -1);
+  std::vector<TetMesh::Index> place(static_cast<std::size_t>(mesh.point_count()), -1);
   for (std::size_t i = 0; i < body.free_points().size(); ++i)
-    place[static_cast<std::size_t>(body.free_points()[i])] = static_cast<Index>(i);
+    place[static_cast<std::size_t>(body.free_points()[i])] = static_cast<TetMesh::Index>(i);
   std::vector<Eigen::Index> order;
-  for (const Index point : local_order(mesh).points)
-    if (const Index at = place[static_cast<std::size_t>(point)]; at >= 0)
+  for (const TetMesh::Index point : local_order(mesh).points)
+    if (const TetMesh::Index at = place[static_cast<std::size_t>(point)]; at >= 0)
       for (int axis = 0; axis < 3; ++axis) order.push_back(3 * at + axis);
   const VectorXd still = VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix K, C;
@@ -38,11 +37,11 @@ Whole of_body(const TetMesh& mesh, TissueSettings settings) {
 }
 
 /// Those of pieces of at most `most` points.
-Whole of_pieces(const BodyPieces& body, Index most) {
+Whole of_pieces(const BodyPieces& body, TetMesh::Index most) {
   Whole whole{MatrixXd(body.dofs(), body.dofs()), MatrixXd::Zero(body.dofs(), body.dofs()),
               VectorXd(body.dofs())};
-  for (Index begin = 0; begin < body.free_points(); begin += most) {
-    const Index end = std::min(begin + most, body.free_points());
+  for (TetMesh::Index begin = 0; begin < body.free_points(); begin += most) {
+    const TetMesh::Index end = std::min(begin + most, body.free_points());
     const BodyPieces::Piece piece = body.piece(begin, end);
     whole.K.middleRows(3 * begin, 3 * (end - begin)) = MatrixXd(piece.stiffness);
     if (body.has_dampers()) whole.C.middleRows(3 * begin, 3 * (end - begin)) = MatrixXd(piece.damping);
@@ -68,7 +67,7 @@ TEST(BodyPieces, MakeTheMatricesOfEveryModel) {
     settings.supports.push_back({.points = {0, 5, 7}});
     settings.springs.damper_time = 0.01;
     const BodyPieces pieces(mesh, settings);
-    for (const Index most : {1, 4, 1000})
+    for (const TetMesh::Index most : {1, 4, 1000})
       expect_equal(of_body(mesh, settings), of_pieces(pieces, most), name);
   }
 }
@@ -92,10 +91,10 @@ TEST(BodyPieces, CountTheNeighboursOfTheirPoints) {
   TissueSettings settings;
   settings.supports.push_back({.points = {0, 5, 7}});
   const BodyPieces body(tissue_tests::uneven_box(), settings);
-  const Index begin = 3, end = 11;
+  const TetMesh::Index begin = 3, end = 11;
   const BodyPieces::Neighbours counts = body.neighbours(begin, end);
   const BodyPieces::Rows rows = body.piece(begin, end).stiffness;
-  for (Index point = begin; point < end; ++point) {
+  for (TetMesh::Index point = begin; point < end; ++point) {
     int inside = 0, outside = 0;
     for (BodyPieces::Rows::InnerIterator entry(rows, 3 * (point - begin)); entry; ++entry)
       ++(entry.col() >= 3 * begin && entry.col() < 3 * end ? inside : outside);
@@ -124,7 +123,7 @@ TEST(BodyPieces, RefuseWhatNoPieceKnows) {
   settings.supports.push_back({.points = {1000}});
   EXPECT_THROW(BodyPieces(mesh, settings), std::invalid_argument);
   settings.supports.front().points.clear();
-  for (Index point = 0; point < mesh.point_count(); ++point)
+  for (TetMesh::Index point = 0; point < mesh.point_count(); ++point)
     settings.supports.front().points.push_back(point);
   EXPECT_THROW(BodyPieces(mesh, settings), std::invalid_argument);
 }

@@ -33,12 +33,6 @@ void expect_refused(const std::string& name, const std::string& text, const std:
   EXPECT_NE(sentence.find("; "), std::string::npos) << "no remedy in: " << sentence;
 }
 
-std::string replaced(std::string text, const std::string& old, const std::string& by) {
-  const std::size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 const std::string& golden_text(const std::string& name) {
   static const std::vector<GoldenMesh> all = golden_meshes();
   return std::ranges::find(all, name, &GoldenMesh::name)->text;

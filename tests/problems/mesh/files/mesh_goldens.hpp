@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "problems/mesh/files/mesh_file.hpp"
 #include "problems/mesh/files/vtu_blocks.hpp"
 
@@ -350,6 +352,13 @@ inline std::vector<GoldenMesh> golden_meshes() {
   if (block_compressor("vtkLZMADataCompressor")->decompress) all.push_back({"lzma.vtu", vtu_lzma(), "", ""});
   if (block_compressor("vtkLZ4DataCompressor")->decompress) all.push_back({"lz4.vtu", vtu_lz4_raw(), "", ""});
   return all;
+}
+
+/// `text` with its first `old` replaced.
+inline std::string replaced(std::string text, const std::string& old, const std::string& by) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), by);
 }
 
 }  // namespace hmax

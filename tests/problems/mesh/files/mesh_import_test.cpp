@@ -15,14 +15,14 @@
 namespace hmax {
 namespace {
 
-MeshFile file_of(const TetMesh& mesh) {
+MeshFile renumbered_file(const TetMesh& mesh) {
   MeshFile file = counted_from_one(mesh, "body.msh");
   for (std::int64_t& number : file.numbers) number += 99;
   return file;
 }
 
 TEST(MeshImport, LeavesIdlePointsOutAndFindsTheWayBack) {
-  MeshFile file = file_of(ball_mesh(1, 2));
+  MeshFile file = renumbered_file(ball_mesh(1, 2));
   TetMesh& mesh = file.mesh;
   mesh.regions.resize(static_cast<std::size_t>(mesh.tetrahedron_count()));
   std::iota(mesh.regions.begin(), mesh.regions.end(), 0);
@@ -57,7 +57,7 @@ TEST(MeshImport, LeavesIdlePointsOutAndFindsTheWayBack) {
 }
 
 TEST(MeshImport, RegionsAreNumberedFromZero) {
-  MeshFile file = file_of(cube_mesh(1, 1));
+  MeshFile file = renumbered_file(cube_mesh(1, 1));
   file.mesh.regions = {2000000000, 7, 7, -3, 7, 2000000000};
   const auto [mesh, origin] = import_mesh(file, 1);
   EXPECT_EQ(origin.regions, (std::vector<TetMesh::Index>{-3, 7, 2000000000}));
@@ -70,7 +70,7 @@ TEST(MeshImport, RegionsAreNumberedFromZero) {
 }
 
 TEST(MeshImport, AUnitIsAPositiveLength) {
-  const MeshFile file = file_of(cube_mesh(1, 1));
+  const MeshFile file = renumbered_file(cube_mesh(1, 1));
   for (const double unit : {0.0, -1.0, 1.0 / 0.0})
     EXPECT_THROW(import_mesh(file, unit), std::invalid_argument) << unit;
 }

@@ -14,12 +14,6 @@
 namespace hmax {
 namespace {
 
-std::string replaced(std::string text, const std::string& old, const std::string& by) {
-  const std::size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), by);
-}
-
 GoldenMesh golden(const std::string& name) {
   const std::vector<GoldenMesh> all = golden_meshes();
   return *std::ranges::find(all, name, &GoldenMesh::name);

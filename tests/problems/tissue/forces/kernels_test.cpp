@@ -19,16 +19,15 @@
 namespace hmax {
 namespace {
 
-using Index = TetMesh::Index;
-
 /// The first tetrahedra of an uneven box, deformed, with every fifth point supported.
 struct Parts {
   explicit Parts(Eigen::Index tetrahedra = 72) : Parts(tissue_tests::uneven_box(), tetrahedra) {}
   Parts(TetMesh whole, Eigen::Index tetrahedra) : mesh(std::move(whole)) {
     mesh.tetrahedra = mesh.tetrahedra.leftCols(tetrahedra).eval();
     if (!mesh.regions.empty()) mesh.regions.resize(static_cast<std::size_t>(tetrahedra));
-    std::vector<Index> free;
-    for (Index i = 0, next = 0; i < mesh.point_count(); ++i) free.push_back(i % 5 == 2 ? -1 : next++);
+    std::vector<TetMesh::Index> free;
+    for (TetMesh::Index i = 0, next = 0; i < mesh.point_count(); ++i)
+      free.push_back(i % 5 == 2 ? -1 : next++);
     pattern = BlockPattern(free, edges_of(mesh));
     x.resize(static_cast<std::size_t>(mesh.point_count()));
     u.resize(x.size());
@@ -54,11 +53,11 @@ struct Parts {
 /// The same mesh, in whose numbers neighbours are far apart. @param mesh  a number of points that 7 does not
 /// divide
 TetMesh with_mixed_points(const TetMesh& mesh) {
-  const auto points = static_cast<Index>(mesh.point_count()),
-             tetrahedra = static_cast<Index>(mesh.tetrahedron_count());
+  const auto points = static_cast<TetMesh::Index>(mesh.point_count()),
+             tetrahedra = static_cast<TetMesh::Index>(mesh.tetrahedron_count());
   Renumbering mixed;
-  for (Index i = 0; i < points; ++i) mixed.points.push_back(i * 7 % points);
-  for (Index i = 0; i < tetrahedra; ++i) mixed.tetrahedra.push_back(i);
+  for (TetMesh::Index i = 0; i < points; ++i) mixed.points.push_back(i * 7 % points);
+  for (TetMesh::Index i = 0; i < tetrahedra; ++i) mixed.tetrahedra.push_back(i);
   return renumbered(mesh, mixed);
 }
 
@@ -197,14 +196,14 @@ TEST(TissueKernels, EveryInstructionSetGivesForcesAndStiffnessOfTheSameBits) {
 TEST(TissueKernels, EverySpringActsOnceWhateverTheNumbersOfSpringsAtItsPoints) {
   // Points at which none, one or many springs begin, some of them more than once, for every instruction set.
   const Parts parts;
-  const auto points = static_cast<Index>(parts.x.size());
-  for (const Index count : {1, 5, 8, 9, 40, 300}) {
+  const auto points = static_cast<TetMesh::Index>(parts.x.size());
+  for (const TetMesh::Index count : {1, 5, 8, 9, 40, 300}) {
     std::vector<SpringSet::Spring> springs;
-    for (Index i = 0; i < count; ++i)
+    for (TetMesh::Index i = 0; i < count; ++i)
       springs.push_back({{(i * i) % 11, 11 + (7 * i) % (points - 11)}, 10.0 + static_cast<double>(i)});
     const NodeRows plain = plain_forces(parts, springs, LinearSpring{});
     // The pattern has no such pairs, and none is needed: points that are supported are in no pair.
-    const BlockPattern none(std::vector<Index>(parts.x.size(), -1), MeshEdges(2, 0));
+    const BlockPattern none(std::vector<TetMesh::Index>(parts.x.size(), -1), MeshEdges(2, 0));
     for (const TissueKernels* kernels : available_tissue_kernels()) {
       const SpringSet set(parts.mesh.points, springs, LinearSpring{}, none, *kernels);
       EXPECT_LT(distance(parts.forces(set), plain), 1e-12) << kernels->name << ", " << count;

@@ -23,8 +23,8 @@ using Long = long double;
 using LongMatrix = Eigen::Matrix<Long, 3, 3>;
 using LongVector = Eigen::Matrix<Long, Eigen::Dynamic, 1>;
 
-const std::array finite_elements{tissue_model("fem_cauchy"), tissue_model("fem_green"),
-                                 tissue_model("fem_corotational"), tissue_model("fem_neo_hookean")};
+const std::array solids{tissue_model("fem_cauchy"), tissue_model("fem_green"),
+                        tissue_model("fem_corotational"), tissue_model("fem_neo_hookean")};
 constexpr double eps = std::numeric_limits<double>::epsilon(), degree = std::numbers::pi / 180;
 
 class Slivers : public testing::Test {
@@ -114,7 +114,7 @@ LongVector exact_forces(const TissueBody& body, const LongVector& q) {
 TEST_F(Slivers, ForcesLoseNoMoreThanTheLongestEdgeOverTheHeight) {
   for (const double angle : {10.0, 1.0, 0.1, 0.01, 1e-3, 1e-4})
     for (const double strain : {1e-4, 1e-2, 0.1})
-      for (const TissueModel& model : finite_elements) {
+      for (const TissueModel& model : solids) {
         TissueSettings settings;
         settings.model = model;
         const TissueBody body(sliver(angle * degree), settings);
@@ -133,7 +133,7 @@ TEST_F(Slivers, ForcesLoseNoMoreThanTheLongestEdgeOverTheHeight) {
 TEST_F(Slivers, StiffnessAtRestLosesNoDigits) {
   // K_ab = V (lambda g_a g_b^T + mu g_b g_a^T + mu g_a.g_b I) for every model.
   for (const double angle : {10.0, 0.1, 1e-4})
-    for (const TissueModel& model : finite_elements) {
+    for (const TissueModel& model : solids) {
       TissueSettings settings;
       settings.model = model;
       const TissueBody body(sliver(angle * degree), settings);
@@ -197,7 +197,7 @@ VectorXd exact_equilibrium(const TissueBody& body) {
 
 TEST_F(Slivers, AStaticSolutionIsThatOfExtendedPrecision) {
   for (const double angle : {0.135, 0.09, 1.5e-4})
-    for (const TissueModel& model : finite_elements) {
+    for (const TissueModel& model : solids) {
       const TetMesh mesh = ball_with_sliver(angle * degree);
       const MeshQuality quality = quality_of(mesh);
       ASSERT_EQ(quality.worst, 0);
