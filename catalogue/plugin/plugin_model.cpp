@@ -219,6 +219,35 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
           .runs_elsewhere = true};
 }
 
+namespace {
+
+/// Calls f twice with y0, and twice near it: at rest noise that is proportional to something is zero.
+/// @throws InputError  where the second call returns other numbers: derivatives of such a function say
+/// nothing
+void check_repeatable(const Problem& problem) {
+  const auto& system = std::get<AnySystem>(problem.system);
+  const auto rhs = [&](const VectorXd& y) {
+    VectorXd dydt(y.size());
+    system.rhs(0, y, dydt);
+    return dydt;
+  };
+  const double nearby = 1e-4 * std::max(1e-3, problem.y0.cwiseAbs().maxCoeff());
+  for (const VectorXd& y : {problem.y0, VectorXd(problem.y0.array() + nearby)}) {
+    const VectorXd first = rhs(y), second = rhs(y);
+    if (!first.allFinite() || !second.allFinite()) continue;
+    Index worst = 0;
+    const double apart = (first - second).cwiseAbs().maxCoeff(&worst);
+    // Threads that add in another order change the last digits.
+    if (apart > 1e-9 * first.cwiseAbs().maxCoeff())
+      throw InputError(fmt::format(
+          "{} is not deterministic: two calls at t = 0 with one state give {:.10g} and {:.10g} for the derivative of {}; "
+          "let the plugin compute it from t and the state alone, without random numbers or a memory of earlier calls",
+          problem.id, first[worst], second[worst], problem.states[static_cast<std::size_t>(worst)]));
+  }
+}
+
+}  // namespace
+
 std::string plugin_id(std::string_view text) { return std::string(id_prefix) + std::string(text); }
 bool is_plugin_id(std::string_view id) { return id.starts_with(id_prefix); }
 
@@ -232,11 +261,12 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
     process.patience = value;
   }
   Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
-  if (settings.y0.empty()) return problem;
-  if (static_cast<Index>(settings.y0.size()) != problem.y0.size())
+  if (!settings.y0.empty() && static_cast<Index>(settings.y0.size()) != problem.y0.size())
     throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
                                  settings.y0.size(), problem.y0.size()));
-  problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
+  if (!settings.y0.empty())
+    problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
+  check_repeatable(problem);
   return problem;
 }
 
