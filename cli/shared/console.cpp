@@ -252,8 +252,8 @@ std::array<double, 4> parse_window(std::string_view what, std::string_view text,
   for (const std::size_t i : {0U, 2U})
     if (!(numbers[i] < numbers[i + 1]))
       throw InputError(
-          fmt::format("{} {} is no rectangle: {} to {} is no range; write the smaller number first, like {}",
-                      what, text, to_text(numbers[i]), to_text(numbers[i + 1]), example));
+          fmt::format("{} goes from {} to {}, which is no rectangle; write the smaller number first, like {}",
+                      what, to_text(numbers[i]), to_text(numbers[i + 1]), example));
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
