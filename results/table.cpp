@@ -13,7 +13,7 @@
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
 #include "core/part_file.hpp"
-#include "core/whole_file.hpp"
+#include "core/process/whole_file.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "core/whole_file.hpp"
+#include "core/process/whole_file.hpp"
 #include "problems/matrices/matrix_readers.hpp"
 #include "problems/mesh/files/mesh_text.hpp"
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <memory>
 
-#include "core/whole_file.hpp"
+#include "core/process/whole_file.hpp"
 #include "problems/mesh/files/mesh_file.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/whole_file.hpp"
+#include "core/process/whole_file.hpp"
 
 #include <fstream>
 #include <system_error>
