@@ -93,8 +93,7 @@ auto default_tolerances(const State& y0) {
 template <class State>
 auto default_tolerances(const State& y0, std::initializer_list<Eigen::Index> blocks) {
   using Real = typename Eigen::NumTraits<typename State::Scalar>::Real;
-  if (std::accumulate(blocks.begin(), blocks.end(), Eigen::Index{0}) != y0.size() ||
-      std::ranges::min(blocks) < 1)
+  if (std::accumulate(blocks.begin(), blocks.end(), Eigen::Index{0}) != y0.size() || std::min(blocks) < 1)
     throw std::invalid_argument("the blocks do not make up the state of " + std::to_string(y0.size()) +
                                 " numbers; give lengths that add up to it");
   const Tolerances<Real> whole = default_tolerances(y0);

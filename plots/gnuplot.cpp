@@ -50,6 +50,7 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
     execvp(arguments[0], const_cast<char* const*>(arguments.data()));
     _exit(cannot_start);
   }
+  setpgid(child, child);  // as the child does: whoever is first
   close(pipe_ends[1]);
   Finished finished{.code = -1, .errors = {}};
   std::array<char, 1024> buffer;
@@ -63,7 +64,7 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
     if (ready == 0 && Clock::now() < end) continue;
     if (ready <= 0) {
       finished.late = true;
-      kill(child, SIGKILL);
+      kill(-child, SIGKILL);  // and what it has started
       break;
     }
     const ssize_t got = read(pipe_ends[0], buffer.data(), buffer.size());
@@ -100,7 +101,7 @@ std::size_t character_at(std::string_view text) {
 
 }  // namespace
 
-bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}, 30).code == 0; }
+bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}, 10).code == 0; }
 
 std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script, double seconds) {
   const Finished finished =
@@ -112,7 +113,7 @@ std::string run_gnuplot(const std::filesystem::path& directory, const std::strin
            " was written but not drawn; apt-get install gnuplot-nox, then run gnuplot on it in its folder";
   if (finished.late)
     return "gnuplot took longer than " + std::to_string(std::lround(seconds)) + " s for " + file +
-           " and was ended; run gnuplot on it in its folder";
+           " and was ended; try `gnuplot --version`, then run gnuplot on it in its folder";
   return "gnuplot could not draw " + file + ": " + shortened(one_line(finished.errors), 300);
 }
 

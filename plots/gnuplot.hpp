@@ -8,15 +8,16 @@
 
 namespace hmax {
 
-/// True when a program `gnuplot` can be started.
+/// True when a program `gnuplot` can be started and says its version within 10 s.
 bool gnuplot_available();
 
 /// Runs `gnuplot script` in `directory`, ignoring the user's own gnuplot settings.
-/// @param seconds  after which it is ended
+/// @param seconds  after which it is ended, with the processes that it has started; figures of hmax take some
+/// seconds
 /// @returns empty when it succeeded, otherwise one sentence: not installed (with the remedy), or its first
 /// complaint
 std::string run_gnuplot(const std::filesystem::path& directory, const std::string& script,
-                        double seconds = 300);
+                        double seconds = 60);
 
 /// `text` as a gnuplot string. Single quotes, in which gnuplot substitutes nothing: no backslash, no
 /// backtick, no macro. A quote becomes ’ (gnuplot 5.4 misreads a doubled one at the start of a string),

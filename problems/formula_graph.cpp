@@ -396,7 +396,7 @@ std::vector<std::vector<FormulaSlope>> state_slopes(FormulaGraph& graph, const s
       for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(k == 0 ? n.a : k == 1 ? n.b : n.c)])
         states.push_back(slope.state);
     std::ranges::sort(states);
-    states.erase(std::ranges::unique(states).begin(), states.end());
+    states.erase(std::unique(states.begin(), states.end()), states.end());
     for (const int state : states) {
       const Id slope = derivative.of(id, slope_of(n.a, state), operands > 1 ? slope_of(n.b, state) : zero,
                                      operands > 2 ? slope_of(n.c, state) : zero);

@@ -13,6 +13,7 @@
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
 #include "core/part_file.hpp"
+#include "core/process/whole_file.hpp"
 
 namespace hmax {
 
@@ -209,12 +210,18 @@ Table read_csv(const fs::path& file) {
   note_input(file);
   errno = 0;
   std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in) {
     throw InputError(fmt::format("Cannot read '{}' ({}): check the path and its permissions.", file.string(),
                                  errno ? std::strerror(errno) : "read failed"));
   }
-  return parse_csv(text, file.string());
+  try {
+    return within_memory(file, [&] {
+      const std::string text{std::istreambuf_iterator<char>(in), {}};
+      return parse_csv(text, file.string());
+    });
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
 }
 
 }  // namespace hmax

@@ -17,12 +17,12 @@
 namespace hmax {
 
 struct ProbeSettings {
-  double h0 = 0, h1 = 0;         ///< [s] the step sizes that are looked at, 0 < h0 <= h1
-  std::optional<double> motion;  ///< [s]: growth over the motion of this length instead of that of one step
-  int rows = 12;                 ///< step sizes from h0 to h1, in equal ratios
-  double resolution = 1e-4;      ///< of the limits, relative
-  bool observe = true;           ///< run the engine on both sides of the limit
-  double seconds_a_run = 2;      ///< CPU time of one of these runs, about
+  double h0 = 0, h1 = 0;           ///< [s] the step sizes that are looked at, 0 < h0 <= h1
+  std::optional<double> motion{};  ///< [s]: growth over the motion of this length instead of that of one step
+  int rows = 12;                   ///< step sizes from h0 to h1, in equal ratios
+  double resolution = 1e-4;        ///< of the limits, relative
+  bool observe = true;             ///< run the engine on both sides of the limit
+  double seconds_a_run = 2;        ///< CPU time of one of these runs, about
   StepSpectrumSettings spectrum{};
   /// Told now and then what is done; may throw.
   std::function<void(double share, std::string_view detail)> watch = {};

@@ -91,7 +91,7 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   for (const Support& support : settings.supports)
     held.insert(held.end(), support.points.begin(), support.points.end());
   std::ranges::sort(held);
-  held.erase(std::ranges::unique(held).begin(), held.end());
+  held.erase(std::unique(held.begin(), held.end()), held.end());
   BodySummary summary{.young = span(&TissueMaterial::young),
                       .poisson = span(&TissueMaterial::poisson),
                       .density = span(&TissueMaterial::density),

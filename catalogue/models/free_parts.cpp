@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <ranges>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -34,8 +33,9 @@ std::string part_in_words(const Problem& problem, const FreePart& part) {
     numbers.push_back(problem.tetrahedron_numbers.at(static_cast<std::size_t>(t)));
   std::ranges::sort(numbers);
   if (count == 1) return fmt::format("tetrahedron {}", numbers.front());
-  return fmt::format("the part of {} tetrahedra ({}{})", count,
-                     fmt::join(numbers | std::views::take(most), ", "), count > most ? ", ..." : "");
+  numbers.resize(std::min(numbers.size(), most));
+  return fmt::format("the part of {} tetrahedra ({}{})", count, fmt::join(numbers, ", "),
+                     count > most ? ", ..." : "");
 }
 
 /// The number of each point among the free ones, -1 of those that are held.

@@ -246,6 +246,21 @@ Table orbit(const Problem& problem, const Vector2d& start, double t_end, const W
   return table;
 }
 
+namespace {
+
+/// @throws InputError  where areas in the window are no numbers
+Window within_numbers(const Window& window, const Problem& problem) {
+  constexpr double most = 1e150;
+  const double farthest = std::max(window.lower.cwiseAbs().maxCoeff(), window.upper.cwiseAbs().maxCoeff());
+  if (farthest <= most) return window;
+  throw InputError(fmt::format(
+      "the motion of {} from y0 = {}, {} goes up to {}, which is beyond {}; give smaller "
+      "numbers with --y0, or --window",
+      problem.id, to_text(problem.y0[0]), to_text(problem.y0[1]), rounded_text(farthest, 3), to_text(most)));
+}
+
+}  // namespace
+
 Window default_window(const Problem& problem) {
   require_planar(problem);
   std::vector<Vector2d> seen;
@@ -259,7 +274,7 @@ Window default_window(const Problem& problem) {
     return true;
   });
   if (seen.empty()) seen.push_back(problem.y0);
-  const Window motion = window_around({}, "", "", seen);
+  const Window motion = within_numbers(window_around({}, "", "", seen), problem);
   const Window wide{motion.lower - motion.size(), motion.upper + motion.size()};
   for (const Equilibrium& e : find_equilibria(planar_field(problem, 0, wide.size()), wide))
     if (e.type != EquilibriumType::degenerate) seen.push_back(e.state);

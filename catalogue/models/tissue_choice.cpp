@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <ranges>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -107,9 +106,7 @@ constexpr std::string_view table_name = "phi";
 /// Whether the model or the load is among those that read a parameter.
 bool is_read(std::string_view readers, const TissueId& id) {
   if (readers.empty() || readers == springs) return readers.empty() || id.is_of_springs();
-  return std::ranges::any_of(readers | std::views::split(' '), [&](const auto& word) {
-    return std::string_view(word.begin(), word.end()) == id.load;
-  });
+  return fmt::format(" {} ", readers).find(fmt::format(" {} ", id.load)) != std::string::npos;
 }
 
 /// @throws InputError  when neither the model nor the load reads it: it would change nothing
@@ -549,7 +546,8 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
                      .thickness = p.skin_thickness};
   if (p.inclusion != 0) {
     settings.materials.resize(static_cast<std::size_t>(region_count(mesh)), settings.materials.front());
-    for (TissueMaterial& other : settings.materials | std::views::drop(1)) other.young *= p.inclusion;
+    for (std::size_t region = 1; region < settings.materials.size(); ++region)
+      settings.materials[region].young *= p.inclusion;
   }
   set_materials_of_regions(p, loaded, settings.materials);
   const HeldEnd end(p.axis);

@@ -145,6 +145,31 @@ void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, co
         matrix, of, worst + 1, told[worst], seen[worst]));
 }
 
+/// Calls f twice with y0, and twice near it: at rest noise that is proportional to something is zero.
+/// @throws InputError  where the second call returns other numbers: derivatives of such a function say
+/// nothing
+void check_repeatable(const Problem& problem) {
+  const auto& system = std::get<AnySystem>(problem.system);
+  const auto rhs = [&](const VectorXd& y) {
+    VectorXd dydt(y.size());
+    system.rhs(0, y, dydt);
+    return dydt;
+  };
+  const double nearby = 1e-4 * std::max(1e-3, problem.y0.cwiseAbs().maxCoeff());
+  for (const VectorXd& y : {problem.y0, VectorXd(problem.y0.array() + nearby)}) {
+    const VectorXd first = rhs(y), second = rhs(y);
+    if (!first.allFinite() || !second.allFinite()) continue;
+    Index worst = 0;
+    const double apart = (first - second).cwiseAbs().maxCoeff(&worst);
+    // Threads that add in another order change the last digits.
+    if (apart > 1e-9 * first.cwiseAbs().maxCoeff())
+      throw InputError(fmt::format(
+          "{} is not deterministic: two calls at t = 0 with one state give {:.10g} and {:.10g} for the derivative of {}; "
+          "let the plugin compute it from t and the state alone, without random numbers or a memory of earlier calls",
+          problem.id, first[worst], second[worst], problem.states[static_cast<std::size_t>(worst)]));
+  }
+}
+
 /// @throws InputError  where a matrix of the plugin is wrong at its start: every limit would be
 void check_matrices(const SecondOrder& model, const PluginFacts& facts) {
   const Index m = model.dofs();
@@ -202,21 +227,23 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
         mechanical ? facts.dim / 2 : facts.dim, most));
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
     throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
-  if (facts.dim <= most_compared)
-    mechanical ? check_matrices(SecondOrder(link), facts) : check_matrices(FirstOrder(link), facts);
   std::vector<std::string> states;
   for (Index i = 0; i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
-  return {.id = fmt::format("{}#{}", facts.name, digest),
-          .material = {},
-          .note = facts.note,
-          .parameters = {},
-          .states = states,
-          .y0 = facts.y0,
-          .t_end = facts.greeting.t_end,
-          .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link)),
-          .runs_elsewhere = true};
+  Problem problem{.id = fmt::format("{}#{}", facts.name, digest),
+                  .material = {},
+                  .note = facts.note,
+                  .parameters = {},
+                  .states = states,
+                  .y0 = facts.y0,
+                  .t_end = facts.greeting.t_end,
+                  .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link)),
+                  .runs_elsewhere = true};
+  check_repeatable(problem);
+  if (facts.dim <= most_compared)
+    mechanical ? check_matrices(SecondOrder(link), facts) : check_matrices(FirstOrder(link), facts);
+  return problem;
 }
 
 std::string plugin_id(std::string_view text) { return std::string(id_prefix) + std::string(text); }
@@ -232,11 +259,11 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
     process.patience = value;
   }
   Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
-  if (settings.y0.empty()) return problem;
-  if (static_cast<Index>(settings.y0.size()) != problem.y0.size())
+  if (!settings.y0.empty() && static_cast<Index>(settings.y0.size()) != problem.y0.size())
     throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
                                  settings.y0.size(), problem.y0.size()));
-  problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
+  if (!settings.y0.empty())
+    problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
   return problem;
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <numbers>
-#include <ranges>
 #include <set>
 
 #include <fmt/format.h>
@@ -286,7 +285,8 @@ Json numbers_json(const MeshFile& file, const std::vector<TetMesh::Index>& tetra
 /// All parts but the largest.
 Json parts_json(const MeshFile& file, const std::vector<MeshPart>& parts) {
   Json list = Json::array();
-  for (const MeshPart& part : parts | std::views::drop(1)) {
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    const MeshPart& part = parts[p];
     Json hinges = Json::array();
     for (const TetMesh::Index i : part.hinges)
       hinges.push_back(file.point_numbers[static_cast<std::size_t>(i)]);
@@ -441,8 +441,9 @@ std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
     text += fmt::format("{} points are in no tetrahedron; models leave them out\n", topology.unused_points);
   if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
   // The largest part is the body, from which the others hang.
-  for (const MeshPart& part : found.parts | std::views::drop(1))
-    text += fmt::format("{} {}\n", numbers_in_words(file, part.tetrahedra), hinges_in_words(file, part));
+  for (std::size_t p = 1; p < found.parts.size(); ++p)
+    text += fmt::format("{} {}\n", numbers_in_words(file, found.parts[p].tetrahedra),
+                        hinges_in_words(file, found.parts[p]));
   for (const std::vector<TetMesh::Index>& part : found.loose)
     text += fmt::format("{}: no support holds {}\n", numbers_in_words(file, part),
                         part.size() == 1 ? "it" : "them");

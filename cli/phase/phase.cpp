@@ -181,20 +181,9 @@ void add_bifurcation_options(CLI::App& command, PhaseOptions& options) {
 }  // namespace
 
 Window parse_window(const std::string& text) {
-  const std::vector<double> n = parse_numbers("--window", text);
-  if (n.size() != 4)
-    throw InputError(
-        fmt::format("--window has {} numbers but needs four: xmin,xmax,vmin,vmax, like -2,2,-2,2", n.size()));
-  for (const double value : n)
-    if (!std::isfinite(value))
-      throw InputError(fmt::format("--window holds {}, which is not a finite number", to_text(value)));
-  for (const std::size_t i : {0U, 2U})
-    if (!(n[i] < n[i + 1]))
-      throw InputError(
-          fmt::format("--window goes from {} to {}, which is no range; write the smaller number first, like "
-                      "-2,2,-2,2",
-                      to_text(n[i]), to_text(n[i + 1])));
-  return {{n[0], n[2]}, {n[1], n[3]}};
+  const auto [x_min, x_max, v_min, v_max] =
+      parse_window("--window", text, "xmin,xmax,vmin,vmax", "-2,2,-2,2");
+  return {{x_min, v_min}, {x_max, v_max}};
 }
 
 std::string short_name(double value) { return short_number(value + 0.0, 5); }

@@ -15,6 +15,7 @@
 
 #include "catalogue/input/suggest.hpp"
 #include "cli/shared/last_resort.hpp"
+#include "cli/shared/shown_text.hpp"
 #include "cli/shared/stop_flag.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -63,7 +64,7 @@ bool is_terminal(int descriptor) {
 }
 
 std::string painted(bool colour, const char* code, std::string_view text) {
-  return colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
+  return colour ? painted_text(code, text) : std::string(text);
 }
 
 /// The number of characters on the screen: control sequences take no room, UTF-8 one place a code point.
@@ -119,7 +120,9 @@ std::string remaining_time(double seconds) {
 Console::Console()
     : colour_(is_terminal(STDOUT_FILENO) && !is_set("NO_COLOR")), progress_(is_terminal(STDERR_FILENO)) {}
 
-void Console::print(std::string_view text) {
+void Console::print(std::string_view text) { write(shown_text(text, {.colours = colour_})); }
+
+void Console::write(std::string_view text) {
   if (reader_left_) return;
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size()) return;
@@ -136,7 +139,7 @@ void Console::print_json(const nlohmann::ordered_json& document) {
   Json explained = document;
   explain_nulls(explained);
   // A name that is not UTF-8 has a substitute for each byte that is none.
-  print(explained.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write(explained.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void Console::flush() {
@@ -171,8 +174,9 @@ void Progress::update(double share, std::string_view detail) {
   drawn_ = true;
   const std::string rest =
       share > 0 ? ", " + remaining_time(elapsed * (1 - share) / share) + " to go" : std::string();
-  write_error(fmt::format("\r\x1b[K{}: {:.0f} %{}{}{}", task_, std::floor(100 * share), rest,
-                          detail.empty() ? "" : "  ", detail));
+  write_error(fmt::format("\r\x1b[K{}: {:.0f} %{}{}{}", shown_text(task_, {.line_breaks = false}),
+                          std::floor(100 * share), rest, detail.empty() ? "" : "  ",
+                          shown_text(detail, {.line_breaks = false})));
 }
 
 const std::atomic<bool>& interrupt_flag() {
@@ -232,6 +236,27 @@ std::vector<double> parse_numbers(std::string_view what, std::string_view text) 
   return numbers;
 }
 
+std::array<double, 4> parse_window(std::string_view what, std::string_view text, std::string_view bounds,
+                                   std::string_view example) {
+  constexpr double most = 1e150;
+  const std::vector<double> numbers = parse_numbers(what, text);
+  if (numbers.size() != 4)
+    throw InputError(
+        fmt::format("{} has {} numbers but needs four: {}, like {}", what, numbers.size(), bounds, example));
+  for (const double value : numbers)
+    if (!(std::abs(value) <= most))
+      throw InputError(std::isfinite(value)
+                           ? fmt::format("{} holds {}; give numbers within +-{}, like {}", what,
+                                         to_text(value), to_text(most), example)
+                           : fmt::format("{} holds {}, which is not a finite number", what, to_text(value)));
+  for (const std::size_t i : {0U, 2U})
+    if (!(numbers[i] < numbers[i + 1]))
+      throw InputError(
+          fmt::format("{} goes from {} to {}, which is no rectangle; write the smaller number first, like {}",
+                      what, to_text(numbers[i]), to_text(numbers[i + 1]), example));
+  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string_view::npos || equals == 0)
@@ -244,6 +269,11 @@ std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices) {
   if (std::ranges::find(choices, word) != choices.end()) return std::string(word);
   throw InputError(fmt::format("{} is '{}'; {}", what, word, suggestion(word, choices)));
+}
+
+void TextTable::add(std::vector<std::string> row) {
+  for (std::string& cell : row) cell = shown_text(cell, {.line_breaks = false, .colours = true});
+  rows_.push_back(std::move(row));
 }
 
 std::string TextTable::text(const Console& console) const {

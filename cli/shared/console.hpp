@@ -1,6 +1,7 @@
 /// What the subcommands of `hmax` share: where text goes, how numbers are read, how a run is interrupted.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -28,7 +29,8 @@ class Console {
   bool json = false;            ///< print one JSON document instead of tables
   Exit exit_code = Exit::done;  ///< what the program ends with unless an exception says otherwise
 
-  /// Writes to standard output as it is.
+  /// Writes to standard output. Control characters in it, as names in files may have them, are shown and not
+  /// sent to the terminal.
   /// @throws InputError when it cannot be written; nothing when the reader went away
   void print(std::string_view text);
   /// Writes one JSON document and a line break; called exactly once by a subcommand when `json` is set.
@@ -49,6 +51,8 @@ class Console {
   [[nodiscard]] std::string alarming(std::string_view text) const;
 
  private:
+  void write(std::string_view text);
+
   bool colour_, progress_, reader_left_ = false;
 };
 
@@ -97,6 +101,11 @@ double parse_number(std::string_view what, std::string_view text);
 std::int64_t parse_count(std::string_view what, std::string_view text, std::int64_t least);
 /// "0.5,1"
 std::vector<double> parse_numbers(std::string_view what, std::string_view text);
+/// The bounds of a rectangle, "re_from,re_to,im_from,im_to". Beyond 1e150 areas are no numbers any more.
+/// @throws InputError naming the option, unless there are four finite numbers, each range from a smaller one
+/// to a larger one, within +-1e150
+std::array<double, 4> parse_window(std::string_view what, std::string_view text, std::string_view bounds,
+                                   std::string_view example);
 /// "a,b" without blanks around the parts. @throws InputError when a part is empty
 std::vector<std::string> parse_names(std::string_view what, std::string_view text);
 /// "m=2" as name and number.
@@ -109,7 +118,8 @@ std::string parse_choice(std::string_view what, std::string_view word,
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  /// Line breaks in a cell become blanks, and other control characters are shown.
+  void add(std::vector<std::string> row);
   [[nodiscard]] std::string text(const Console& console) const;
 
  private:

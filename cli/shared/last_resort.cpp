@@ -1,9 +1,12 @@
 #include "cli/shared/last_resort.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "cli/shared/shown_text.hpp"
 
 namespace hmax {
 
@@ -31,10 +34,6 @@ class Buffer {
   std::size_t used_ = 0;
 };
 
-unsigned char byte_at(std::string_view text, std::size_t i) noexcept {
-  return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
-}
-
 }  // namespace
 
 void write_error(std::string_view text) noexcept {
@@ -50,19 +49,16 @@ void tell(std::initializer_list<std::string_view> parts) noexcept {
   Buffer line;
   for (const char c : std::string_view("hmax: ")) line.put(c);
   for (const std::string_view part : parts)
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const unsigned char c = byte_at(part, i), next = byte_at(part, i + 1);
-      // U+0080 to U+009F are control characters as well: C2 80 to C2 9F in UTF-8.
-      const bool control = c < 0x20 || c == 0x7f || (c == 0xc2 && next >= 0x80 && next < 0xa0) ||
-                           (c >= 0x80 && c < 0xa0 && (i == 0 || byte_at(part, i - 1) < 0x80));
+    for (std::size_t i = 0; i < part.size();) {
+      const char c = part[i];
+      const std::size_t control = control_bytes(part, i);
       if (c == '\n' || c == '\r')
         line.put(' ');  // several lines would be several sentences
-      else if (control && c == 0xc2)
-        line.put_shown(c), line.put_shown(next), ++i;
-      else if (control)
-        line.put_shown(c);
+      else if (control == 0)
+        line.put(c);
       else
-        line.put(static_cast<char>(c));
+        for (const char byte : part.substr(i, control)) line.put_shown(static_cast<unsigned char>(byte));
+      i += std::max<std::size_t>(control, 1);
     }
   line.put('\n');
   line.flush();

@@ -42,14 +42,9 @@ PlaneLook look_of(const RegionOptions& options) {
   if (options.field) look.view = PlaneView::field;
   if (options.order_star) look.view = PlaneView::order_star;
   if (options.window.empty()) return look;
-  const std::vector<double> numbers = parse_numbers("--window", options.window);
-  if (numbers.size() != 4 || !(numbers[0] < numbers[1]) || !(numbers[2] < numbers[3]) ||
-      !std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
-    throw InputError(
-        fmt::format("--window {} is no rectangle; write re_from,re_to,im_from,im_to with smaller numbers "
-                    "first, like -4,1,-4,4",
-                    options.window));
-  look.window = PlaneWindow{numbers[0], numbers[1], numbers[2], numbers[3]};
+  const auto [re_from, re_to, im_from, im_to] =
+      parse_window("--window", options.window, "re_from,re_to,im_from,im_to", "-4,1,-4,4");
+  look.window = PlaneWindow{re_from, re_to, im_from, im_to};
   return look;
 }
 

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 #include <system_error>
 
-#include "core/own_files.hpp"
+#include "core/process/whole_file.hpp"
 #include "problems/matrices/matrix_readers.hpp"
 #include "problems/mesh/files/mesh_text.hpp"
 
@@ -15,25 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string read_whole(const fs::path& file) {
-  std::error_code error;
-  if (!fs::exists(file, error))
-    throw std::invalid_argument("there is no file '" + file.string() + "'; correct the name");
-  if (!fs::is_regular_file(file, error))
-    throw std::invalid_argument("'" + file.string() + "' is not a file; name a matrix file");
-  note_input(file);
-  std::ifstream in(file, std::ios::binary);
-  std::string text;
-  const auto size = fs::file_size(file, error);
-  if (in && !error) {
-    text.resize(static_cast<std::size_t>(size));
-    in.read(text.data(), static_cast<std::streamsize>(size));
-    text.resize(static_cast<std::size_t>(in.gcount()));
-  }
-  if (error || in.bad() || !in.is_open())
-    throw std::invalid_argument("the file '" + file.string() + "' cannot be read; check its permissions");
-  return text;
-}
+constexpr std::string_view what = "a matrix file";
 
 std::string lower_extension(const std::string& name) {
   std::string extension = fs::path(name).extension().string();
@@ -89,10 +70,12 @@ MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
   return {};
 }
 
-MatrixFile read_matrix(const fs::path& file) { return matrix_from(file.string(), read_whole(file)); }
+MatrixFile read_matrix(const fs::path& file) {
+  return within_memory(file, [&] { return matrix_from(file.string(), read_whole(file, what)); });
+}
 
 std::vector<SeriesEntry> read_series(const fs::path& file) {
-  const std::string text = read_whole(file);
+  const std::string text = read_whole(file, what);
   MatrixLines lines(file.string(), text, '#');
   std::vector<SeriesEntry> series;
   while (lines.next()) {
@@ -116,7 +99,7 @@ std::vector<SeriesEntry> read_series(const fs::path& file) {
 }
 
 std::vector<std::string> read_unknown_names(const fs::path& file) {
-  const std::string text = read_whole(file);
+  const std::string text = read_whole(file, what);
   MatrixLines lines(file.string(), text, '#');
   std::vector<std::string> names;
   while (lines.next()) {

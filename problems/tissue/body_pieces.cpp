@@ -1,7 +1,6 @@
 #include "problems/tissue/body_pieces.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -98,18 +97,24 @@ TetMesh BodyPieces::around(Index begin, Index end, std::vector<Index>& points) c
   const Index first = free_points_[at(begin)], last = free_points_[at(end) - 1];
   const auto lowest = [&](Index t) { return mesh_.tetrahedra.col(t).minCoeff(); };
   // Tetrahedra come in the order of their lowest points.
-  const auto all = std::views::iota(Index{0}, static_cast<Index>(mesh_.tetrahedron_count()));
-  auto t = std::ranges::partition_point(all, [&](Index each) { return lowest(each) < first - width_; });
-  const auto stop = std::ranges::partition_point(all, [&](Index each) { return lowest(each) <= last; });
+  const auto first_from = [&](Index point) {
+    Index low = 0, high = static_cast<Index>(mesh_.tetrahedron_count());
+    while (low < high) {
+      const Index middle = low + (high - low) / 2;
+      lowest(middle) < point ? low = middle + 1 : high = middle;
+    }
+    return low;
+  };
+  const Index stop = first_from(last + 1);
   std::vector<Index> touching;
-  for (; t != stop; ++t)
-    if (std::ranges::any_of(mesh_.tetrahedra.col(*t),
+  for (Index t = first_from(first - width_); t < stop; ++t)
+    if (std::ranges::any_of(mesh_.tetrahedra.col(t),
                             [&](Index i) { return i >= first && i <= last && number_[at(i)] >= 0; })) {
-      touching.push_back(*t);
-      for (const Index corner : mesh_.tetrahedra.col(*t)) points.push_back(corner);
+      touching.push_back(t);
+      for (const Index corner : mesh_.tetrahedra.col(t)) points.push_back(corner);
     }
   std::ranges::sort(points);
-  points.erase(std::ranges::unique(points).begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
   TetMesh piece;
   piece.points = mesh_.points(Eigen::all, points);
   piece.tetrahedra = mesh_.tetrahedra(Eigen::all, touching).unaryExpr([&](Index corner) {

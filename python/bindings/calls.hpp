@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cxxabi.h>
 #include <functional>
 #include <future>
 #include <memory>
@@ -31,6 +32,49 @@ struct Stopped {};
 inline void leave_if(const Stop& stop) {
   if (stop) throw Stopped{};
 }
+
+/// From here on the interpreter may end while this thread runs: nobody waits for a daemon thread. CPython
+/// ends such a thread where it takes the GIL, up to version 3.13 by unwinding its stack, which would destroy
+/// objects of Python without the GIL. Such a thread sleeps here instead until the process ends, as CPython
+/// itself has it from 3.14 on.
+[[noreturn]] void sleep_until_the_process_ends();
+
+/// call(), on a thread that sleeps from the moment on when the interpreter ends it.
+template <class Call>
+auto unless_ended(const Call& call) {
+  try {
+    return call();
+  } catch (const abi::__forced_unwind&) {
+    sleep_until_the_process_ends();
+  }
+}
+
+/// This thread gives the GIL back for the life of the object.
+class WithoutGil {
+ public:
+  WithoutGil();
+  ~WithoutGil();
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+
+ private:
+  PyThreadState* thread_;
+};
+
+/// A thread without the GIL takes it for the life of the object.
+class WithGil {
+ public:
+  WithGil();
+  ~WithGil();
+  WithGil(const WithGil&) = delete;
+  WithGil& operator=(const WithGil&) = delete;
+
+ private:
+  PyGILState_STATE before_;
+};
+
+/// Lets the process end while calls run: static objects must not go away under their threads. Once a module.
+void leave_running_calls_at_exit();
 
 namespace detail {
 /// Starts `task` on a thread of its own. The end of the process waits for no thread.
@@ -63,7 +107,7 @@ auto in_background(Work work) {
 template <class Work>
 auto with_callbacks(const Work& work) {
   const OneThread alone;
-  const py::gil_scoped_release release;
+  const WithoutGil released;
   return work();
 }
 
@@ -71,9 +115,22 @@ auto with_callbacks(const Work& work) {
 /// @throws py::error_already_set  what Python raises, and KeyboardInterrupt
 template <class Call>
 auto call_back(const Call& call) {
-  const py::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-  return call();
+  const WithGil held;
+  return unless_ended([&] {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return call();
+  });
+}
+
+/// What function(arguments...) of Python returns, with the GIL. Nothing stands between the call and the place
+/// where the thread sleeps if the interpreter ends it: the arguments stay alive.
+template <class... Arguments>
+py::object called(const py::object& function, Arguments&&... arguments) {
+  const py::tuple packed = py::make_tuple(std::forward<Arguments>(arguments)...);
+  PyObject* const returned =
+      unless_ended([&] { return PyObject_Call(function.ptr(), packed.ptr(), nullptr); });
+  if (returned == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(returned);
 }
 
 /// A document with lists and dicts for arrays and objects, None for null, and infinity for "unbounded".

@@ -74,7 +74,7 @@ template <class Result, class Write>
 Result at_state(const Body& body, const py::object& q, const py::object& v, double t, const Write& write) {
   const VectorXd at_q = dofs_from(body, q, "q"), at_v = dofs_from(body, v, "v");
   Result result;
-  const py::gil_scoped_release release;
+  const WithoutGil released;
   write(body.tissue(), t, at_q, at_v, result);
   return result;
 }

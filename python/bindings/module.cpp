@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/errors.hpp"
+#include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 
 namespace {
@@ -41,6 +42,7 @@ PYBIND11_MODULE(_core, module) {
       PyErr_SetString(PyExc_ValueError, with_arguments(error.what()).c_str());
     }
   });
+  hmax::python::leave_running_calls_at_exit();
   hmax::python::add_methods(module);
   hmax::python::add_limits(module);
   hmax::python::add_runs(module);

@@ -47,7 +47,7 @@ class PythonStepper final : public ForeignStepper {
   VectorXd state() override { return y_; }
   void set_state(const VectorXd& y) override {
     y_ = y;
-    if (facts_.in_place) call_back([&] { functions_.restore(to_array(y)); });
+    if (facts_.in_place) call_back([&] { called(functions_.restore, to_array(y)); });
   }
   bool step(double h, std::int64_t count) override {
     for (std::int64_t i = 0; i < count; ++i) call_back([&] { step_once(h); });
@@ -56,13 +56,13 @@ class PythonStepper final : public ForeignStepper {
   void save(int slot) override {
     Slot& kept = slots_.at(static_cast<std::size_t>(slot));
     kept.y = y_;
-    if (has_hidden()) call_back([&] { kept.hidden = functions_.save(); });
+    if (has_hidden()) call_back([&] { kept.hidden = called(functions_.save); });
   }
   void restore(int slot) override {
     const Slot& kept = slots_.at(static_cast<std::size_t>(slot));
     if (facts_.in_place) return set_state(kept.y);
     y_ = kept.y;
-    if (has_hidden()) call_back([&] { functions_.restore(kept.hidden); });
+    if (has_hidden()) call_back([&] { called(functions_.restore, kept.hidden); });
   }
 
  private:
@@ -73,7 +73,7 @@ class PythonStepper final : public ForeignStepper {
 
   [[nodiscard]] bool has_hidden() const { return !facts_.in_place && !functions_.save.is_none(); }
   void step_once(double h) {
-    const py::object next = functions_.step(to_array(y_), h);
+    const py::object next = called(functions_.step, to_array(y_), h);
     if (!facts_.in_place) {
       y_ = vector_from(next, "what step returns", dim());
       return;
@@ -81,7 +81,7 @@ class PythonStepper final : public ForeignStepper {
     if (!next.is_none())
       throw std::invalid_argument(
           "step returned a state, but returned None before; return one of them always");
-    y_ = vector_from(functions_.save(), "what save returns", dim());
+    y_ = vector_from(called(functions_.save), "what save returns", dim());
   }
 
   Functions functions_;

@@ -32,14 +32,14 @@ class PythonSystem {
   [[nodiscard]] Index dim() const { return dim_; }
   void rhs(double t, const State& y, State& dydt) const {
     const VectorXd values = call_back(
-        [&] { return vector_from((*f_)(t, to_array(y)), "what the right-hand side returns", dim_); });
+        [&] { return vector_from(called(*f_, t, to_array(y)), "what the right-hand side returns", dim_); });
     dydt = values;  // in place: others may hold its address
   }
 
  protected:
   static std::shared_ptr<py::object> shared(const py::object& object) {
     return {new py::object(object), [](py::object* held) {
-              const py::gil_scoped_acquire acquire;
+              const WithGil locked;
               delete held;
             }};
   }
@@ -60,7 +60,7 @@ class PythonSystemWithJacobian : public PythonSystem {
 
   void jacobian(double t, const State& y, Jacobian& J) const {
     call_back([&] {
-      const py::object returned = (*jacobian_)(t, to_array(y));
+      const py::object returned = called(*jacobian_, t, to_array(y));
       J = returned.cast<Jacobian>();
       const auto [rows, columns] =
           std::visit([](const auto& held) { return std::pair(held.rows(), held.cols()); }, J);

@@ -54,11 +54,20 @@ def masses(given: Matrix) -> Any:
 
 
 def vector(name: str, given: Any) -> Any:
-    """A float array of one dimension."""
+    """A float array of one dimension, of finite numbers."""
     numbers = _array(name, given)
     if numbers.ndim != 1:
         raise ValueError(f"{name} has {numbers.ndim} dimensions but must have one; give one number for each unknown")
-    return np.asarray(numbers, dtype=float)
+    floats = np.asarray(numbers, dtype=float)
+    finite(name, floats)
+    return floats
+
+
+def finite(name: str, values: Any) -> None:
+    """Raises ValueError for the first number of an array of one dimension that is not finite."""
+    bad = np.flatnonzero(~np.isfinite(values))
+    if len(bad):
+        raise ValueError(f"{name}[{bad[0]}] is {values[bad[0]]}; every number must be finite")
 
 
 def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix]) -> Tuple[Any, Any, Any]:
@@ -93,7 +102,18 @@ def number(name: str, given: Any) -> Optional[float]:
         raise ValueError(f"{name} is {given!r} but must be a number") from None
 
 
+def instant(given: Any) -> float:
+    """A time t [s] at which a model is evaluated."""
+    t = number("t", given)
+    if t is None or not np.isfinite(t):
+        raise ValueError(f"t is {given} but must be a finite number of seconds")
+    return t
+
+
 def _array(name: str, given: Any) -> Any:
+    # numpy would hand over what stands below the mask
+    if np.ma.is_masked(given) or isinstance(given, (list, tuple)) and any(map(np.ma.is_masked, given)):
+        raise ValueError(f"{name} has masked entries; give every number, such as with its method filled()")
     try:
         array = np.asarray(given)
     except ValueError:  # rows of different lengths

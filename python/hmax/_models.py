@@ -9,8 +9,8 @@ import numpy as np
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import Matrix, count, number, structure, vector
-from ._runs import Run, finite, run_settings
+from ._arguments import Matrix, count, instant, number, structure, vector
+from ._runs import Run, run_settings
 from ._stability import method_name
 
 Unit = Union[str, float]
@@ -117,7 +117,7 @@ class Body:
 
     def K(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
         """Stiffness -dF/dq [N/m] at displacements q and velocities v, at rest by default, sparse of shape (dofs, dofs)."""
-        return self._core.K(_state(q, "q"), _state(v, "v"), float(t))
+        return self._core.K(_state(q, "q"), _state(v, "v"), instant(t))
 
     def M(self) -> Any:
         """Lumped masses [kg], sparse of shape (dofs, dofs)."""
@@ -125,11 +125,11 @@ class Body:
 
     def C(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
         """Damping -dF/dv [N s/m], as K()."""
-        return self._core.C(_state(q, "q"), _state(v, "v"), float(t))
+        return self._core.C(_state(q, "q"), _state(v, "v"), instant(t))
 
     def force(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
         """F(t, q, v) [N], shape (dofs)."""
-        return self._core.force(_state(q, "q"), _state(v, "v"), float(t))
+        return self._core.force(_state(q, "q"), _state(v, "v"), instant(t))
 
     def integrate(
         self,
@@ -147,7 +147,6 @@ class Body:
         for name, part in zip(("q0", "v0"), parts):
             if len(part) != self.dofs:
                 raise ValueError(f"{name} has {len(part)} numbers but must have {self.dofs}, those of q")
-            finite(name, part)
         settings = run_settings(t_end, h, rtol, atol, every)
         return Run(**self._core.run(method_name(method), np.concatenate(parts), *settings))
 
@@ -266,7 +265,6 @@ def _advise_matrices(matrices: Any, y0: Any, t_end: float, question: Any) -> Ans
     if y0 is None:
         raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
     start = vector("y0", y0)
-    finite("y0", start)
     n = K.shape[0]
     if len(start) != 2 * n:
         raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")

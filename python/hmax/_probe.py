@@ -9,8 +9,7 @@ import scipy.sparse as sparse
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import Matrix, count, function, matrix, number, vector
-from ._runs import finite
+from ._arguments import Matrix, count, finite, function, matrix, number, vector
 
 
 def probe(
@@ -75,9 +74,8 @@ def probe(
         raise ValueError("y0 is missing; give the state, or save and restore of an engine that keeps it")
     if number("h0", h0) is None or number("h1", h1) is None:
         raise ValueError("give the step sizes to look at, such as h0=1e-4 and h1=0.1")
-    start = np.asarray(save() if y0 is None and save else y0)
+    start = save() if y0 is None and save else y0
     y = vector("y0" if y0 is not None else "what save returns", start)
-    finite("y0", y)
     if len(y) == 0:
         raise ValueError("the state has no numbers; give at least one")
     in_place = y0 is None or _steps_in_place(step, y, float(h0), save, restore)
@@ -87,7 +85,7 @@ def probe(
     if scales is not None and (extent.shape != y.shape or not (np.isfinite(extent) & (extent > 0)).all()):
         raise ValueError(f"scales must be {len(y)} positive numbers, one for each of the state")
     indices = [count("an index of quaternions", index, 0) for index in np.ravel(quaternions)]
-    single = start.dtype == np.float32
+    single = np.asarray(start).dtype == np.float32
     engine = (step, save, restore, y, in_place, str(name), single, indices, extent, _pattern(pattern, len(y)))
     return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify)))
 
@@ -98,6 +96,7 @@ def _pattern(given: Optional[Matrix], size: int) -> Any:
     entries = sparse.csc_matrix(matrix("pattern", given))
     if entries.shape != (size, size):
         raise ValueError(f"pattern has the shape {entries.shape[0]} x {entries.shape[1]} but must have {size} x {size}")
+    finite("pattern", entries.data)
     entries.eliminate_zeros()
     return entries
 

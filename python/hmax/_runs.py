@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional
 
-import numpy as np
-
 from . import _core
 from ._arguments import Matrix, function, matrix, number, structure, vector
 from ._stability import method_name
@@ -69,7 +67,6 @@ def integrate(
         raise ValueError("y0 is missing; give the state at the start")
     settings = run_settings(t_end, h, rtol, atol, every)
     start = vector("y0", y0)
-    finite("y0", start)
     if rhs is not None:
         if K is not None or M is not None or C is not None:
             raise ValueError("rhs and matrices are both given; give one of them")
@@ -89,13 +86,6 @@ def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[O
         raise ValueError("give either h, a fixed step size, or rtol, a tolerance of adaptive steps")
     given = (("t_end", t_end), ("h", h), ("rtol", rtol), ("atol", rtol if atol is None else atol), ("every", every))
     return [number(name, value) for name, value in given]
-
-
-def finite(name: str, values: Any) -> None:
-    """Raises ValueError for the first number that is not finite."""
-    bad = np.flatnonzero(~np.isfinite(values))
-    if len(bad):
-        raise ValueError(f"{name}[{bad[0]}] is {values[bad[0]]}; every number must be finite")
 
 
 def _as_matrices(jacobian: Optional[Callable[[float, Any], Matrix]]) -> Optional[Callable[[float, Any], Any]]:

@@ -440,5 +440,26 @@ TEST_F(FigureTest, AGnuplotThatHangsIsEnded) {
   EXPECT_NE(told.find("took longer than"), std::string::npos) << told;
 }
 
+TEST_F(FigureTest, WhatAGnuplotThatHangsHasStartedIsEndedToo) {
+  std::ofstream(folder / "gnuplot") << "#!/bin/sh\n/bin/sleep 60 & echo $! > started\nwait\n";
+  std::filesystem::permissions(folder / "gnuplot", std::filesystem::perms::owner_all);
+  const std::string kept = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  const std::string told = run_gnuplot(folder, "a.gp", 0.5);
+  setenv("PATH", kept.c_str(), 1);
+  EXPECT_NE(told.find("took longer than"), std::string::npos) << told;
+  pid_t started = 0;
+  std::ifstream(folder / "started") >> started;
+  ASSERT_GT(started, 0);
+  // Ended and not yet waited for by init counts as ended.
+  const auto runs = [&] {
+    std::ifstream stat("/proc/" + std::to_string(started) + "/stat");
+    std::string number, name, state;
+    return stat >> number >> name >> state && state != "Z";
+  };
+  for (int i = 0; i < 100 && runs(); ++i) usleep(10'000);
+  EXPECT_FALSE(runs());
+}
+
 }  // namespace
 }  // namespace hmax

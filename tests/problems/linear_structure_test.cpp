@@ -66,9 +66,9 @@ TEST(LinearStructure, OfACoupledMassKeepsItsStatesAndIsSparse) {
 }
 
 TEST(LinearStructure, RefusesAMassMatrixThatIsNotSquare) {
-  const Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
-  const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(3, 5);
-  EXPECT_THROW(linear_structure(K, M), std::invalid_argument);
+  const Eigen::Matrix3d stiffness = Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd mass = Eigen::MatrixXd::Identity(3, 5);
+  EXPECT_THROW((void)linear_structure(stiffness, mass), std::invalid_argument);
 }
 
 }  // namespace

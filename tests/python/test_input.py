@@ -108,6 +108,59 @@ def test_what_numpy_holds_otherwise_is_taken_as_it_is_meant():
         assert limit(M=M).h_max == pytest.approx(expected, rel=1e-6)
 
 
+def test_masked_entries_are_refused_wherever_arrays_enter():
+    def masked(values):
+        return np.ma.masked_array(values, mask=np.arange(np.size(values)).reshape(np.shape(values)) == 0)
+
+    hidden = masked([0.01, 0.01])
+    body = hmax.Body("cube:n=1")
+    state = masked(np.zeros(body.dofs))
+    calls = [
+        lambda: limit(K=masked(GOOD)),
+        lambda: limit(M=hidden),
+        lambda: limit(C=masked(GOOD)),
+        lambda: limit(K=[hidden, hidden]),
+        lambda: hmax.largest_stable_step("rk4", J=masked(GOOD)),
+        lambda: hmax.modes(GOOD, hidden),
+        lambda: body.K(state),
+        lambda: body.C(v=state),
+        lambda: body.force(state),
+        lambda: body.integrate("rk4", 1e-3, h=1e-4, q0=state),
+        lambda: hmax.Body("cube:n=1", gravity=masked([0.0, 0.0, 1.0])),
+        lambda: hmax.integrate("rk4", lambda t, y: -y, masked([1.0]), 1, h=0.1),
+        lambda: hmax.integrate("rk4", lambda t, y: masked([1.0]), [1.0], 1, h=0.1),
+        lambda: hmax.integrate("implicit_euler", lambda t, y: -y, [1.0], 1, h=0.1, jacobian=lambda t, y: masked([[-1.0]])),
+        lambda: hmax.probe(lambda y, h: y * 0.9, masked([1.0]), 0.1, 1),
+        lambda: hmax.probe(lambda y, h: masked(y * 0.9), [1.0], 0.1, 1),
+        lambda: hmax.probe(lambda y, h: y * 0.9, [1.0, 1.0], 0.1, 1, scales=hidden),
+        lambda: hmax.probe(lambda y, h: y * 0.9, [1.0, 1.0], 0.1, 1, pattern=masked(np.eye(2))),
+        lambda: hmax.predict("liver_cubic", "rk4", y0=hidden),
+    ]
+    for number, call in enumerate(calls):
+        with pytest.raises(ValueError, match="masked"):
+            call()
+            pytest.fail(f"call {number} took masked entries")
+    # A masked array without masked entries holds every number.
+    assert limit(M=np.ma.masked_array(MASSES)).h_max == limit().h_max
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_states_of_a_body_must_be_finite(bad):
+    body = hmax.Body("cube:n=1")
+    state = np.zeros(body.dofs)
+    state[3] = bad
+    for call in (body.K, body.C, body.force):
+        for name in ("q", "v"):
+            with pytest.raises(ValueError, match=rf"{name}\[3\] is {bad}; every number must be finite"):
+                call(**{name: state})
+        with pytest.raises(ValueError, match="t is .* but must be a finite number"):
+            call(t=bad)
+    with pytest.raises(ValueError, match=r"gravity\[1\]"):
+        hmax.Body("cube:n=1", gravity=[0, bad, 0])
+    with pytest.raises(ValueError, match=r"pattern\["):
+        hmax.probe(lambda y, h: y * 0.9, [1.0], 0.1, 1, pattern=[[bad]])
+
+
 def test_names_and_counts_are_checked():
     with pytest.raises(ValueError, match="rk4"):
         hmax.limits("rk44")

@@ -91,6 +91,12 @@ inline void require_closing(MeshText& text, std::string_view opening, std::strin
   text.end_line("the end of a section");
 }
 
+/// Ends a section of numbers, which are raw in a binary file.
+inline void close_numbers(GmshFields& fields, std::string_view opening) {
+  if (fields.binary) fields.text.require_line_break();
+  require_closing(fields.text, opening);
+}
+
 /// Reads what follows $PhysicalNames. Names are words in binary files too.
 inline void read_physical_names(MeshText& text, MeshBuilder& builder) {
   const std::size_t count = gmsh_count(text, "physical names", 6);

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 
-#include "core/own_files.hpp"
+#include "core/process/whole_file.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 
 namespace hmax {
@@ -49,26 +48,6 @@ const MeshFormat* format_of(const fs::path& file) {
 }
 
 }  // namespace
-
-std::string read_whole(const fs::path& file) {
-  std::error_code error;
-  if (!fs::exists(file, error))
-    throw std::invalid_argument("there is no file '" + file.string() + "'; correct the name");
-  if (!fs::is_regular_file(file, error))
-    throw std::invalid_argument("'" + file.string() + "' is not a file; name a mesh file");
-  note_input(file);
-  std::ifstream in(file, std::ios::binary);
-  std::string text;
-  const auto size = fs::file_size(file, error);
-  if (in && !error) {
-    text.resize(static_cast<std::size_t>(size));
-    in.read(text.data(), static_cast<std::streamsize>(size));
-    text.resize(static_cast<std::size_t>(in.gcount()));
-  }
-  if (error || in.bad() || !in.is_open())
-    throw std::invalid_argument("the file '" + file.string() + "' cannot be read; check its permissions");
-  return text;
-}
 
 void ExtraColumns::skip(MeshText& text, const char* row) {
   const std::size_t here = text.skip_rest_of_line();
@@ -111,6 +90,7 @@ MeshFile read_mesh(const std::string& name, std::string_view text) {
 }
 
 MeshFile read_mesh_file(const fs::path& file) {
+  constexpr std::string_view what = "a mesh file";
   const MeshFormat* format = format_of(file);
   if (format == nullptr || format->read != nullptr) {
     std::error_code ignored;
@@ -119,15 +99,17 @@ MeshFile read_mesh_file(const fs::path& file) {
                                   " in it");
     if (fs::exists(file, ignored) && format == nullptr)
       return read_mesh(file.string(), "");  // which says what extensions there are
-    return read_mesh(file.string(), read_whole(file));
+    return within_memory(file, [&] { return read_mesh(file.string(), read_whole(file, what)); });
   }
   fs::path node = file, ele = file;
   if (lower_extension(file) == ".ele")
     node.replace_extension(".node");
   else
     ele.replace_extension(".ele");
-  const std::string points = read_whole(node);
-  return read_tetgen(node.string(), points, ele.string(), read_whole(ele));
+  return within_memory(ele, [&] {
+    const std::string points = read_whole(node, what);
+    return read_tetgen(node.string(), points, ele.string(), read_whole(ele, what));
+  });
 }
 
 void MeshBuilder::reserve_points(std::size_t points) { points_.reserve(points_.size() + 3 * points); }

@@ -24,9 +24,6 @@ MeshFile read_vtu(const std::string& name, std::string_view text);
 MeshFile read_medit(const std::string& name, std::string_view text);
 MeshFile read_vega(const std::string& name, std::string_view text);
 
-/// The bytes of a file, which is noted as an input. @throws std::invalid_argument naming it
-std::string read_whole(const std::filesystem::path& file);
-
 /// Columns behind those that a reader needs. Nobody uses them, but each row has as many as the first one: a
 /// row of another length has lost or gained a number.
 class ExtraColumns {

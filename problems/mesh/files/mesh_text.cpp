@@ -243,4 +243,13 @@ std::string_view MeshText::bytes(std::size_t size, const char* what) {
   return found;
 }
 
+void MeshText::require_line_break() {
+  const std::string_view rest = text_.substr(at_);
+  const std::size_t length = rest.starts_with("\r\n") ? 2 : 1;
+  if (!rest.starts_with('\n') && length == 1)
+    fail(
+        "no line break is behind the values; bytes of them were lost or added, so copy or export the file again");
+  at_ += length;
+}
+
 }  // namespace hmax

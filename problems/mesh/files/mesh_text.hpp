@@ -86,6 +86,9 @@ class MeshText {
     return value_from<T>(bytes(sizeof(T), what).data(), swapped);
   }
   std::string_view bytes(std::size_t size, const char* what);
+  /// Goes beyond the line break that must stand behind raw values: a byte that was lost among them would have
+  /// drawn it in as the last one.
+  void require_line_break();
 
   /// Throws "NAME, line N: `text`".
   [[noreturn]] void fail(const std::string& text) const;

@@ -85,7 +85,7 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
       require_closing(text, section);
     } else if (section == "$Nodes" || section == "$ParametricNodes") {
       read_points(builder, fields, gmsh_count(text, "nodes", binary ? 28 : 8), section != "$Nodes");
-      require_closing(text, section);
+      close_numbers(fields, section);
       builder.number_points(text);
     } else if (section == "$Elements") {
       const std::size_t count = gmsh_count(text, "elements", binary ? 8 : 6);
@@ -124,7 +124,7 @@ MeshFile read_version_2(MeshText& text, bool binary, bool swapped) {
           fields.end_row("an element");
         }
       }
-      require_closing(text, section);
+      close_numbers(fields, section);
     } else {
       text.skip_behind("$End" + section.substr(1));
     }
@@ -179,6 +179,7 @@ MeshFile read_gmsh(const std::string& name, std::string_view bytes) {
       text.fail(
           "the number that tells the byte order is not 1; the file was damaged or written as text, so "
           "export it again");
+    text.require_line_break();
   }
   require_closing(text, section);
   if (version.starts_with("4.1")) return read_gmsh_4(text, binary, swapped, "4.1");

@@ -36,8 +36,10 @@ class Gmsh4Reader {
         read_elements();
       else
         known = false;
-      if (known)
+      if (section == "$PhysicalNames")
         require_closing(text, section);
+      else if (known)
+        close_numbers(fields_, section);
       else
         text.skip_behind("$End" + section.substr(1));
     }

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "core/process/whole_file.hpp"
 #include "problems/mesh/files/mesh_file.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 
@@ -93,7 +94,7 @@ class VegaReader {
       fail("but " + std::to_string(most) +
            " files are included before it, which are the most; put its text here instead");
     text().end_line("*INCLUDE");
-    auto bytes = std::make_unique<std::string>(read_whole(path));
+    auto bytes = std::make_unique<std::string>(read_whole(path, "a mesh file"));
     MeshText inner(path.string(), *bytes, '#');
     sources_.push_back(
         {.bytes = std::move(bytes), .text = std::move(inner), .path = whole, .included_at = line});

@@ -45,6 +45,11 @@ class LegacyValues {
     type_ = lower(type);
     require_known(type);
     text_.require_room(count, what, binary_ ? size_of() : 2);
+    empty_ = count == 0;
+  }
+  /// Ends an array all of whose values were read.
+  void end() {
+    if (binary_ && !empty_) text_.require_line_break();
   }
   /// Goes beyond an array that nobody needs, whatever its values are.
   void skip(std::string_view type, std::size_t components, std::size_t tuples) {
@@ -57,9 +62,12 @@ class LegacyValues {
       for (std::size_t i = 0; i < count; ++i) skip_string();
     } else if (binary_ && type_ == "bit") {
       text_.bytes((count + 7) / 8, "the values of an array");
+      empty_ = count == 0;
+      end();
     } else if (binary_) {
       begin(type, count, "values");
       text_.bytes(count * size_of(), "the values of an array");
+      end();
     } else {
       if (type_ != "bit") require_known(type);
       text_.require_room(count, "values", 2);
@@ -149,7 +157,7 @@ class LegacyValues {
 
   static constexpr bool little = std::endian::native == std::endian::little;
   MeshText& text_;
-  bool binary_;
+  bool binary_, empty_ = true;
   std::string type_;
 };
 
@@ -172,6 +180,7 @@ std::vector<std::int64_t> read_integers(MeshText& text, LegacyValues& values, st
   values.begin(type, count, what);
   std::vector<std::int64_t> list(count);
   for (std::int64_t& value : list) value = values.integer(what);
+  values.end();
   return list;
 }
 
@@ -203,6 +212,7 @@ void read_cells(MeshText& text, LegacyValues& values, VtkCells& cells, std::vect
       cells.connectivity.push_back(values.integer("a point of a cell"));
     cells.offsets.push_back(static_cast<std::int64_t>(cells.connectivity.size()));
   }
+  values.end();
   if (first + cells.connectivity.size() != second)
     text.fail("the cells are " + std::to_string(first + cells.connectivity.size()) + " numbers instead of " +
               std::to_string(second) + "; export the mesh again");
@@ -212,6 +222,7 @@ std::vector<std::int64_t> read_values(LegacyValues& values, std::string_view typ
   values.begin(type, count, "regions");
   std::vector<std::int64_t> list(count);
   for (std::int64_t& value : list) value = values.label("a region");
+  values.end();
   return list;
 }
 
@@ -430,6 +441,7 @@ MeshFile read_vtk(const std::string& name, std::string_view bytes) {
         const double x = values.real("the x coordinate"), y = values.real("the y coordinate");
         builder.add_point(x, y, values.real("the z coordinate"));
       }
+      values.end();
       has_points = true;
     } else if (same_keyword(word, "CELLS") && !has_cells) {
       read_cells(text, values, cells, places);

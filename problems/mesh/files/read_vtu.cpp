@@ -46,8 +46,8 @@ To converted(std::string_view type, const char* bytes, bool swapped) {
 
 struct Piece {
   std::size_t points = 0, cells = 0;
-  std::optional<XmlTag> coordinates, connectivity, offsets, types, regions;
-  std::optional<XmlTag> point_numbers, cell_numbers, ghosts;
+  std::optional<XmlTag> coordinates{}, connectivity{}, offsets{}, types{}, regions{};
+  std::optional<XmlTag> point_numbers{}, cell_numbers{}, ghosts{};
 };
 
 struct Grid {
@@ -438,7 +438,20 @@ class VtuReader {
     // Behind the last array comes the line of the end tag.
     if (content.find_first_not_of(" \t\r\n", size) != std::string_view::npos)
       at(tag).fail("an array is longer than it says; the file was damaged, so export it again");
+    if (format == "appended" && !base64 &&
+        content.data() + content.size() == appended_.data() + appended_.size())
+      require_end_of_data(tag, content.substr(0, size), content.substr(size));
     return content.substr(0, size);
+  }
+
+  /// Refuses raw data whose last array has drawn in the line break behind it, since a byte was lost before.
+  /// @param values, behind  the last array, and what stands between it and the end tag
+  void require_end_of_data(const XmlTag& tag, std::string_view values, std::string_view behind) const {
+    const bool whole = behind.empty() ? !values.ends_with('\n') : behind.find_first_of("\r\n") == 0;
+    if (!whole)
+      at(tag).fail(
+          "no line break is between the appended data and their end tag; bytes were lost or added, so copy or "
+          "export the file again");
   }
 
   /// Of an array as one block: its size, and then the values.

@@ -12,7 +12,7 @@ namespace hmax {
 /// The cells of an unstructured grid: cell i has the points connectivity[offsets[i]] to
 /// connectivity[offsets[i + 1] - 1].
 struct VtkCells {
-  std::vector<std::int64_t> types, offsets, connectivity;
+  std::vector<std::int64_t> types{}, offsets{}, connectivity{};
   // Of a grid in several pieces: the numbers of the first point and the first cell of this one.
   std::int64_t first_point = 0, first_cell = 0;
 };

@@ -30,10 +30,10 @@ struct Structure {
     }
     elements = [&body, free](const ElementVisitor& visit) {
       body.visit_rest_stiffness(
-          [&](std::span<const TetMesh::Index> points, const Eigen::Ref<const MatrixXd>& K) {
+          [&](std::span<const TetMesh::Index> points, const Eigen::Ref<const MatrixXd>& element) {
             std::vector<Index> numbers;
             for (const auto point : points) numbers.push_back(free[static_cast<std::size_t>(point)]);
-            visit(numbers, K);
+            visit(numbers, element);
           });
     };
     const VectorXd rest = VectorXd::Zero(body.dofs()), root = body.mass().cwiseSqrt().cwiseInverse();

@@ -233,8 +233,9 @@ TEST(DampingRange, TellsWhichTangentsMayCutAModeOff) {
     const bool is_cut = std::ranges::none_of(range.corners, [&](const MechanicalMode& at) {
       return std::abs(at.kappa - corner.kappa) <= 1e-9 * corner.kappa && at.gamma == 0;
     });
-    if (is_cut) EXPECT_GT(tangents.beyond(i, corner, inside), 0) << i;
-    beyond += is_cut ? 1 : 0;
+    if (!is_cut) continue;
+    EXPECT_GT(tangents.beyond(i, corner, inside), 0) << i;
+    ++beyond;
   }
   EXPECT_GT(beyond, 0);
 }

@@ -238,6 +238,13 @@ TEST(Plugin, AModelThatEndsItsProcessIsAnErrorThatNamesTheCall) {
   expect_no_child();
 }
 
+TEST(Plugin, AModelThatIsNotDeterministicIsRefused) {
+  EXPECT_NE(
+      error_of_rhs("noise:0", 10).find("is not deterministic: two calls at t = 0 with one state give -10."),
+      std::string::npos);
+  expect_no_child();
+}
+
 TEST(Plugin, AModelThatDestroysWhatItSharesWithHmaxIsAnError) {
   for (const std::string with : {"zeros", "ones"})
     EXPECT_EQ(error_of_rhs(with + ":3", 10),

@@ -403,6 +403,7 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
   if (faulty.way == "child" && faulty.calls == faulty.from + 1) leave_a_process(false);
   if (faulty.way == "slow") usleep(20000);
   if (faulty.way == "nan") *dydt = std::nan("");
+  if (faulty.way == "noise") *dydt *= 1 + 1e-6 * static_cast<double>(faulty.calls % 7);
   while (faulty.way == "hang") usleep(1000);
   return HMAX_OK;
 }

@@ -483,5 +483,19 @@ TEST(Phase, OffersNoOptionThatCannotWork) {
               1e-9);
 }
 
+TEST(PhaseCommand, AWindowBeyondTheRangeOfNumbersIsRefused) {
+  const Shell shell;
+  for (const char* view : {"", " --poincare --periods 5 --skip 1", " --method rk4 --h 1"})
+    for (const char* bounds : {"-1e308,1e308,-1e308,1e308", "-1,1,0,1e200"})
+      expect_refused(shell.hmax(std::string("phase --problem liver_forced --window=") + bounds + view),
+                     "give numbers within +-1e+150");
+  for (const char* start : {"1e308,1e308", "-1e308,1e308", "0,1e308"}) {
+    const std::string y0 = std::string(" --y0=") + start;
+    expect_refused(shell.hmax("phase --problem liver_cubic" + y0), "which is beyond 1e+150");
+    expect_refused(shell.hmax("phase --problem liver_forced --poincare --periods 5 --skip 1" + y0),
+                   "which is beyond 1e+150");
+  }
+}
+
 }  // namespace
 }  // namespace hmax

@@ -27,6 +27,62 @@ TEST(LastResort, ControlSequencesOfArgumentsAreShown) {
   EXPECT_NE(told.err.find("'a\\x1b[31mb\\xc2\\x9bc'"), std::string::npos) << told.err;
 }
 
+TEST(LastResort, ControlSequencesOfNamesInFilesAreShownOnStandardOutput) {
+  const Shell shell;
+  write_text(
+      shell / "esc.toml",
+      "[problem]\nname = \"\\u001b]0;pwn\\u0007\\u001b[31mred\\u009b\\u202e\"\nt_end = 1\n[equations]\n"
+      "x = \"-x\"\n[initial]\nx = 1\n");
+  ASSERT_EQ(shell.hmax("mesh make cube:n=1 --output c.msh").exit_code, 0);
+  const std::string named = "\"$(printf 'a\\033[31mb.msh')\"";
+  ASSERT_EQ(shell.line("mv c.msh " + named).exit_code, 0);
+  for (const std::string& command : std::vector<std::string>{
+           "run --problem esc.toml --method rk4 --h 0.1",
+           "stability predict --problem esc.toml --methods rk4", "order --problem esc.toml --method rk4",
+           "mesh info " + named, "mesh check " + named,
+           "sweep --problem esc.toml --methods rk4 --h 0.1 --fixed --explore --out s.sqlite",
+           "export s.sqlite", "precision --problem esc.toml --methods rk4 --h 0.1,0.05 --budget 0.01"}) {
+    const Told told = shell.hmax(command);
+    EXPECT_LE(told.exit_code, 1) << command << told.err;
+    for (const std::string control : {"\033", "\007", "\302\233", "\342\200\256"})
+      EXPECT_EQ((told.out + told.err).find(control), std::string::npos) << command;
+  }
+  EXPECT_NE(
+      shell.hmax("run --problem esc.toml --method rk4 --h 0.1").out.find("\\x1b]0;pwn\\x07\\x1b[31mred"),
+      std::string::npos);
+  // JSON has its own escapes.
+  const Told told = shell.hmax("run --problem esc.toml --method rk4 --h 0.1 --json");
+  EXPECT_EQ(told.json().dump().find("\\\\x1b"), std::string::npos) << told.out;
+}
+
+TEST(LastResort, AFileThatNeedsMoreMemoryThanThereIsIsNamed) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more memory than the limit of this test";
+#endif
+  const Shell shell;
+  for (const std::string name :
+       {"b.msh", "b.vtk", "b.vtu", "b.node", "b.ele", "b.mesh", "b.veg", "b.mtx", "b.sti", "b.csv"})
+    ASSERT_EQ(shell.line("truncate -s 20G " + name).exit_code, 0);
+  const auto refused = [&](const std::string& command, const std::string& file) {
+    SCOPED_TRACE(command);
+    expect_refused(shell.line("ulimit -v 1000000; hmax " + command),
+                   "'" + file + "' of 21.5 GB needs more memory");
+  };
+  for (const std::string extension : {"msh", "vtk", "vtu", "node", "mesh", "veg"})
+    refused("mesh info b." + extension, "b." + extension);
+  for (const std::string extension : {"mtx", "sti"})
+    refused("stability predict --methods rk4 --matrices stiffness=b." + extension + ",mass=b." + extension,
+            "b." + extension);
+  refused("advise --mesh cube:n=2 --rate 100 --motion b.csv --methods rk4", "b.csv");
+  // Of these no more is read than tells what they are.
+  for (const std::string command : {"run --method rk4 --h 1 --problem b.toml", "sweep b.toml",
+                                    "export b.sqlite", "report b.sqlite --output r.html",
+                                    "run --problem liver_cubic --method rk4 --h 0.1 --checkpoint b.ckpt"}) {
+    ASSERT_EQ(shell.line("truncate -s 20G b.toml b.sqlite b.ckpt").exit_code, 0);
+    expect_refused(shell.line("ulimit -v 1000000; hmax " + command), "b.");
+  }
+}
+
 TEST(LastResort, AnOptionIsNoValue) {
   const Shell shell;
   expect_refused(shell.hmax("sweep --out --json"), "--out is followed by the option --json");

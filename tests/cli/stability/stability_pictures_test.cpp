@@ -134,6 +134,15 @@ TEST(StabilityPictures, RefusesWhatCannotBeDrawn) {
   expect_refused(shell.hmax("stability gallery"), "--output");
   expect_refused(shell.hmax("stability region --output x"), "no method is given");
   expect_refused(shell.hmax("stability region --method rk4 --window 1,0,0,1"), "no rectangle");
+  // Widths and areas of these are no numbers.
+  for (const char* output : {"", " --output x", " --output x --field", " --output x --order-star"}) {
+    expect_refused(
+        shell.hmax(std::string("stability region --method rk4 --window=-1e308,1e308,-1e308,1e308") + output),
+        "--window holds -1e+308; give numbers within +-1e+150");
+    expect_refused(
+        shell.hmax(std::string("stability region --method rk4 --window=-8e307,8e307,-1,1") + output),
+        "--window holds -8e+307");
+  }
 }
 
 }  // namespace

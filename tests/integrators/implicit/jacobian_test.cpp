@@ -95,7 +95,7 @@ struct RootOfTime {
   using State = Eigen::VectorXd;
   double s;
   static Eigen::Index dim() { return 1; }
-  void rhs(double t, const State& y, State& f) const { f = State::Constant(1, std::pow(s * t, 0.3)) - y; }
+  void rhs(double t, const State& at, State& f) const { f = State::Constant(1, std::pow(s * t, 0.3)) - at; }
   void jacobian(double, const State&, Eigen::MatrixXd& J) const { J = -Eigen::MatrixXd::Identity(1, 1); }
   void time_derivative(double t, const State&, State& dfdt) const {
     dfdt = State::Constant(1, 0.3 * s * std::pow(s * t, -0.7));
@@ -104,18 +104,19 @@ struct RootOfTime {
 
 TEST(TimeDerivative, ThatIsInfiniteIsTheSecantOverTheStep) {
   for (const double h : {0.1, 0.01}) {
-    Eigen::VectorXd y = Eigen::VectorXd::Ones(1);
-    const auto end = integrate(Rosenbrock<tableaux::Rodas4, Eigen::VectorXd, Eigen::MatrixXd>(),
-                               RootOfTime{1}, Span<double>{0, 1}, y, FixedStep<double>(h), ObserveNothing{});
+    Eigen::VectorXd reached = Eigen::VectorXd::Ones(1);
+    const auto end =
+        integrate(Rosenbrock<tableaux::Rodas4, Eigen::VectorXd, Eigen::MatrixXd>(), RootOfTime{1},
+                  Span<double>{0, 1}, reached, FixedStep<double>(h), ObserveNothing{});
     EXPECT_EQ(end.outcome, Outcome::reached_end);
     // (1 + integral of e^t t^0.3 from 0 to 1) / e
-    EXPECT_NEAR(y[0], 0.8842680349, 0.5 * h);
+    EXPECT_NEAR(reached[0], 0.8842680349, 0.5 * h);
   }
   // The domain ends on the other side.
   const RootOfTime back{-1};
-  const Eigen::VectorXd y = Eigen::VectorXd::Ones(1), f0 = -y;
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1), f0 = -one;
   Eigen::VectorXd dfdt(1);
-  evaluate_time_derivative(back, 0.0, -0.1, y, f0, dfdt);
+  evaluate_time_derivative(back, 0.0, -0.1, one, f0, dfdt);
   EXPECT_NEAR(dfdt[0], std::pow(0.1, 0.3) / -0.1, 1e-12);
 }
 

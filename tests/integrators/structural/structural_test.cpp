@@ -424,7 +424,7 @@ TYPED_TEST(Structural, InterpolantMeetsBothEndsAndHasTheOrderOfTheStep) {
             after_steps(Rk<tableaux::Dop853, WidePlane>{}, liver.system, liver.start, 0.4L * h / 4, 4))
         .norm();
   };
-  EXPECT_NEAR(std::log2(error(0.01L) / error(0.005L)), TypeParam::order + 1, 0.1);
+  EXPECT_NEAR(static_cast<double>(std::log2(error(0.01L) / error(0.005L))), TypeParam::order + 1, 0.1);
 }
 
 TYPED_TEST(Structural, AForceThatIsNotFiniteEndsTheRun) {

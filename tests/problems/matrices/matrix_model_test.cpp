@@ -129,6 +129,15 @@ TEST_F(Matrices, OfCalculixHaveTheShapeOfTheLargestIndexAndTheNamesOfItsUnknowns
   EXPECT_EQ(model.name_of(1), "unknown 2 (4.2)");
 }
 
+TEST_F(Matrices, OfCalculixHaveEachEntryOnce) {
+  const std::string mass = write("job.mas", "1 1 1\n2 2 0.5\n");
+  expect_refusal({.stiffness = write("job.sti", "1 1 2\n1 2 -1\n2 2 2\n1 2 -1\n"), .mass = mass},
+                 "row 1, column 2 has two entries, and CalculiX writes each one once");
+  expect_refusal({.stiffness = write("job.sti", "1 1 2\n1 2 -1\n2 2 2\n"),
+                  .mass = write("job.mas", "1 1 1\n2 2 0.5\n1 1 1\n2 2 0.5\n")},
+                 "row 1, column 1 has two entries");
+}
+
 TEST_F(Matrices, OfCalculixAreOfOneModel) {
   const MatrixFiles given{.stiffness = write("job.sti", "1 1 2\n1 2 -1\n2 2 2\n"),
                           .mass = write("other.mas", "1 1 1\n2 2 0.5\n5 5 1\n")};

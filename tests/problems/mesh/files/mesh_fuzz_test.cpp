@@ -149,6 +149,54 @@ TEST(DamagedMeshFiles, WithEightBytesLostAnywhereTheBinaryOnesAreRefusedOrWhole)
   }
 }
 
+/// The parts of a binary file that hold raw values, between the texts around them.
+std::vector<std::pair<std::size_t, std::size_t>> raw_parts(const std::string& text) {
+  std::vector<std::pair<std::size_t, std::size_t>> parts;
+  const auto between = [&](const std::string& head, const std::string& tail) {
+    const std::size_t begin = text.find(head);
+    if (begin == std::string::npos) return;
+    const std::size_t end = text.find(tail, begin + head.size());
+    EXPECT_NE(end, std::string::npos) << tail;
+    if (end != std::string::npos) parts.emplace_back(begin + head.size(), end);
+  };
+  if (text.starts_with("$MeshFormat")) {
+    for (const std::string section : {"Nodes", "Elements", "Entities"})
+      between(
+          "$" + section +
+              (text.find("\n2.2 1") != std::string::npos ? (section == "Nodes" ? "\n5\n" : "\n3\n") : "\n"),
+          "\n$End" + section);
+  } else if (text.starts_with("# vtk")) {
+    const bool older = text.find("OFFSETS") == std::string::npos;
+    between("POINTS 5 float\n", older ? "\nCELLS" : "\nMETADATA");
+    between("CELLS 2 10\n", "\nCELL_TYPES");
+    between("OFFSETS vtktypeint64\n", "\nCONNECTIVITY");
+    between("CONNECTIVITY vtktypeint64\n", "\nCELL_TYPES");
+    between("CELL_TYPES 2\n", "\nPOINT_DATA");
+    between("LOOKUP_TABLE default\n", "\nCELL_DATA");
+    between("quality 1 2 double\n", "\nregion");
+    parts.emplace_back(text.find("region 1 2 int\n") + 15, text.size() - 1);
+  } else {
+    const std::size_t begin = text.find('_', text.find("encoding=\"raw\""));
+    parts.emplace_back(begin + 1, text.find("\n</AppendedData>"));
+  }
+  return parts;
+}
+
+TEST(DamagedMeshFiles, WithOneByteLostFromTheirValuesTheBinaryOnesAreRefused) {
+  int tried = 0;
+  for (const GoldenMesh& golden : golden_meshes()) {
+    if (golden.text.find('\0') == std::string::npos) continue;
+    SCOPED_TRACE(golden.name);
+    for (const auto& [begin, end] : raw_parts(golden.text))
+      for (std::size_t lost = begin; lost < end; ++lost, ++tried) {
+        GoldenMesh damaged = golden;
+        damaged.text.erase(lost, 1);
+        EXPECT_THROW(static_cast<void>(damaged.read()), std::invalid_argument) << "byte " << lost;
+      }
+  }
+  EXPECT_GT(tried, 2000);
+}
+
 TEST(DamagedMeshFiles, WithAWrongByteAnywhereTheyAreRefusedOrValid) {
   for (const GoldenMesh& golden : golden_meshes()) {
     SCOPED_TRACE(golden.name);
