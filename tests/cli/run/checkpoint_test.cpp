@@ -60,6 +60,26 @@ TEST(Checkpoint, TwoSignalsAtOnceAreOneWish) {
   }
 }
 
+TEST(Checkpoint, ASecondRunOfTheSameFileIsRefused) {
+  const Shell shell;
+  const std::string command = std::string(long_run) + "--t-end 4000 --checkpoint-every 0.05";
+  const Told told =
+      shell.line("'" HMAX_PROGRAM "' " + command +
+                 " >first & p=$!; until [ -e run.checkpoint ]; do sleep 0.01; done; '" HMAX_PROGRAM "' " +
+                 command + "; echo $?; kill -KILL $p; wait $p; ls");
+  EXPECT_NE(told.out.find("2\n"), std::string::npos) << told.out;
+  EXPECT_NE(
+      told.err.find("hmax: checkpoint run.checkpoint is in use by another run; wait until that ends, or name "
+                    "another file\n"),
+      std::string::npos)
+      << told.err;
+  // What the killed one has left is no obstacle, and gone afterwards.
+  write_text(shell / "run.checkpoint.abcdefghijkl.part", "left");
+  const Told resumed =
+      shell.line("timeout --foreground -s INT 0.5 '" HMAX_PROGRAM "' " + command + "; echo $?; ls");
+  EXPECT_EQ(resumed.out, "124\nfirst\nrun.checkpoint\n") << resumed.err;
+}
+
 TEST(Checkpoint, AFinishedRunIsToldAtOnce) {
   const Shell shell;
   const std::string command =
