@@ -29,7 +29,7 @@ std::vector<std::string> split_names(const std::string& names);
 std::string insert_into(std::string_view table, const std::string& names);
 
 /// Reads a whole store once: the digest of each row, then what SQLite itself checks, pages, indexes and
-/// references between tables. A hundred thousand rows take about half a second.
+/// references between tables. A hundred thousand rows take about a second.
 /// @throws DamagedRow  for the first row whose digest differs, or that refers to a row that is not there
 /// @throws Failure     SQLITE_CORRUPT for a damaged page, index or layout
 void check_store(sqlite3* database);
