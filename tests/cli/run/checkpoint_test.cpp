@@ -62,11 +62,13 @@ TEST(Checkpoint, TwoSignalsAtOnceAreOneWish) {
 
 TEST(Checkpoint, ASecondRunOfTheSameFileIsRefused) {
   const Shell shell;
-  const std::string command = std::string(long_run) + "--t-end 4000 --checkpoint-every 0.05";
-  const Told told =
-      shell.line("'" HMAX_PROGRAM "' " + command +
-                 " >first & p=$!; until [ -e run.checkpoint ]; do sleep 0.01; done; '" HMAX_PROGRAM "' " +
-                 command + "; echo $?; kill -KILL $p; wait $p; ls");
+  const std::string command =
+      "run --problem liver_forced --method rk4 --h 1e-6 --t-end 900 --checkpoint run.checkpoint --checkpoint-every 0.05";
+  const Told told = shell.line(
+      "'" HMAX_PROGRAM "' " + command +
+      " >first & p=$!; until [ -s run.checkpoint ]; do sleep 0.01; kill -0 $p || exit 1; done; '" HMAX_PROGRAM
+      "' " +
+      command + "; echo $?; kill -KILL $p; wait $p; ls");
   EXPECT_NE(told.out.find("2\n"), std::string::npos) << told.out;
   EXPECT_NE(
       told.err.find("hmax: checkpoint run.checkpoint is in use by another run; wait until that ends, or name "
