@@ -28,6 +28,7 @@ std::vector<AdviceRecord> advice_records(const Advice& advice) {
     record.bound = name_of(row.bound);
     record.verdict = name_of(row.verdict);
     record.status = row.status;
+    record.stage = name_of(advice.stage);
     record.h = row.h;
     record.steps_per_frame = static_cast<double>(row.steps_per_frame);
     record.h_max = row.h_max;

@@ -183,7 +183,7 @@ void precision(const PrecisionOptions& options, Console& console) {
         [&] { return interrupted.load(); });
     if (summary.interrupted) {
       if (options.store.empty()) throw Interrupted{};
-      throw Interrupted::with_store(options.store);
+      throw Interrupted::with_store(options.store, store.size());
     }
     for (const std::string& warning : summary.warnings) console.remark(warning);
     progress.update(1, "limits of the step");

@@ -224,7 +224,7 @@ void merge(const std::string& out, const std::vector<std::string>& inputs, Conso
   {
     Progress progress(console, "merge");
     for (std::size_t i = 0; i < files.size(); ++i) {
-      if (interrupted) throw Interrupted::with_store(store.file().string());
+      if (interrupted) throw Interrupted::with_store(store.file().string(), merger.summary().added);
       progress.update(static_cast<double>(i) / static_cast<double>(files.size()),
                       files[i].filename().string());
       merger.add(files[i]);

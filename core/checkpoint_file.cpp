@@ -1,9 +1,15 @@
 #include "core/checkpoint_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
+#include <fcntl.h>
 #include <fstream>
 #include <iterator>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
 
 #include "core/digest.hpp"
 #include "core/part_file.hpp"
@@ -93,6 +99,33 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   } catch (const std::runtime_error&) {
     throw std::runtime_error(damaged_checkpoint(file));
   }
+}
+
+CheckpointLock::CheckpointLock(const std::filesystem::path& file) : lock_(std::filesystem::absolute(file)) {
+  lock_ += ".lock";
+  for (;;) {
+    descriptor_ = open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor_ < 0) return;
+    const bool is_locked = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    const bool is_taken = !is_locked && errno == EWOULDBLOCK;
+    // Its owner may have removed the file between the two calls: a lock on it would keep nobody out.
+    struct stat ours {
+    }, there{};
+    const bool is_there = fstat(descriptor_, &ours) == 0 && stat(lock_.c_str(), &there) == 0 &&
+                          ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
+    if (is_locked && is_there) return;
+    close(std::exchange(descriptor_, -1));
+    if (is_taken) refuse(file, "is in use by another run; wait until that ends, or name another file");
+    if (!is_locked) return;
+  }
+}
+
+CheckpointLock::~CheckpointLock() {
+  if (descriptor_ < 0) return;
+  struct stat ours {};
+  if (fstat(descriptor_, &ours) == 0 && ours.st_size == 0)
+    unlink(lock_.c_str());  // before the lock goes: whoever opens it then makes another file
+  close(descriptor_);
 }
 
 std::optional<std::string> first_difference(const std::vector<RunFact>& checkpoint,

@@ -99,6 +99,25 @@ void write_checkpoint(const std::filesystem::path& file, const Checkpoint& check
 /// damaged or truncated
 Checkpoint read_checkpoint(const std::filesystem::path& file);
 
+/// Keeps other processes from writing the same checkpoint, as long as it lives: it owns a lock of the system
+/// on FILE.lock, which ends with the process however that ends. Two computers need a file system that shares
+/// locks.
+class CheckpointLock {
+ public:
+  /// Where no lock can be had, as on file systems without any, none is taken.
+  /// @throws std::runtime_error  one sentence, when another process has it
+  explicit CheckpointLock(const std::filesystem::path& file);
+  /// Removes FILE.lock, which is empty unless it is somebody else's.
+  ~CheckpointLock();
+  [[nodiscard]] bool is_held() const { return descriptor_ >= 0; }
+  CheckpointLock(const CheckpointLock&) = delete;
+  CheckpointLock& operator=(const CheckpointLock&) = delete;
+
+ private:
+  std::filesystem::path lock_;
+  int descriptor_ = -1;
+};
+
 /// What differs first between the facts of a checkpoint and those of the run that is to go on, such as
 /// "method is rk4 in the checkpoint and newmark in this run"; empty when all agree.
 std::optional<std::string> first_difference(const std::vector<RunFact>& checkpoint,

@@ -32,14 +32,25 @@ void remember(const std::string& name) {
 /// Throws what errno says of the last system call.
 [[noreturn]] void fail() { throw std::system_error(errno, std::generic_category()); }
 
+constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz234567", last = ".part";
+constexpr std::size_t letter_count = 12;
+
 /// Twelve letters of five random bits each, 2^60 names, from the random numbers of the kernel.
 std::string random_ending() {
   std::uint64_t bits = 0;
   if (getrandom(&bits, sizeof bits, 0) != sizeof bits) fail();
-  constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz234567";
   std::string ending = ".";
-  for (int i = 0; i < 12; ++i, bits >>= 5) ending += letters[bits & 31U];
-  return ending + ".part";
+  for (std::size_t i = 0; i < letter_count; ++i, bits >>= 5) ending += letters[bits & 31U];
+  return ending.append(last);
+}
+
+/// Whether `name` is that of a part of the file `whole`, see random_ending().
+bool is_part_of(std::string_view name, std::string_view whole) {
+  if (name.size() != whole.size() + 1 + letter_count + last.size() || !name.starts_with(whole) ||
+      name[whole.size()] != '.' || !name.ends_with(last))
+    return false;
+  const std::string_view random = name.substr(whole.size() + 1, letter_count);
+  return random.find_first_not_of(letters) == std::string_view::npos;
 }
 
 }  // namespace
@@ -48,6 +59,18 @@ void remove_part_file() noexcept {
   // unlink() and a lock-free atomic are async-signal-safe; strings and allocation are not. The exchange
   // makes sure that only one of handler and destructor removes it.
   if (is_current.exchange(false)) unlink(current_name.data());
+}
+
+void remove_left_parts(const std::filesystem::path& file) {
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  const std::string whole = file.filename().string();
+  std::error_code ignored;  // what cannot be listed or removed stays
+  for (std::filesystem::directory_iterator at(folder, ignored), end; !ignored && at != end;
+       at.increment(ignored))
+    if (is_part_of(at->path().filename().string(), whole)) {
+      std::error_code stays;
+      std::filesystem::remove(at->path(), stays);
+    }
 }
 
 PartFile::PartFile(const std::filesystem::path& file) : file_(file), part_(file) {

@@ -36,6 +36,10 @@ class PartFile {
   int descriptor_;                     ///< -1 once closed
 };
 
+/// Removes the parts of `file` that processes have left which were killed while they wrote it. Nobody else
+/// may be writing `file`: the caller sees to that.
+void remove_left_parts(const std::filesystem::path& file);
+
 /// For handlers of signals: removes the file that is being written, if there is one.
 void remove_part_file() noexcept;
 

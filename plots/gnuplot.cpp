@@ -12,6 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/text/utf8.hpp"
+
 namespace hmax {
 namespace {
 
@@ -80,25 +82,6 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
   return finished;
 }
 
-/// The bytes of the UTF-8 character at the start of `text`; 0 when there is none.
-std::size_t character_at(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t size = first >= 0xC2 && first < 0xE0   ? 2
-                           : first >= 0xE0 && first < 0xF0 ? 3
-                           : first >= 0xF0 && first < 0xF5 ? 4
-                                                           : 0;
-  if (size == 0 || text.size() < size) return 0;
-  for (std::size_t i = 1; i < size; ++i)
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  // Overlong forms, surrogates and what lies beyond U+10FFFF are not characters.
-  if ((first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) >= 0xA0) ||
-      (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) >= 0x90))
-    return 0;
-  return size;
-}
-
 }  // namespace
 
 bool gnuplot_available() { return run(".", {"gnuplot", "--version", nullptr, nullptr}, 10).code == 0; }
@@ -120,7 +103,7 @@ std::string run_gnuplot(const std::filesystem::path& directory, const std::strin
 std::string one_line(std::string_view text) {
   std::string clean;
   while (!text.empty()) {
-    const std::size_t size = character_at(text);
+    const std::size_t size = utf8_character(text);
     const auto first = static_cast<std::uint8_t>(text[0]);
     // C1 controls (U+0080 to U+009F) are C2 80 to C2 9F.
     const bool control = first < 0x20 || first == 0x7F ||
@@ -175,7 +158,7 @@ std::string shortened(std::string_view text, std::size_t most) {
   if (length_of(text) <= most) return std::string(text);
   std::string cut;
   for (std::size_t kept = 0; kept + 1 < most; ++kept) {
-    const std::size_t size = character_at(text);
+    const std::size_t size = utf8_character(text);
     cut += text.substr(0, size == 0 ? 1 : size);
     text.remove_prefix(size == 0 ? 1 : size);
   }

@@ -43,6 +43,9 @@ struct AdviceRecord {
   /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as
   /// to have no such share fewer, empty where none was timed.
   std::string frame_tail;
+  /// How far the search was when the answer was stored: done, or where it was interrupted: searching | timing
+  /// | proving | observing | remedies.
+  std::string stage = "done";
   double h = none;  ///< [s]
   double steps_per_frame = none;
   double h_max = none;                                          ///< predicted [s]
@@ -62,6 +65,8 @@ struct AdviceRecord {
   [[nodiscard]] bool suits() const {
     return verdict == "recommended" || verdict == "tie" || verdict == "suitable";
   }
+  /// Whether the search was interrupted before its rows could be judged against one another.
+  [[nodiscard]] bool is_of_unfinished_search() const { return stage != "done" && stage != "remedies"; }
   /// "rk4", "linearly_implicit_euler, Jacobian frozen, direct"
   [[nodiscard]] std::string words() const { return options.empty() ? method : method + ", " + options; }
 };

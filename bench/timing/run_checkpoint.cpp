@@ -9,6 +9,7 @@
 #include "bench/timing/timing.hpp"
 #include "catalogue/methods/kept_sink.hpp"
 #include "core/errors.hpp"
+#include "core/part_file.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -99,6 +100,12 @@ class RunCheckpoint::Keeper : public RunKeeper {
 
 RunCheckpoint::RunCheckpoint(CheckpointOptions options) : options_(std::move(options)) {
   const std::filesystem::path& file = options_.file;
+  try {
+    lock_.emplace(file);
+  } catch (const std::runtime_error& error) {
+    throw InputError(error.what());
+  }
+  if (lock_->is_held()) remove_left_parts(file);
   std::error_code ignored;
   if (std::filesystem::exists(file, ignored)) read();
   check_writable(file, checkpoint_opening);

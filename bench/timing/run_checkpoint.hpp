@@ -5,6 +5,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,8 +54,9 @@ struct CountedRun {
 /// The runs of one command in one file. Each has a name; what is finished is told at once.
 class RunCheckpoint {
  public:
-  /// Reads the file where there is one.
-  /// @throws InputError  where it cannot be read or written, is damaged, or differs in a fact, which is named
+  /// Locks the file, removes what a killed process has left of it, and reads it where there is one.
+  /// @throws InputError  where it cannot be read or written, is in use by another process, is damaged, or
+  /// differs in a fact, which is named
   explicit RunCheckpoint(CheckpointOptions options);
 
   /// Runs, goes on with, or recalls the run `name`. The record must not outlive this object.
@@ -94,6 +96,7 @@ class RunCheckpoint {
   std::string write();
 
   CheckpointOptions options_;
+  std::optional<CheckpointLock> lock_;
   std::deque<Part> parts_;  ///< whose places in memory stay
 };
 

@@ -129,13 +129,13 @@ void check_names(const AdviseOptions& options) {
 
 /// Fills the answer; what would help is sought where nothing is recommended.
 /// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
-/// @throws the same when nothing is
+/// @throws the same when nothing is, but after Ctrl-C, when JSON is told so too
 std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
                           const AdviceQuestion& question, Advice& advice, const Console& console) {
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
   const AdviceWatcher watcher = [&](double share, const std::string& what) {
-    if (interrupted) throw Interrupted{};
+    if (interrupted) throw Interrupted{"no method was finished"};
     progress.update(share, what);
   };
   try {
@@ -166,7 +166,14 @@ AnswerWords stored_words(const AdviceText& text) {
   return {.body = text.body, .facts = text.facts, .help = text.help, .remedies = text.remedies};
 }
 
-/// Behind the answer itself, which is not lost when something cannot be written.
+/// Whether a store has an answer to this question whose search was not interrupted.
+bool has_whole_answer(const Store& store, const AdviceKey& key) {
+  return std::ranges::any_of(store.advice(),
+                             [&](const AdviceRecord& row) { return row.key == key && row.stage == "done"; });
+}
+
+/// Behind the answer itself, which is not lost when something cannot be written. A whole answer in the store
+/// is not replaced by the part that an interrupted search has found.
 void keep(const AdviseOptions& options, const Problem& problem, const AdviceQuestion& question,
           const Advice& advice, const AdviceText& text, Console& console) {
   if (options.out.empty() && options.output.empty()) return;
@@ -185,9 +192,14 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   }
   if (!options.out.empty()) {
     Store store = Store::open_or_create(store_path(options.out));
-    store.begin_session(fingerprint());
-    store.insert_advice(key, rows, scene, answer_text(stored_words(text)));
-    if (!console.json) console.print(fmt::format("\nStored in {}\n", store.file().generic_string()));
+    if (advice.stage != AdviceStage::done && has_whole_answer(store, key)) {
+      console.note(fmt::format("{} keeps the whole answer that it has to this question",
+                               store.file().generic_string()));
+    } else {
+      store.begin_session(fingerprint());
+      store.insert_advice(key, rows, scene, answer_text(stored_words(text)));
+      if (!console.json) console.print(fmt::format("\nStored in {}\n", store.file().generic_string()));
+    }
   }
   if (page_failure) std::rethrow_exception(page_failure);
 }
@@ -213,13 +225,12 @@ void advise_on(const AdviseOptions& options, Console& console) {
   } else {
     console.print(for_people(text, console));
   }
-  if (finished) return keep(options, problem, question, advice, text, console);
+  if (!finished && !was_interrupted(end)) return;
+  if (finished || !advice.rows.empty()) keep(options, problem, question, advice, text, console);
+  if (finished) return;
   console.flush();
-  if (!was_interrupted(end)) return;
-  // An answer that was kept before is better than a part of one.
-  const bool wanted = !options.out.empty() || !options.output.empty();
-  console.note(wanted ? "interrupted; the rows so far are printed, and neither stored nor written to a page"
-                      : "interrupted; the rows so far are printed");
+  console.note(advice.rows.empty() ? "interrupted; no method was finished"
+                                   : "interrupted; the rows so far are printed");
   console.exit_code = Exit::interrupted;
 }
 

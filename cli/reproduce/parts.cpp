@@ -82,7 +82,7 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
     const SweepSummary done = run_sweep(
         plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
         [&] { return interrupted.load(); });
-    if (done.interrupted) throw Interrupted::with_store(file.string());
+    if (done.interrupted) throw Interrupted::with_store(file.string(), store.size());
     for (const std::string& warning : done.warnings) console.remark(warning);
     count += done.measured;
   }
@@ -127,7 +127,10 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   std::vector<Method> chosen;
   for (const char* id : nonlinear_methods) chosen.push_back(find_method(id));
   const std::vector<StudyRow> nonlinear = study("nonlinear models", CaseKind::nonlinear, chosen);
-  if (interrupted) throw Interrupted::with_store((folder / limit_store).string());
+  if (interrupted) {
+    const auto finished = static_cast<std::int64_t>(rows.size() + nonlinear.size());
+    throw Interrupted::with_store((folder / limit_store).string(), finished);
+  }
   if (shard) return stored_shard(folder, {limit_store}, rows.size() + nonlinear.size(), started);
   write_rows(folder, {limit_store}, console);
   const std::filesystem::path report =

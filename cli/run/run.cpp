@@ -555,7 +555,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
   if (!options.output.empty()) points = write_output(options, watched, checkpoint.get());
   // Nothing saves its state from here on: signals end the program again, also one that came while the last
   // run ended.
-  if (stop && stop->is_set()) throw Interrupted::with_store(options.checkpoint.file);
+  if (stop && stop->is_set()) throw Interrupted::with_store(options.checkpoint.file, 1);
   stop.reset();
   const bool drawn = draw_picture(options, watched, result.record, console);
   if (reached_end) {

@@ -29,10 +29,10 @@ std::atomic<bool> interrupted{false}, waits_for_task{false}, saves_first{false};
 std::atomic<std::time_t> asked_to_end{0};  // the first time
 
 /// Whether a signal only tells a task to end. Who signals a process and its group, as timeout(1), asks once:
-/// while a state is saved a second wish comes a second later.
+/// a second wish comes more than a second later.
 bool is_first_wish() {
   const std::time_t now = std::time(nullptr);
-  if (interrupted.exchange(true)) return saves_first.load() && now - asked_to_end <= 1;
+  if (interrupted.exchange(true)) return now - asked_to_end <= 1;
   asked_to_end = now;
   return true;
 }

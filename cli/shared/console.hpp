@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -83,11 +84,15 @@ struct Interrupted {
   std::string kept = {};  ///< a clause such as "the rows so far are printed"; empty where nothing is kept
 
   /// Of a task whose finished parts are in a file.
-  static Interrupted with_store(const std::string& file) { return {"what was finished is kept in " + file}; }
+  /// @param rows  how many that file has
+  static Interrupted with_store(const std::string& file, std::int64_t rows) {
+    return {rows > 0 ? "what was finished is kept in " + file : "nothing was finished"};
+  }
 };
 
 /// From the first call on Ctrl-C sets the flag that is returned, and the task is to end at the next good
-/// moment; a second Ctrl-C ends the program at once. Without a call the first one does.
+/// moment; a second Ctrl-C, more than a second later, ends the program at once. Without a call the first one
+/// does.
 const std::atomic<bool>& interrupt_flag();
 
 /// Called once by main.

@@ -141,11 +141,23 @@ void print(const LimitAnswer& answer, const LimitQuestion& question, const std::
     return console.print_json(document);
   }
   console.print(words_of(answer, question, problems, console));
-  if (!store) return;
+  if (!store || answer.stopped) return;  // what a stop leaves is told at the end
   std::size_t rows = 0;
   for (const ModelLimits& model : answer.models) rows += model.rows.size();
   console.print(fmt::format("{} limits in {}: {} computed, {} looked up\n", rows, store->file().string(),
                             rows - answer.looked_up, answer.looked_up));
+}
+
+/// What an interrupted query leaves.
+Interrupted interrupted_with(const LimitAnswer& answer, const std::optional<Store>& store) {
+  std::size_t printed = 0;
+  for (const ModelLimits& model : answer.models) printed += model.rows.size();
+  const std::size_t kept = answer.looked_up + answer.stored;
+  if (!store && printed > 0) return {"the rows so far are printed"};
+  if (kept == printed)
+    return Interrupted::with_store(store ? store->file().string() : "", static_cast<std::int64_t>(printed));
+  return {fmt::format("the rows so far are printed, {} of {} are kept in {}", kept, printed,
+                      store->file().string())};
 }
 
 void predict_rows(const PredictOptions& options, Console& console) {
@@ -172,9 +184,7 @@ void predict_rows(const PredictOptions& options, Console& console) {
   warn_of_states(answer, problems, console);
   judge(answer, question, console);
   print(answer, question, problems, store, console);
-  if (!answer.stopped) return;
-  if (store) throw Interrupted::with_store(store->file().string());
-  throw Interrupted{"the rows so far are printed"};
+  if (answer.stopped) throw interrupted_with(answer, store);
 }
 
 }  // namespace

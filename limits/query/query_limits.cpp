@@ -127,6 +127,7 @@ class Query {
     if (!has_session_) store_.store->begin_session(fingerprint());
     has_session_ = true;
     store_.store->insert_limits(limits.point, limits.rows);
+    answer_.stored += limits.rows.size();
   }
 
   /// What is computed stays in `limits` also after a stop.

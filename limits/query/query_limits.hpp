@@ -55,6 +55,7 @@ struct ModelLimits {
 struct LimitAnswer {
   std::vector<ModelLimits> models;  ///< in the order of the problems; after a stop those that were begun
   std::size_t looked_up = 0;        ///< rows that the store had
+  std::size_t stored = 0;           ///< rows that were put into it; of a path that was left none are
   bool stopped = false;
 };
 

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/base64.hpp"
 #include "core/errors.hpp"
+#include "core/text/base64.hpp"
 #include "plots/drawn/bodies.hpp"
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/frame.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/base64.hpp"
+#include "core/text/base64.hpp"
 #include "plots/svg.hpp"
 
 namespace hmax {

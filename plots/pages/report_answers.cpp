@@ -115,6 +115,13 @@ Facts facts_of(const AdviceRecord* best, const AnswerWords* words) {
   return facts;
 }
 
+std::string words_of_answer(std::span<const AdviceRecord> rows, const AdviceRecord* best) {
+  if (best) return "Take " + step_of(*best) + ".";
+  return rows.front().is_of_unfinished_search()
+             ? "The search was interrupted: the rows that were finished, and no recommendation."
+             : "No method that was tried meets this.";
+}
+
 std::string html_of(const Answer& answer, std::span<const ReportedStore> stores) {
   const AdviceKey& key = answer.rows.front().key;
   const auto best = std::ranges::find(answer.rows, "recommended", &AdviceRecord::verdict);
@@ -127,11 +134,11 @@ std::string html_of(const Answer& answer, std::span<const ReportedStore> stores)
     facts.emplace_back("other methods", others);
   const std::size_t number =
       answer.first + (found ? static_cast<std::size_t>(best - answer.rows.begin()) : 0);
-  const std::string markdown = fmt::format(
-      "**{}**\n\n{}[row {} of {}](#{})\n",
-      markdown_text(found ? "Take " + step_of(*best) + "." : "No method that was tried meets this."),
-      markdown_facts(facts), number, markdown_text(stores[answer.store].name),
-      row_anchor(advice_table, answer.store, number, stores.size()));
+  const std::string markdown =
+      fmt::format("**{}**\n\n{}[row {} of {}](#{})\n",
+                  markdown_text(words_of_answer(answer.rows, found ? &*best : nullptr)),
+                  markdown_facts(facts), number, markdown_text(stores[answer.store].name),
+                  row_anchor(advice_table, answer.store, number, stores.size()));
   return fmt::format("<article class=\"answer\">\n<h3>{}{}{} at {} Hz</h3>\n{}</article>\n",
                      html_text(title_of(key.problem)), key.material.empty() ? "" : ", ",
                      html_text(key.material), digits(key.rate, 6), markdown_parts(markdown).html);

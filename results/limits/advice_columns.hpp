@@ -20,15 +20,14 @@ inline constexpr std::array<Column<AdviceKey, std::string>, 7> advice_key_texts{
 inline constexpr std::array<Column<AdviceKey, double>, 3> advice_key_numbers{
     {{"rate", &AdviceKey::rate}, {"tolerance", &AdviceKey::tolerance}, {"budget_s", &AdviceKey::budget}}};
 
-/// Layout 4 does not have these.
-
-inline constexpr std::array<Column<AdviceRecord, std::string>, 6> advice_texts{
+inline constexpr std::array<Column<AdviceRecord, std::string>, 7> advice_texts{
     {{"method", &AdviceRecord::method},
      {"options", &AdviceRecord::options},
      {"bound", &AdviceRecord::bound},
      {"verdict", &AdviceRecord::verdict},
      {"status", &AdviceRecord::status},
-     {"frame_tail_s", &AdviceRecord::frame_tail}}};
+     {"frame_tail_s", &AdviceRecord::frame_tail},
+     {"stage", &AdviceRecord::stage}}};
 
 inline constexpr std::array<Column<AdviceRecord, double>, 16> advice_numbers{
     {{"h", &AdviceRecord::h},

@@ -4,10 +4,8 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "results/limits/columns.hpp"
 #include "results/sqlite/store_impl.hpp"
@@ -27,19 +25,11 @@ std::string joined(std::string_view before, std::string_view after, std::string_
   return text;
 }
 
-inline std::string question_marks(std::size_t count) {
-  return fmt::format("{}", fmt::join(std::vector<char>(count, '?'), ", "));
-}
-
-/// "a = excluded.a, b = excluded.b": what replaces a row of the same key.
+/// "session = excluded.session, digest = excluded.digest, a = excluded.a": what replaces a row of the same
+/// key.
 inline std::string replacing(const std::string& names) {
-  std::string text = "session = excluded.session";
-  for (std::size_t begin = 0; begin < names.size();) {
-    const std::size_t end = std::min(names.find(", ", begin), names.size());
-    const std::string name = names.substr(begin, end - begin);
-    text += fmt::format(", {0} = excluded.{0}", name);
-    begin = end + 2;
-  }
+  std::string text = "session = excluded.session, digest = excluded.digest";
+  for (const std::string& name : split_names(names)) text += fmt::format(", {0} = excluded.{0}", name);
   return text;
 }
 

@@ -8,16 +8,19 @@ inline constexpr int store_application_id = 0x686D6178;
 
 /// Columns of measured numbers carry no type on purpose: SQLite would turn NaN into NULL and -0.0 into 0.0,
 /// so these two are kept as the texts 'nan' and '-0' beside ordinary REAL values, and a typed column would
-/// convert them back. cpu_s is a JSON array, readable with json_each().
+/// convert them back. cpu_s is a JSON array, readable with json_each(). Each row has the digest of its
+/// values, see row_digest.hpp.
 inline constexpr const char* store_schema = R"sql(
 CREATE TABLE notes (
   key TEXT NOT NULL PRIMARY KEY,
-  value TEXT NOT NULL
+  value TEXT NOT NULL,
+  digest TEXT NOT NULL
 );
 CREATE TABLE sessions (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   started TEXT NOT NULL,
-  fingerprint TEXT NOT NULL
+  fingerprint TEXT NOT NULL,
+  digest TEXT NOT NULL
 );
 CREATE TABLE rows (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -48,6 +51,7 @@ CREATE TABLE rows (
   subnormals INTEGER NOT NULL,
   status TEXT NOT NULL,
   explored INTEGER NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE (problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC)
 );
 )sql";

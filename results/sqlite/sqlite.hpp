@@ -10,6 +10,8 @@
 
 #include <sqlite3.h>
 
+#include "core/text/utf8.hpp"
+
 namespace hmax::sqlite {
 
 /// A result code that SQLite gave, with its own words.
@@ -51,11 +53,12 @@ class Statement {
   void bind(int index, double value) {
     check(database_, sqlite3_bind_double(statement_.get(), index + 1, value));
   }
+  /// Texts of SQLite are UTF-8. A name that is not, such as that of a file, is kept and looked up as
+  /// as_utf8().
   void bind(int index, std::string_view text) {
-    // A null pointer would bind NULL: an empty view may carry one.
-    const char* data = text.empty() ? "" : text.data();
-    check(database_,
-          sqlite3_bind_text64(statement_.get(), index + 1, data, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+    const std::string valid = as_utf8(text);
+    check(database_, sqlite3_bind_text64(statement_.get(), index + 1, valid.data(), valid.size(),
+                                         SQLITE_TRANSIENT, SQLITE_UTF8));
   }
 
   /// @returns true while there is a row to read
@@ -76,9 +79,18 @@ class Statement {
   void reset() { sqlite3_reset(statement_.get()); }
 
   int type(int column) const { return sqlite3_column_type(statement_.get(), column); }
-  std::int64_t integer(int column) const { return sqlite3_column_int64(statement_.get(), column); }
-  double number(int column) const { return sqlite3_column_double(statement_.get(), column); }
+  /// Values of the row; SQLite keeps values of any type in a column and converts them without a word.
+  /// @throws Failure  SQLITE_CORRUPT where the value is of another type
+  std::int64_t integer(int column) const {
+    expect(column, SQLITE_INTEGER, "whole number");
+    return sqlite3_column_int64(statement_.get(), column);
+  }
+  double number(int column) const {
+    expect(column, SQLITE_FLOAT, "number");
+    return sqlite3_column_double(statement_.get(), column);
+  }
   std::string text(int column) const {
+    expect(column, SQLITE_TEXT, "text");
     const auto* data = reinterpret_cast<const char*>(sqlite3_column_text(statement_.get(), column));
     return data ? std::string(data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column)))
                 : std::string();
@@ -88,6 +100,13 @@ class Statement {
   struct Finalize {
     void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
+  void expect(int column, int type_of_column, const char* name) const {
+    if (type(column) != type_of_column)
+      throw Failure(
+          SQLITE_CORRUPT, 0,
+          std::string("column ") + sqlite3_column_name(statement_.get(), column) + " holds no " + name);
+  }
+
   sqlite3* database_;
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
 };

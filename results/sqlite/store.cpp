@@ -14,6 +14,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "results/patience.hpp"
+#include "results/sqlite/row_digest.hpp"
 #include "results/sqlite/schema.hpp"
 #include "results/sqlite/sqlite.hpp"
 #include "results/sqlite/store_impl.hpp"
@@ -70,6 +71,7 @@ InputError translated(const sqlite::Failure& failure, const fs::path& file) {
       return InputError(fmt::format(
           "'{}' is not a store of hmax but some other file, left untouched: choose another file.", path));
     case SQLITE_CORRUPT:
+    case SQLITE_ERROR:  // a statement does not fit the tables, which were those of this layout
       return InputError(
           fmt::format("The store '{0}' is damaged ({1}): restore a copy, or save what is readable with "
                       "`sqlite3 '{0}' .recover`.",
@@ -88,6 +90,13 @@ InputError translated(const sqlite::Failure& failure, const fs::path& file) {
   }
 }
 
+InputError translated(const sqlite::DamagedRow& damage, const fs::path& file) {
+  return InputError(fmt::format(
+      "The store '{0}' is damaged ({1}): restore a copy, or remove the row with `sqlite3 '{0}' \"DELETE FROM "
+      "{2} WHERE rowid = {3}\"`.",
+      file.string(), damage.what(), damage.table, damage.row));
+}
+
 namespace {
 
 Database connect(const std::string& name, int flags) {
@@ -98,6 +107,7 @@ Database connect(const std::string& name, int flags) {
   sqlite3_extended_result_codes(raw, 1);
   sqlite::check(raw, code);
   sqlite3_busy_handler(raw, on_busy, nullptr);
+  sqlite::add_row_digest(raw);
   return database;
 }
 
@@ -197,17 +207,13 @@ constexpr const char* key_condition =
     "problem = ? AND material = ? AND parameters = ? AND y0 = ? AND method = ? AND mode = ? AND control = ? "
     "AND h = ? AND rtol = ? AND atol = ? AND t_end = ?";
 
-constexpr const char* insert_sql =
-    "INSERT INTO rows (problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, "
-    "session, outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "error_l2, reference_error, reference, subnormals, status, explored) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)";
+constexpr const char* columns =
+    "problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, outcome, "
+    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, error_l2, "
+    "reference_error, reference, subnormals, status, explored";
 
-constexpr const char* select_sql =
-    "SELECT problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, "
-    "outcome, t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, "
-    "error_l2, reference_error, reference, subnormals, status, explored FROM rows ORDER BY problem, material, parameters, y0, "
-    "mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
+constexpr const char* order =
+    "problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   bind_key(statement, row.key);
@@ -355,6 +361,7 @@ std::unique_ptr<Store::Impl> Store::Impl::open(const fs::path& file, bool create
   return reporting(file, [&] {
     auto [database, id] = connected(absolute, create);
     settle(database, id, file.string(), create);
+    sqlite::check_store(database.get());
     sqlite::execute(database.get(), "PRAGMA synchronous = NORMAL");
     return std::make_unique<Impl>(file, std::move(database));
   });
@@ -371,10 +378,9 @@ Store Store::open_existing(const fs::path& file) { return Store(Impl::open(file,
 std::int64_t Store::begin_session(const Fingerprint& fingerprint, std::string_view started) {
   return reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
-    Statement add(impl_->db(),
-                  "INSERT INTO sessions (started, fingerprint) "
-                  "VALUES (coalesce(nullif(?, ''), strftime('%Y-%m-%dT%H:%M:%SZ', 'now')), ?)");
-    add.bind(0, started);
+    Statement now(impl_->db(), "SELECT strftime('%Y-%m-%dT%H:%M:%SZ', 'now')");
+    Statement add(impl_->db(), sqlite::insert_into("sessions", "started, fingerprint").c_str());
+    add.bind(0, !started.empty() || !now.step() ? std::string(started) : now.text(0));
     add.bind(1, to_json(fingerprint));
     add.run();
     const std::int64_t session = sqlite3_last_insert_rowid(impl_->db());
@@ -413,7 +419,8 @@ void Store::insert(std::span<const Row> rows) {
   };
   reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
-    if (!impl_->insert) impl_->insert = std::make_unique<Statement>(impl_->db(), insert_sql);
+    if (!impl_->insert)
+      impl_->insert = std::make_unique<Statement>(impl_->db(), sqlite::insert_into("rows", columns).c_str());
     for (const Row& row : rows) {
       if (const std::int64_t existing = impl_->id_of(row.key);
           existing != 0 && (row.explored || !gives_way(existing)))
@@ -446,7 +453,7 @@ std::int64_t Store::size() const {
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
-    Statement query(impl_->db(), select_sql);
+    Statement query(impl_->db(), fmt::format("SELECT {} FROM rows ORDER BY {}", columns, order).c_str());
     while (query.step()) rows.push_back(read_row(query, impl_->file));
     return rows;
   });
@@ -466,8 +473,9 @@ std::vector<Session> Store::sessions() const {
 void Store::note(std::string_view key, std::string_view value) {
   reporting(impl_->file, [&] {
     Statement set(impl_->db(),
-                  "INSERT INTO notes (key, value) VALUES (?, ?) "
-                  "ON CONFLICT (key) DO UPDATE SET value = excluded.value");
+                  (sqlite::insert_into("notes", "key, value") +
+                   " ON CONFLICT (key) DO UPDATE SET value = excluded.value, digest = excluded.digest")
+                      .c_str());
     set.bind(0, key);
     set.bind(1, value);
     set.run();

@@ -6,6 +6,7 @@
 
 #include "results/limits/advice_columns.hpp"
 #include "results/sqlite/columns.hpp"
+#include "results/sqlite/row_digest.hpp"
 #include "results/sqlite/store_impl.hpp"
 
 namespace hmax {
@@ -40,9 +41,7 @@ void forget(sqlite3* database, const char* table, const AdviceKey& key) {
 void add_text(sqlite3* database, const char* table, const char* column, const AdviceKey& key,
               std::string_view text, std::int64_t session) {
   Statement statement(
-      database, fmt::format("INSERT INTO {} ({}, {}, session) VALUES ({})", table, key_names(), column,
-                            sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() + 2))
-                    .c_str());
+      database, sqlite::insert_into(table, fmt::format("{}, {}, session", key_names(), column)).c_str());
   int index = 0;
   bind_key(statement, index, key);
   statement.bind(index++, text);
@@ -58,6 +57,7 @@ CREATE TABLE {} (
   session INTEGER NOT NULL REFERENCES sessions(id),
 {},
   {} TEXT NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE ({})
 );
 )sql",
@@ -96,6 +96,7 @@ CREATE TABLE advice (
 {},
   {},
   {},
+  digest TEXT NOT NULL,
   UNIQUE ({}, method, options)
 );
 )sql",
@@ -117,11 +118,9 @@ void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> re
     for (const char* table : {"advice", "scenes", "answers"}) forget(impl_->db(), table, key);
     if (!scene.empty()) add_text(impl_->db(), "scenes", "scene", key, scene, impl_->session);
     if (!words.empty()) add_text(impl_->db(), "answers", "words", key, words, impl_->session);
-    Statement add(impl_->db(),
-                  fmt::format("INSERT INTO advice ({}, {}, session) VALUES ({})", key_names(), own_names(),
-                              sqlite::question_marks(advice_key_texts.size() + advice_key_numbers.size() +
-                                                     advice_texts.size() + advice_numbers.size() + 1))
-                      .c_str());
+    Statement add(
+        impl_->db(),
+        sqlite::insert_into("advice", fmt::format("{}, {}, session", key_names(), own_names())).c_str());
     for (const AdviceRecord& record : records) {
       int index = 0;
       bind_key(add, index, key);

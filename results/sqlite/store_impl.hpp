@@ -4,11 +4,13 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "results/sqlite/row_digest.hpp"
 #include "results/sqlite/sqlite.hpp"
 #include "results/store.hpp"
 
@@ -26,12 +28,15 @@ std::string words_schema();
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);
+InputError translated(const sqlite::DamagedRow& damage, const std::filesystem::path& file);
 
 /// Runs `action` and turns what SQLite throws into an InputError about `file`.
 template <class Action>
 decltype(auto) reporting(const std::filesystem::path& file, Action&& action) {
   try {
     return action();
+  } catch (const sqlite::DamagedRow& damage) {
+    throw translated(damage, file);
   } catch (const sqlite::Failure& failure) {
     throw translated(failure, file);
   }
@@ -51,8 +56,12 @@ inline void bind_exact(Statement& statement, int index, double value) {
 }
 
 inline double exact_number(const Statement& statement, int column) {
-  if (statement.type(column) == SQLITE_TEXT) return to_number(statement.text(column)).value_or(std::nan(""));
-  return statement.number(column);
+  if (statement.type(column) != SQLITE_TEXT) return statement.number(column);
+  const std::string text = statement.text(column);
+  const std::optional<double> value = to_number(text);
+  if (!value || !is_special(*value))
+    throw Failure(SQLITE_CORRUPT, 0, "'" + text + "' stands where a number belongs");
+  return *value;
 }
 
 }  // namespace sqlite

@@ -5,13 +5,14 @@
 
 #include "results/limits/limit_columns.hpp"
 #include "results/sqlite/columns.hpp"
+#include "results/sqlite/row_digest.hpp"
 #include "results/sqlite/store_impl.hpp"
 
 namespace hmax {
 
 namespace {
 
-using sqlite::bind_texts, sqlite::joined, sqlite::question_marks, sqlite::read_texts, sqlite::replacing;
+using sqlite::bind_texts, sqlite::joined, sqlite::read_texts, sqlite::replacing;
 using sqlite::Statement;
 
 void bind_key(Statement& statement, int& index, const OperatingPointKey& key) {
@@ -34,16 +35,14 @@ std::string key_condition() { return joined("", " = ?", " AND ", point_key_texts
 
 std::string insert_point() {
   const std::string own = joined("", "", ", ", point_texts);
-  return fmt::format(
-      "INSERT INTO operating_points ({0}, {1}, session) VALUES ({2}) ON CONFLICT ({0}) DO UPDATE SET {3}",
-      key_names(), own, question_marks(point_key_texts.size() + 1 + point_texts.size() + 1), replacing(own));
+  return sqlite::insert_into("operating_points", fmt::format("{}, {}, session", key_names(), own)) +
+         fmt::format(" ON CONFLICT ({}) DO UPDATE SET {}", key_names(), replacing(own));
 }
 
 std::string insert_limit() {
   const std::string own = joined("", "", ", ", limit_texts, limit_numbers);
-  return fmt::format(
-      "INSERT INTO limits ({0}, session, point) VALUES ({1}) ON CONFLICT (point, method) DO UPDATE SET {2}",
-      own, question_marks(limit_texts.size() + limit_numbers.size() + 2), replacing(own));
+  return sqlite::insert_into("limits", own + ", session, point") +
+         fmt::format(" ON CONFLICT (point, method) DO UPDATE SET {}", replacing(own));
 }
 
 std::string select_limits(const std::string& rest) {
@@ -84,6 +83,7 @@ CREATE TABLE operating_points (
   {},
   t_end REAL NOT NULL,
   {},
+  digest TEXT NOT NULL,
   UNIQUE ({})
 );
 CREATE TABLE limits (
@@ -92,6 +92,7 @@ CREATE TABLE limits (
   point INTEGER NOT NULL REFERENCES operating_points(id),
   {},
   {},
+  digest TEXT NOT NULL,
   UNIQUE (point, method)
 );
 )sql",

@@ -104,16 +104,23 @@ TEST(PrecisionCommand, StatesItsTolerances) {
   EXPECT_TRUE(fixed.json().at(0).at("atol").is_null());
 }
 
-TEST(PrecisionCommand, SaysThatRowsAreKeptWhereTheyAreAlone) {
+TEST(PrecisionCommand, SaysThatRowsAreKeptWhereTheyAre) {
   const Shell shell;
-  const std::string line = "timeout --foreground -s INT 1 '" HMAX_PROGRAM
-                           "' precision --methods explicit_runge_kutta --repeats 9000";
-  const Told without = shell.line(line);
-  ASSERT_EQ(without.exit_code, 124) << "`timeout` had to interrupt";
-  EXPECT_EQ(without.err, "hmax: interrupted\n");
-  const Told with = shell.line(line + " --store rows.sqlite");
-  ASSERT_EQ(with.exit_code, 124);
-  EXPECT_EQ(with.err, "hmax: interrupted; what was finished is kept in rows.sqlite\n");
+  const auto interrupted = [&](const std::string& rest) {
+    const Told told = shell.line(
+        "timeout --foreground -s INT 2 '" HMAX_PROGRAM "' precision --methods explicit_runge_kutta " + rest);
+    EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+    return told.err;
+  };
+  EXPECT_EQ(interrupted("--repeats 9000"), "hmax: interrupted\n");
+  // Of 9000 repeats no block is finished by then.
+  for (const char* repeats : {"9000", "20"}) {
+    const std::string store = std::string("rows") + repeats + ".sqlite";
+    const std::string told = interrupted("--repeats " + std::string(repeats) + " --store " + store);
+    const bool is_kept = !shell.hmax("export " + store + " --format jsonl --json").json().empty();
+    EXPECT_EQ(told, is_kept ? "hmax: interrupted; what was finished is kept in " + store + "\n"
+                            : "hmax: interrupted; nothing was finished\n");
+  }
 }
 
 TEST(PrecisionCommand, NamesMethodsThatTakeNoTolerance) {

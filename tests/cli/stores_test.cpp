@@ -56,6 +56,23 @@ TEST(Export, WritesTheColumnsOfTheContract) {
   EXPECT_EQ(read_text(shell / "study.csv"), told.out);
 }
 
+TEST(Export, RefusesADamagedRowAndNamesIt) {
+  const Shell shell;
+  make_store(shell / "study.sqlite", 1);
+  std::string bytes = read_text(shell / "study.sqlite");
+  bytes[bytes.find("reached_end") + 3] ^= 1;
+  write_text(shell / "study.sqlite", bytes);
+  for (const char* command : {"export study.sqlite", "compare study.sqlite study.sqlite",
+                              "merge all.sqlite study.sqlite", "report study.sqlite --output page.html"}) {
+    const Told told = shell.hmax(command);
+    EXPECT_EQ(told.exit_code, 2) << command;
+    EXPECT_EQ(told.out, "") << command;
+    EXPECT_NE(told.err.find("study.sqlite' is damaged (row "), std::string::npos) << told.err;
+    EXPECT_NE(told.err.find("of its table rows: rk4, differs from its digest)"), std::string::npos)
+        << told.err;
+  }
+}
+
 TEST(Export, RefusesWhatIsNoStore) {
   const Shell shell;
   make_store(shell / "results/runs/study.sqlite", 1);

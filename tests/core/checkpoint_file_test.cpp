@@ -103,5 +103,54 @@ TEST_F(CheckpointFile, IsTheOldOrTheNewOneAfterAKill) {
   }
 }
 
+TEST_F(CheckpointFile, OneProcessAtATimeHasTheLock) {
+  const std::filesystem::path lock = file.string() + ".lock";
+  const auto refusal_of_lock = [&]() -> std::string {
+    try {
+      const CheckpointLock mine(file);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  {
+    const CheckpointLock first(file);
+    EXPECT_TRUE(first.is_held());
+    EXPECT_EQ(refusal_of_lock(), "checkpoint " + file.string() +
+                                     " is in use by another run; wait until that ends, or name another file");
+    EXPECT_TRUE(std::filesystem::exists(lock)) << "who was refused has removed the lock of the first";
+    const CheckpointLock other(folder / "other.checkpoint");
+    EXPECT_TRUE(other.is_held());
+  }
+  EXPECT_FALSE(std::filesystem::exists(lock));
+  EXPECT_EQ(refusal_of_lock(), "");
+  // The system frees the lock of a process that is killed; its file stays.
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const CheckpointLock held(file);
+    if (write(ready[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  EXPECT_NE(refusal_of_lock(), "");
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  close(ready[0]);
+  close(ready[1]);
+  EXPECT_TRUE(std::filesystem::exists(lock));
+  EXPECT_EQ(refusal_of_lock(), "");
+  EXPECT_FALSE(std::filesystem::exists(lock));
+}
+
+TEST_F(CheckpointFile, ALockIsTakenOnAFileOfSomebodyElseAndLeavesIt) {
+  const std::filesystem::path lock = file.string() + ".lock";
+  std::ofstream(lock) << "notes";
+  { const CheckpointLock held(file); }
+  EXPECT_TRUE(std::filesystem::exists(lock));
+}
+
 }  // namespace
 }  // namespace hmax

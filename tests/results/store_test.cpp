@@ -232,6 +232,24 @@ TEST(Store, NotesAreReplacedAndKept) {
   EXPECT_EQ(notes, (std::map<std::string, std::string>{{"empty", ""}, {"sweep", "h = [2, 0.6]"}}));
 }
 
+TEST(Store, KeepsANameThatIsNotUtf8AsTextThatIs) {
+  const Scratch scratch;
+  Store store = Store::open_or_create(scratch / "a");
+  store.begin_session({});
+  Row odd = row("rk4", 0.1), other = row("rk4", 0.1);
+  odd.key.problem = "k\xF6rper.msh";
+  other.key.problem = "k\xF7rper.msh";
+  store.insert(odd);
+  EXPECT_TRUE(store.contains(odd.key));
+  EXPECT_FALSE(store.contains(other.key));
+  store.insert(other);
+  const std::vector<Row> rows = store.rows();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].key.problem, "k\\xF6rper.msh");
+  EXPECT_EQ(rows[1].key.problem, "k\\xF7rper.msh");
+  EXPECT_TRUE(Store::open_existing(scratch / "a").contains(rows[0].key));
+}
+
 TEST(Store, MakesItsFolder) {
   Scratch scratch;
   Store::open_or_create(scratch / "results/runs/default.sqlite");

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "core/base64.hpp"
 #include "core/own_files.hpp"
+#include "core/text/base64.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "core/base64.hpp"
+#include "core/text/base64.hpp"
 #include "problems/mesh/files/vtk_cells.hpp"
 #include "problems/mesh/files/vtu_blocks.hpp"
 #include "problems/mesh/files/xml_tags.hpp"

@@ -129,5 +129,25 @@ TEST_F(RunCheckpointFile, GoesOnWhereItCannotBeSaved) {
   EXPECT_NE(remarks[0].find("cannot be written"), std::string::npos) << remarks[0];
 }
 
+TEST_F(RunCheckpointFile, IsLockedWhileARunHasIt) {
+  const RunCheckpoint first({.file = file, .facts = {{"the method", "dormand_prince_54"}}});
+  EXPECT_NE(refusal().find("is in use by another run; wait until that ends, or name another file"),
+            std::string::npos)
+      << refusal();
+}
+
+TEST_F(RunCheckpointFile, RemovesThePartsThatAKilledProcessHasLeft) {
+  // Of this file: names of twelve letters and digits of base 32 (RFC 4648). All others are not of hmax, or of
+  // another file.
+  write_text(folder / "run.checkpoint.abcdefghij27.part", "left");
+  const std::vector<std::string> others{
+      "run.checkpoint.notes.part", "run.checkpoint.ABCDEFGHIJKL.part",  "run.checkpoint2.abcdefghijkl.part",
+      "other.abcdefghijkl.part",   "run.checkpoint.abcdefghijkl.parts", "run.checkpoint.abcdefghijk1.part"};
+  for (const std::string& name : others) write_text(folder / name, "mine");
+  EXPECT_EQ(refusal(), "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "run.checkpoint.abcdefghij27.part"));
+  for (const std::string& name : others) EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+}
+
 }  // namespace
 }  // namespace hmax

@@ -75,6 +75,61 @@ TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
   EXPECT_EQ(document.at("rows")[0].at("verdict"), "suitable");
 }
 
+/// timeout(1) signals the process and its group: two signals at once are one wish.
+TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer is too slow for times of a test";
+#endif
+  const Shell shell;
+  const std::string question =
+      " advise --mesh cube:n=2 --load press --rate 100 --methods newmark --out kept.sqlite ";
+  const std::string interrupted = "timeout -s INT 4 '" HMAX_PROGRAM "'" + question + "--frames 1000000 ";
+  const Told told = shell.line(interrupted + "--output page.html");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_NE(told.out.find("interrupted: the best rows are not all timed"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("newmark"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("Stored in kept.sqlite"), std::string::npos) << told.out;
+  EXPECT_EQ(told.err, "hmax: note: interrupted; the rows so far are printed\n");
+  EXPECT_NE(read_text(shell / "page.html").find("interrupted: the best rows are not all timed"),
+            std::string::npos);
+  const auto stored = [&] {
+    return shell.hmax("export kept.sqlite --of advice --format jsonl --json").json();
+  };
+  ASSERT_EQ(stored().size(), 1U);
+  EXPECT_EQ(stored()[0].at("stage"), "timing");
+  EXPECT_EQ(stored()[0].at("verdict"), "suitable");
+  ASSERT_EQ(shell.hmax("report kept.sqlite --output report.html").exit_code, 0);
+  EXPECT_NE(read_text(shell / "report.html").find("The search was interrupted"), std::string::npos);
+  // A whole answer takes its place, and stays where a later search is interrupted.
+  ASSERT_EQ(shell.hmax(question + "--frames 20").exit_code, 0);
+  ASSERT_EQ(stored().size(), 1U);
+  EXPECT_EQ(stored()[0].at("stage"), "done");
+  const Told again = shell.line(interrupted + "--json");
+  EXPECT_EQ(again.exit_code, 124);
+  EXPECT_EQ(again.json().at("stage"), "timing");
+  EXPECT_NE(again.err.find("kept.sqlite keeps the whole answer that it has to this question"),
+            std::string::npos)
+      << again.err;
+  EXPECT_EQ(stored()[0].at("stage"), "done");
+}
+
+TEST(AdviseCommand, SaysWhereNothingIsFinishedWhenItIsInterrupted) {
+  const Shell shell;
+  // The motion of a body of 3,000 points and its reference take longer than that.
+  const std::string line = "timeout -s INT 1 '" HMAX_PROGRAM
+                           "' advise --mesh ball:n=14 --rate 100 --methods newmark --out kept.sqlite ";
+  const Told told = shell.line(line);
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_EQ(told.out, "");
+  EXPECT_NE(told.err.find("hmax: interrupted; no method was finished\n"), std::string::npos) << told.err;
+  const Told json = shell.line(line + "--json");
+  EXPECT_EQ(json.json().at("interrupted"), true);
+  EXPECT_EQ(json.json().at("rows").size(), 0U);
+  EXPECT_NE(json.err.find("hmax: note: interrupted; no method was finished\n"), std::string::npos)
+      << json.err;
+  EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
+}
+
 TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
   const Shell shell;
   write_text(shell / "ball.toml",

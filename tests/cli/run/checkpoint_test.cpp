@@ -60,6 +60,28 @@ TEST(Checkpoint, TwoSignalsAtOnceAreOneWish) {
   }
 }
 
+TEST(Checkpoint, ASecondRunOfTheSameFileIsRefused) {
+  const Shell shell;
+  const std::string command =
+      "run --problem liver_forced --method rk4 --h 1e-6 --t-end 900 --checkpoint run.checkpoint --checkpoint-every 0.05";
+  const Told told = shell.line(
+      "'" HMAX_PROGRAM "' " + command +
+      " >first & p=$!; until [ -s run.checkpoint ]; do sleep 0.01; kill -0 $p || exit 1; done; '" HMAX_PROGRAM
+      "' " +
+      command + "; echo $?; kill -KILL $p; wait $p; ls");
+  EXPECT_NE(told.out.find("2\n"), std::string::npos) << told.out;
+  EXPECT_NE(
+      told.err.find("hmax: checkpoint run.checkpoint is in use by another run; wait until that ends, or name "
+                    "another file\n"),
+      std::string::npos)
+      << told.err;
+  // What the killed one has left is no obstacle, and gone afterwards.
+  write_text(shell / "run.checkpoint.abcdefghijkl.part", "left");
+  const Told resumed =
+      shell.line("timeout --foreground -s INT 0.5 '" HMAX_PROGRAM "' " + command + "; echo $?; ls");
+  EXPECT_EQ(resumed.out, "124\nfirst\nrun.checkpoint\n") << resumed.err;
+}
+
 TEST(Checkpoint, AFinishedRunIsToldAtOnce) {
   const Shell shell;
   const std::string command =

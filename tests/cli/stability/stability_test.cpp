@@ -574,6 +574,24 @@ TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
   EXPECT_GT(unfinished, 0);
 }
 
+TEST(StabilityPredict, SaysHowManyRowsAreKeptWhenItIsInterrupted) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer is too slow for times of a test";
+#endif
+  const Shell shell;
+  const Told told = shell.line(
+      "timeout -s INT 5 '" HMAX_PROGRAM
+      "' stability predict --problem liver_forced --methods explicit_runge_kutta,adams --along --verify "
+      "--t-end 20000 --out kept.sqlite");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  const std::size_t kept = shell.hmax("export kept.sqlite --of limits --format jsonl --json").json().size();
+  ASSERT_EQ(kept, 0U) << "rows without what lies along the motion are not stored";
+  EXPECT_EQ(told.out.find(" limits in kept.sqlite"), std::string::npos) << told.out;
+  EXPECT_NE(told.err.find("hmax: interrupted; the rows so far are printed, 0 of "), std::string::npos)
+      << told.err;
+  EXPECT_NE(told.err.find(" are kept in kept.sqlite\n"), std::string::npos) << told.err;
+}
+
 TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
   const Shell shell;
   const std::string predict = "stability predict --methods rk4 --json ";

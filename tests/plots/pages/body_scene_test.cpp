@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/base64.hpp"
 #include "core/errors.hpp"
+#include "core/text/base64.hpp"
 #include "tests/plots/pages/made_scenes.hpp"
 
 namespace hmax {

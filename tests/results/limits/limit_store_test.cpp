@@ -71,7 +71,7 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   EXPECT_TRUE(store.limits_at(other).empty());
 }
 
-constexpr const char* operating_points_of_layout_8 = R"sql(CREATE TABLE operating_points (
+constexpr const char* operating_points_of_layout_9 = R"sql(CREATE TABLE operating_points (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -83,10 +83,11 @@ constexpr const char* operating_points_of_layout_8 = R"sql(CREATE TABLE operatin
   path TEXT NOT NULL,
   t_end REAL NOT NULL,
   document TEXT NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE (problem, material, parameters, y0, model, asked, path, t_end)
 ))sql";
 
-constexpr const char* limits_of_layout_8 = R"sql(CREATE TABLE limits (
+constexpr const char* limits_of_layout_9 = R"sql(CREATE TABLE limits (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   point INTEGER NOT NULL REFERENCES operating_points(id),
@@ -120,10 +121,11 @@ constexpr const char* limits_of_layout_8 = R"sql(CREATE TABLE limits (
   along_grows_from NOT NULL,
   from_start NOT NULL,
   from_start_stride NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE (point, method)
 ))sql";
 
-constexpr const char* advice_of_layout_8 = R"sql(CREATE TABLE advice (
+constexpr const char* advice_of_layout_9 = R"sql(CREATE TABLE advice (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -142,6 +144,7 @@ constexpr const char* advice_of_layout_8 = R"sql(CREATE TABLE advice (
   verdict TEXT NOT NULL,
   status TEXT NOT NULL,
   frame_tail_s TEXT NOT NULL,
+  stage TEXT NOT NULL,
   h NOT NULL,
   steps_per_frame NOT NULL,
   h_max NOT NULL,
@@ -158,10 +161,11 @@ constexpr const char* advice_of_layout_8 = R"sql(CREATE TABLE advice (
   linear_per_frame NOT NULL,
   memory_bytes NOT NULL,
   stiffening NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s, method, options)
 ))sql";
 
-constexpr const char* scenes_of_layout_8 = R"sql(CREATE TABLE scenes (
+constexpr const char* scenes_of_layout_9 = R"sql(CREATE TABLE scenes (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
   session INTEGER NOT NULL REFERENCES sessions(id),
   problem TEXT NOT NULL,
@@ -175,13 +179,14 @@ constexpr const char* scenes_of_layout_8 = R"sql(CREATE TABLE scenes (
   tolerance REAL NOT NULL,
   budget_s REAL NOT NULL,
   scene TEXT NOT NULL,
+  digest TEXT NOT NULL,
   UNIQUE (problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance, budget_s)
 ))sql";
 
 /// Another column in the lists is another layout: raise Store::schema_version, and write the tables
 /// down here.
 TEST(LimitStore, HasTheTablesOfItsLayout) {
-  static_assert(Store::schema_version == 8);
+  static_assert(Store::schema_version == 9);
   const Scratch scratch;
   const std::string file = (scratch / "s.sqlite").string();
   Store::open_or_create(file);
@@ -197,10 +202,10 @@ TEST(LimitStore, HasTheTablesOfItsLayout) {
     sqlite3_exec(database, query.c_str(), take, &text, nullptr);
     return text;
   };
-  EXPECT_EQ(table("operating_points"), operating_points_of_layout_8);
-  EXPECT_EQ(table("limits"), limits_of_layout_8);
-  EXPECT_EQ(table("advice"), advice_of_layout_8);
-  EXPECT_EQ(table("scenes"), scenes_of_layout_8);
+  EXPECT_EQ(table("operating_points"), operating_points_of_layout_9);
+  EXPECT_EQ(table("limits"), limits_of_layout_9);
+  EXPECT_EQ(table("advice"), advice_of_layout_9);
+  EXPECT_EQ(table("scenes"), scenes_of_layout_9);
   sqlite3_close(database);
 }
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base64.hpp"
+#include "core/text/base64.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
 #include "tests/problems/mesh/meshes.hpp"
 #include "tests/results/scratch.hpp"

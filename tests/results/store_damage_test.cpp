@@ -1,0 +1,238 @@
+// Damage to a store: flipped bits, values of other types, pages that SQLite cannot read.
+#include <algorithm>
+#include <random>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "core/errors.hpp"
+#include "results/exports.hpp"
+#include "results/limits/advice_columns.hpp"
+#include "results/limits/advice_exports.hpp"
+#include "results/limits/limit_columns.hpp"
+#include "results/limits/limit_exports.hpp"
+#include "results/store.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+/// Two sessions with runs, limits and advice of every table.
+void make_store(const std::filesystem::path& file) {
+  Store store = Store::open_or_create(file);
+  for (const char* cpu : {"one", "two"}) {
+    Fingerprint machine;
+    machine.cpu = cpu;
+    store.begin_session(machine);
+    for (const char* method : {"rk4", "newmark", "explicit_euler"}) {
+      Row row;
+      row.key = {.problem = "liver_forced",
+                 .material = cpu,
+                 .parameters = "m=1.45 c=2",
+                 .y0 = "0.5,1",
+                 .method = method,
+                 .mode = "fixed",
+                 .control = "none",
+                 .h = 0.125,
+                 .rtol = 0,
+                 .atol = 0,
+                 .t_end = 100};
+      row.outcome = "reached_end";
+      row.t_reached = 100;
+      row.cpu_s = {1e-4, 2e-4};
+      row.error_end = 1.0 / 3;
+      row.error_l2 = std::nan("");
+      row.error_global = -0.0;
+      store.insert(row);
+    }
+    OperatingPointRow point;
+    point.key.problem = "liver_benchmark";
+    point.key.material = cpu;
+    point.document = "{}";
+    LimitRow limit;
+    for (const auto& column : limit_texts) limit.*column.member = "text of " + std::string(column.name);
+    limit.h_max = 0.1;
+    limit.re = -0.0;
+    store.insert_limits(point, std::vector{limit});
+    AdviceKey question;
+    question.problem = cpu;
+    question.rate = 100;
+    AdviceRecord record;
+    for (const auto& column : advice_texts) record.*column.member = column.name;
+    record.h = 0.01;
+    store.insert_advice(question, std::vector{record}, "{\"scene\": 1}", "{\"words\": 1}");
+  }
+  store.note("sweep", "a test");
+}
+
+/// Everything that commands take from a store.
+std::string all_of(const Store& store) {
+  std::string text = rows_to_jsonl(store.rows()) + rows_to_csv(store.rows());
+  text += limits_to_csv(store.limits()) + advice_to_csv(store.advice());
+  for (const LimitRow& limit : store.limits()) text += store.operating_point(limit.point).value().document;
+  for (const AdviceScene& scene : store.scenes()) text += scene.key.problem + scene.scene;
+  for (const AdviceWords& words : store.advice_words()) text += words.key.problem + words.words;
+  for (const Row& row : store.rows()) text += std::to_string(row.session);
+  for (const Session& session : store.sessions())
+    text += std::to_string(session.id) + session.started + to_json(session.fingerprint);
+  for (const auto& [key, value] : store.notes()) text += key + value;
+  return text;
+}
+
+template <class Action>
+std::string input_error(Action&& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string error_of_reading(const std::filesystem::path& file) {
+  return input_error([&] { (void)all_of(Store::open_existing(file)); });
+}
+
+void foreign_sql(const std::filesystem::path& file, const std::string& sql) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
+      << sqlite3_errmsg(database) << ": " << sql;
+  sqlite3_close(database);
+}
+
+/// The names in a column of a query's answer.
+std::vector<std::string> names_of(const std::filesystem::path& file, const std::string& sql) {
+  std::vector<std::string> names;
+  sqlite3* database = nullptr;
+  sqlite3_open(file.c_str(), &database);
+  const auto take = [](void* into, int, char** cells, char**) {
+    static_cast<std::vector<std::string>*>(into)->emplace_back(cells[0]);
+    return 0;
+  };
+  sqlite3_exec(database, sql.c_str(), take, &names, nullptr);
+  sqlite3_close(database);
+  return names;
+}
+
+/// A copy of a store without what readers leave beside it.
+void put(const std::filesystem::path& file, const std::string& bytes) {
+  for (const char* ending : {"-wal", "-shm", "-journal"}) std::filesystem::remove(file.string() + ending);
+  write_text(file, bytes);
+}
+
+TEST(StoreDamage, AFlippedBitIsRefusedOrChangesNothing) {
+  const Scratch scratch;
+  make_store(scratch / "whole");
+  const std::string bytes = read_text(scratch / "whole");
+  const std::string expected = all_of(Store::open_existing(scratch / "whole"));
+  ASSERT_GT(expected.size(), 2000U);
+  // Most of a page is room for more rows: three of four flips are where something stands.
+  std::mt19937 random(9);
+  int refused = 0, accepted = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    std::size_t at = random() % bytes.size();
+    while (trial % 4 != 0 && bytes[at] == 0) at = random() % bytes.size();
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1 << random() % 8);
+    put(scratch / "flipped", damaged);
+    std::string found;
+    const std::string error = input_error([&] { found = all_of(Store::open_existing(scratch / "flipped")); });
+    refused += error.empty() ? 0 : 1;
+    if (!error.empty()) {
+      EXPECT_NE(error.find("flipped"), std::string::npos) << error;
+    } else if (found != expected) {
+      ++accepted;
+      ADD_FAILURE() << "a bit of byte " << at << " changes what is read";
+    }
+  }
+  EXPECT_EQ(accepted, 0);
+  EXPECT_GT(refused, 200);
+}
+
+TEST(StoreDamage, AnyChangedValueIsRefusedAndItsRowIsNamed) {
+  const Scratch scratch;
+  make_store(scratch / "whole");
+  const std::string bytes = read_text(scratch / "whole");
+  int changed = 0;
+  for (const char* table :
+       {"notes", "sessions", "rows", "operating_points", "limits", "advice", "scenes", "answers"}) {
+    for (const std::string& column :
+         names_of(scratch / "whole", std::string("SELECT name FROM pragma_table_info('") + table + "')")) {
+      if (column == "id") continue;
+      put(scratch / "changed", bytes);
+      foreign_sql(scratch / "changed", std::string("UPDATE ") + table + " SET " + column + " = 'abc' WHERE " +
+                                           "rowid = (SELECT max(rowid) FROM " + table + ")");
+      const std::string error = error_of_reading(scratch / "changed");
+      EXPECT_NE(error.find(std::string(" of its table ") + table), std::string::npos)
+          << column << ": " << error;
+      EXPECT_NE(error.find("differs from its digest"), std::string::npos) << column << ": " << error;
+      ++changed;
+    }
+  }
+  EXPECT_GT(changed, 100);
+}
+
+TEST(StoreDamage, TheRowAndItsMethodAreNamedAndTheRestIsReadWithoutIt) {
+  const Scratch scratch;
+  const auto file = scratch / "s";
+  make_store(file);
+  foreign_sql(file, "UPDATE rows SET h = 'abc' WHERE id = 2");
+  const std::string error = error_of_reading(file);
+  EXPECT_NE(error.find("row 2 of its table rows: newmark, differs from its digest"), std::string::npos)
+      << error;
+  EXPECT_NE(error.find("DELETE FROM rows WHERE rowid = 2"), std::string::npos) << error;
+  EXPECT_EQ(input_error([&] { Store::open_or_create(file); }), error) << "nothing is resumed from it";
+  foreign_sql(file, "DELETE FROM rows WHERE rowid = 2");
+  EXPECT_EQ(error_of_reading(file), "");
+  EXPECT_EQ(Store::open_existing(file).size(), 5);
+}
+
+TEST(StoreDamage, AnotherTypeOfTheSameValueIsRefused) {
+  const Scratch scratch;
+  make_store(scratch / "whole");
+  const std::string bytes = read_text(scratch / "whole");
+  for (const char* change :
+       {"rows SET t_reached = CAST(t_reached AS INTEGER)", "rows SET outcome = CAST(outcome AS BLOB)",
+        "rows SET steps = 1e300", "limits SET h_max = CAST(h_max AS TEXT)", "rows SET error_global = 0.0"}) {
+    put(scratch / "changed", bytes);
+    foreign_sql(scratch / "changed", std::string("UPDATE ") + change);
+    EXPECT_NE(error_of_reading(scratch / "changed").find("is damaged"), std::string::npos) << change;
+  }
+}
+
+TEST(StoreDamage, RowsThatAreGoneOrReferToNothingAreRefused) {
+  const Scratch scratch;
+  make_store(scratch / "whole");
+  const std::string bytes = read_text(scratch / "whole");
+  for (const auto& [change, words] :
+       {std::pair{"DELETE FROM operating_points WHERE id = 1",
+                  "row 1 of its table limits: refers to a row of operating_points that is not there"},
+        {"UPDATE sessions SET id = 7 WHERE id = 2", "refers to a row of sessions that is not there"},
+        {"DROP TABLE advice", "it has no table 'advice'"},
+        {"ALTER TABLE rows RENAME COLUMN rhs TO evaluations", "is damaged"}}) {
+    put(scratch / "changed", bytes);
+    foreign_sql(scratch / "changed", change);
+    EXPECT_NE(error_of_reading(scratch / "changed").find(words), std::string::npos)
+        << error_of_reading(scratch / "changed");
+  }
+}
+
+TEST(StoreDamage, APageThatSqliteCannotReadNamesTheFile) {
+  const Scratch scratch;
+  make_store(scratch / "whole");
+  const std::string bytes = read_text(scratch / "whole");
+  for (std::size_t page = 1; page < bytes.size() / 4096; ++page) {
+    std::string damaged = bytes;
+    std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(page * 4096), 64, '\x5a');
+    put(scratch / "torn", damaged);
+    const std::string error = error_of_reading(scratch / "torn");
+    EXPECT_NE(error.find("torn' is damaged"), std::string::npos) << page << ": " << error;
+  }
+}
+
+}  // namespace
+}  // namespace hmax
