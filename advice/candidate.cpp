@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/methods/unsuited.hpp"
+
 namespace hmax {
 
 RunSpec Candidate::spec(double h, double t_end) const {
@@ -41,14 +43,22 @@ std::vector<std::string> simulator_methods() {
           "imex_euler"};
 }
 
+std::string why_no_candidate(const Method& method, const Problem& problem) {
+  if (!method.bind) return "no stepper takes it";
+  if (!method.fixed_step) return "chooses its steps itself, and frames are divided into fixed steps";
+  if (!suits(method, problem)) return why_unsuited(method, problem);
+  if (is_too_slow(method, problem.y0.size()))
+    return fmt::format("takes too long on {} states", problem.y0.size());
+  return {};
+}
+
 std::vector<Candidate> candidates(const std::vector<Method>& methods, const Problem& problem) {
   const JacobianUpdate exact{1}, tenth{10}, frozen{JacobianUpdate::frozen};
   const LinearSolve direct{.by = LinearSolve::By::direct},
       truncated{.by = LinearSolve::By::conjugate_gradients, .tolerance = 1e-3, .iterations = 20};
   std::vector<Candidate> all;
   for (const Method& method : methods) {
-    if (!method.bind || !method.fixed_step || !suits(method, problem)) continue;
-    if (is_too_slow(method, problem.y0.size())) continue;
+    if (!why_no_candidate(method, problem).empty()) continue;
     if (!method.linearly_implicit) {
       all.push_back({method, {}, {}});
     } else if (!problem.body) {

@@ -25,10 +25,13 @@ struct Candidate {
 /// Ids of the methods that are tried where nobody names some: one or more of each family that simulators use.
 std::vector<std::string> simulator_methods();
 
+/// Why a method is not tried: "chooses its steps itself, and frames need fixed steps"; empty where it is.
+std::string why_no_candidate(const Method& method, const Problem& problem);
+
 /// Every method with every choice that it has on this problem: of those that solve one linear system a step,
 /// the Jacobian exact, of every tenth step and frozen, and on bodies conjugate gradients of at most 20
-/// iterations beside a factorisation. Methods that only choose their steps themselves, or do not suit the
-/// problem, are left out.
+/// iterations beside a factorisation. Methods of why_no_candidate()
+/// are left out.
 std::vector<Candidate> candidates(const std::vector<Method>& methods, const Problem& problem);
 
 }  // namespace hmax

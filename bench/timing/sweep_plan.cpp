@@ -130,6 +130,17 @@ std::vector<SweepBlock> blocks_of(const SweepSpec& spec, const std::vector<Probl
   return blocks;
 }
 
+/// @throws InputError  of methods none of which runs as is asked for
+void refuse_without_block(const SweepSpec& spec) {
+  if (spec.fixed)
+    throw InputError(
+        "all of these methods choose their steps themselves; give --sampled in place of --fixed, or --rtol in place "
+        "of --h");
+  throw InputError(
+      "none of these methods has the error estimate that --sampled needs; give --fixed, or choose a method "
+      "whose error_order in `hmax list methods` is not 0");
+}
+
 void check_block(const SweepBlock& block, const std::vector<Problem>& problems,
                  const std::vector<Method>& methods) {
   const Problem& problem = problems[block.problem];
@@ -318,10 +329,7 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
         "tolerances need a method with an error estimate; choose one whose error_order in `hmax list "
         "methods` is not 0, or give --h");
   plan.blocks = blocks_of(spec, plan.problems, plan.methods);
-  if (plan.blocks.empty())
-    throw InputError(
-        "none of these methods has the error estimate that --sampled needs; give --fixed, or choose a method "
-        "whose error_order in `hmax list methods` is not 0");
+  if (plan.blocks.empty()) refuse_without_block(spec);
   for (SweepBlock& block : plan.blocks) {
     check_block(block, plan.problems, plan.methods);
     if (block.run.adaptive) block.run.max_steps = std::min(block.run.max_steps, adaptive_attempts);

@@ -12,6 +12,7 @@
 
 #include "advice/advice_json.hpp"
 #include "advice/advice_records.hpp"
+#include "advice/candidate.hpp"
 #include "advice/remaking.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/support_sets.hpp"
@@ -56,6 +57,13 @@ double positive(const char* option, double value, const char* example) {
 /// The methods of --methods; what is left out of families is warned of.
 std::vector<Method> named_methods(const AdviseOptions& options, const Problem& problem, Console& console) {
   ChosenMethods chosen = chosen_methods(parse_names("--methods", options.methods), {problem});
+  std::vector<LeftOut> not_tried;
+  for (const Method& method : chosen.methods)
+    if (std::string why = why_no_candidate(method, problem); !why.empty())
+      not_tried.push_back({method.id, std::move(why)});
+  // Where nothing is tried the error says so alone.
+  if (not_tried.size() < chosen.methods.size())
+    chosen.left_out.insert(chosen.left_out.end(), not_tried.begin(), not_tried.end());
   warn_of_left_out(console, chosen.left_out);
   return std::move(chosen.methods);
 }

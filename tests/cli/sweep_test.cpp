@@ -31,6 +31,13 @@ TEST(SweepCommand, MeasuresIntoAStoreAndSaysWhatItDid) {
   EXPECT_EQ(modes.count("sampled"), 2u);
 }
 
+TEST(SweepCommand, NamesTheReadingThatMethodsOfTheirOwnStepsNeed) {
+  // It advised --fixed, which was given.
+  const Told told =
+      Shell().hmax("sweep --methods adams_pece --problem liver_linear --h 0.1 --fixed --t-end 1");
+  expect_refused(told, "choose their steps themselves; give --sampled");
+}
+
 TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   const Shell shell;
   // Several threads evaluate the formulas.
