@@ -219,8 +219,8 @@ Table read_csv(const fs::path& file) {
       const std::string text{std::istreambuf_iterator<char>(in), {}};
       return parse_csv(text, file.string());
     });
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
+  } catch (const std::invalid_argument& wrong) {
+    throw InputError(wrong.what());
   }
 }
 

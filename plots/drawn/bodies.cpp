@@ -70,9 +70,9 @@ Range range_of(const BodyPicture& picture) {
 }
 
 /// Place of a value in the map.
-double share_of(double value, const Range& range, const BodyColours& colours) {
+double share_of(double value, const Range& range, const BodyColours& map) {
   const double share = (value - range.low) / (range.high - range.low);
-  return colours.low_is_bad ? 1 - share : share;
+  return map.low_is_bad ? 1 - share : share;
 }
 
 std::string bar_number(double value) { return fmt::format("{:g}", std::round(value * 1e12) / 1e12 + 0.0); }
