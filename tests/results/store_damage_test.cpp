@@ -15,6 +15,7 @@
 #include "results/limits/limit_columns.hpp"
 #include "results/limits/limit_exports.hpp"
 #include "results/store.hpp"
+#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -80,16 +81,6 @@ std::string all_of(const Store& store) {
     text += std::to_string(session.id) + session.started + to_json(session.fingerprint);
   for (const auto& [key, value] : store.notes()) text += key + value;
   return text;
-}
-
-template <class Action>
-std::string input_error(Action&& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 std::string error_of_reading(const std::filesystem::path& file) {

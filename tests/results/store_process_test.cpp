@@ -20,6 +20,7 @@
 #include "core/errors.hpp"
 #include "results/patience.hpp"
 #include "results/store.hpp"
+#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -62,16 +63,6 @@ void foreign_sql(const std::filesystem::path& file, const char* sql) {
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
   sqlite3_close(database);
-}
-
-template <class Action>
-std::string input_error(Action&& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(StoreProcess, AKillAtAnyMomentLosesNothingInsertedAndLeavesNothingHalfDone) {

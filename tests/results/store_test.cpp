@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
+#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -74,16 +75,6 @@ void expect_same_row(const Row& a, const Row& b) {
   EXPECT_EQ(a.subnormals, b.subnormals);
   EXPECT_EQ(a.explored, b.explored);
   EXPECT_EQ(a.status, b.status);
-}
-
-template <class Action>
-std::string input_error(Action&& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Store, EveryFieldComesBackBitForBit) {

@@ -25,6 +25,7 @@
 #include "core/parallel_for.hpp"
 #include "results/exports.hpp"
 #include "results/merge/merge_stores.hpp"
+#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -54,16 +55,6 @@ const Row& row(const std::vector<Row>& rows, const std::string& method, const st
       rows, [&](const Row& r) { return r.key.method == method && r.key.mode == mode && r.key.h == h; });
   if (found == rows.end()) throw std::runtime_error("no row of " + method + " " + mode);
   return *found;
-}
-
-template <class Action>
-std::string input_error(Action&& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 std::string refusal(const SweepSpec& spec) {
