@@ -582,6 +582,10 @@ FarSteps short_far_steps(double fastest) {
               "verified at a step of {:.3g} s alone: longer ones of so many unknowns take minutes", h)};
 }
 
+bool driven_away(const Linearised& near, const Problem& free) {
+  return near.point.linearity != Linearity::linear && is_driven(free);
+}
+
 bool grows_in_runs(const Prediction& row) {
   if (!row.growing || !row.h_max) return false;
   // Half a run of the usual length lies between the quarters that are compared.
@@ -633,10 +637,8 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = watched(steps_of(method, free, rest, size * start.displacement, outcome), watch);
   Finding finding = watch_runs(row, method, near, start, run, *outcome, far_steps(problem, start, rates));
-  if (near.point.linearity != Linearity::linear && is_driven(free) && !finding.seen.agrees) {
-    finding.excuse =
-        "the force moves the model away from this state, so that the runs show the limit of other states; the limit "
-        "along the motion says more";
+  if (!finding.seen.agrees && driven_away(near, free)) {
+    finding.excuse = driven_away_words;
     // Limits of different states are no prediction and observation of one.
     finding.seen.gap = std::numeric_limits<double>::quiet_NaN();
   }

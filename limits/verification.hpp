@@ -34,6 +34,13 @@ struct FarSteps {
 /// @param fastest  |lambda| of the fastest mode [1/s]
 FarSteps short_far_steps(double fastest);
 
+/// Whether a force moves a model that is not linear away from its state.
+/// @param free  the problem after its ramps
+bool driven_away(const Linearised& near, const Problem& free);
+inline constexpr const char* driven_away_words =
+    "the force moves the model away from this state, so that the runs show the limit of other states; the safe step "
+    "along the motion says more";
+
 /// Whether the model itself grows so fast that runs show this in place of a limit.
 bool grows_in_runs(const Prediction& row);
 /// Whether runs of fixed steps can show what a row says.

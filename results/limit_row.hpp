@@ -1,6 +1,7 @@
 /// Limits of the step as they are stored: predictions, what verified them, and the states they hold near.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -62,6 +63,14 @@ struct LimitRow {
   std::string path_note;            ///< why the path ends early; may be empty
   double from_start = none;         ///< the largest step below the first whose run leaves its motion [s]
   double from_start_stride = none;  ///< relative stride in which it was sought; 0: it could not be
+
+  /// The largest step that is known to be safe for the motion [s]: below the limits of small motions and of
+  /// the states along it, and below the first step whose run failed. Nothing where no run showed it.
+  [[nodiscard]] double safe() const {
+    return std::isnan(from_start) ? none : std::fmin(longest_run(), std::fmin(h_max, along_least));
+  }
+  /// The longest step whose run held, as did all shorter ones; where none failed a tenth of the motion.
+  [[nodiscard]] double longest_run() const { return std::isinf(from_start) ? point.t_end / 10 : from_start; }
 
   std::string details;       ///< JSON object: margins of the modes, limits along the path
   std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before

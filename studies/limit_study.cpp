@@ -44,9 +44,9 @@ LimitRow limit_of(const LimitCase& each, const Linearised& near, const MotionSiz
   if (each.linear) return row;
   const auto along = limit_along(method, problem, problem.t_end);
   if (along) add_path(row, *along, "");
-  const bool guessed = along && along->least > 0 && std::isfinite(along->least);
   row.from_start_stride = 0;
-  if (const auto start = limit_from_start(method, problem, problem.t_end, guessed ? along->least : 1, size))
+  const double guess = guess_from_start(row.along_least, row.h_max, problem.t_end);
+  if (const auto start = limit_from_start(method, problem, problem.t_end, guess, size))
     add_start(row, *start);
   return row;
 }

@@ -535,6 +535,11 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
+  if (is_too_slow(method, problem.y0.size()))
+    console.remark(fmt::format(
+        "{} factors a dense matrix of {} rows in every step, which may take seconds; the implicit "
+        "methods of hmax have sparse ones",
+        method.engine, problem.y0.size()));
   if (problem.matrices && options.problem.y0.empty() && problem.matrices->files.initial.empty())
     console.note(fmt::format("the run starts from pseudo-random {} of up to {}; give another start with --y0",
                              is_second_order(problem) ? "displacements at rest" : "states",

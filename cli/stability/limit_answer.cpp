@@ -80,8 +80,8 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
   if (looked && problem.matrices) {
     if (!times_of_matrices(problem).empty())
       words += fmt::format(
-          "the matrices change with time: h_max holds for those of t = 0 s; \"least along\" is the smallest limit of those "
-          "given up to t = {} s\n"
+          "the matrices change with time: h_max holds for those of t = 0 s; necessary: the smallest limit of those given "
+          "up to t = {} s\n"
           "each limit is that of matrices that stay as they are; changes as fast as the motion may amplify it at any step "
           "size (parametric resonance)\n",
           short_number(problem.shown.time(question.end_of(problem))));
@@ -89,9 +89,10 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
   }
   if (looked && question.path_by_default)
     words += fmt::format(
-        "{}: h_max holds for small motions about this state; \"least along\" is the smallest limit of all states on the "
-        "motion to t = {} s\n",
-        why_along(problem), short_number(problem.shown.time(question.end_of(problem))));
+        "{}: h_max holds for small motions about this state\n"
+        "necessary: the smallest limit of the Jacobians frozen at states of the motion to t = {} s, no safe step{}\n",
+        why_along(problem), short_number(problem.shown.time(question.end_of(problem))),
+        question.run_steps > 0 ? "" : "; --along --verify runs the motion");
   else if (problem.body && !looked && model.value("state_kind", "") == name_of(StateKind::equilibrium) &&
            model.value("away_from_rest", false) && model.value("linearity", "") != name_of(Linearity::linear))
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";
@@ -216,9 +217,9 @@ std::string words_of(const LimitAnswer& answer, const LimitQuestion& question,
     below += words_of_model(question, problems[i], model);
     if (i == 0) below += words_of_body(problems[i], model) + of_engine;
   }
-  const LimitColumns columns{question.verify, question.runs_from_start, question.path};
+  const LimitColumns columns{question.verify, question.run_steps > 0, question.path};
   return limit_table(rows, columns, console) + (answer.models.empty() ? "" : "\n") + below +
-         words_of_paths(rows) + words_of_strides(rows) + words_of_notes(rows);
+         words_of_paths(rows) + words_of_safe(rows) + words_of_notes(rows);
 }
 
 void judge(const LimitAnswer& answer, const LimitQuestion& question, Console& console) {

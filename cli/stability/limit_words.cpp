@@ -56,8 +56,8 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
   if (solves) header.insert(header.end(), {"solved up to [s]", "error there [mm]"});
   if (columns.verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
   if (!columns.path.empty())
-    header.insert(header.end(), {"least along [s]", columns.path == "load" ? "at share [1]" : "at t [s]"});
-  if (columns.from_start) header.emplace_back("from the start [s]");
+    header.insert(header.end(), {"necessary [s]", columns.path == "load" ? "at share [1]" : "at t [s]"});
+  if (columns.safe) header.emplace_back("safe [s]");
   TextTable table(std::move(header));
   for (const LimitRow& row : rows) {
     std::vector<std::string> cells{row.method,
@@ -81,7 +81,9 @@ std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& colu
     if (!columns.path.empty()) {
       cells.push_back(step_words(row.along_least, 7));
       cells.push_back(std::isfinite(row.along_least) ? short_number(row.along_at, 4) : "-");
-      if (columns.from_start) cells.push_back(step_words(row.from_start, 7));
+      if (columns.safe)
+        cells.push_back((std::isinf(row.from_start) && row.safe() == row.longest_run() ? "> " : "") +
+                        step_words(row.safe(), 7));
     }
     table.add(std::move(cells));
   }
@@ -123,15 +125,20 @@ std::string words_of_paths(std::span<const LimitRow> rows) {
   return remarks;
 }
 
-std::string words_of_strides(std::span<const LimitRow> rows) {
+std::string words_of_safe(std::span<const LimitRow> rows) {
   double longest = 0;
-  for (const LimitRow& row : rows)
+  std::vector<std::string> below;
+  for (const LimitRow& row : rows) {
     if (row.from_start_stride > longest) longest = row.from_start_stride;
+    if (row.from_start < 0.99 * row.along_least)
+      below.push_back(fmt::format("{} from {} s on", row.method, short_number(row.from_start, 4)));
+  }
   if (longest == 0) return {};
   return fmt::format(
-      "from the start: up to the first step that fails, sought in strides of at most {} %, between which narrower "
-      "windows may lie\n",
-      short_number(100 * longest, 2));
+             "safe: at most what is necessary, and no run of the motion with this step or a shorter one fails, tried in strides "
+             "of at most {} %, between which narrower windows may lie\n",
+             short_number(100 * longest, 2)) +
+         (below.empty() ? "" : fmt::format("fails below what is necessary: {}\n", fmt::join(below, ", ")));
 }
 
 }  // namespace hmax

@@ -12,9 +12,9 @@ namespace hmax {
 
 /// Which columns a table of limits has.
 struct LimitColumns {
-  bool verified = false;    ///< what runs on both sides showed
-  bool from_start = false;  ///< what runs from the start showed
-  std::string path;         ///< motion | load: the least limit along it; empty for none
+  bool verified = false;  ///< what runs on both sides showed
+  bool safe = false;      ///< what runs from the start of a motion showed
+  std::string path;       ///< motion | load: the least limit along it; empty for none
 };
 
 /// "unbounded" of infinity, "-" of NaN.
@@ -29,7 +29,8 @@ std::string words_of_notes(std::span<const LimitRow> rows);
 /// What is to be said of limits along paths, once of neighbours that say the same.
 std::string words_of_paths(std::span<const LimitRow> rows);
 
-/// In which strides first failures of runs from the start were sought; empty where there were none.
-std::string words_of_strides(std::span<const LimitRow> rows);
+/// What runs from the start of a motion say of the steps below them, and which of them fail below the limit
+/// that is necessary; empty where there were none.
+std::string words_of_safe(std::span<const LimitRow> rows);
 
 }  // namespace hmax

@@ -227,7 +227,8 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       add_text(
           command, "--along", options->along,
           "Also the smallest limit along the motion from the initial state, at " + in_words(motion_shares) +
-              " of the size of the motion (with --verify also the largest step that stays near it), or of a body while its load grows; "
+              " of the size of the motion, and the largest step that runs of it show to be safe (of large models with --verify), or the limit of a "
+              "body while its load grows; "
               "motion for models that are not known to be linear and for loads that change with time, else none, by default",
           "motion|load|none"),
       std::string(path_names[0]));

@@ -149,7 +149,8 @@ ImplicitEuler<Real>::~ImplicitEuler() = default;
 /// Odeint's simplified Newton method: with J at (t + h, y), d = (h J - I)^-1 (y + h f(t + h, Y) - Y), Y -=
 /// d. Only the first d has this matrix: later ones have what Odeint makes of it by factoring it again. That
 /// changes how fast the iteration converges, not what it converges to.
-/// @throws NotSolved  on a singular matrix, or after most_iterations; y_new stays as it was
+/// @throws NotSolved  on a singular matrix, after most_iterations, or where the iteration leaves the numbers;
+/// y_new stays as it was
 template <class Real>
 void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   Memory& m = *memory_;
@@ -177,6 +178,9 @@ void ImplicitEuler<Real>::step(const Real* y, Real t, Real* y_new, Real h) {
   std::copy_n(y, m.y.size(), m.y.begin());
   // In place: m.y is y before and y_new after.
   m.stepper.do_step(std::make_pair(f, J), m.y, t, h);
+  // Odeint ends at an increment that is no number as at a small one.
+  if (!std::all_of(m.y.begin(), m.y.end(), [](Real value) { return std::isfinite(value); }))
+    throw NotSolved();
   std::copy(m.y.begin(), m.y.end(), y_new);
 }
 

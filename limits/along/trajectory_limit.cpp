@@ -445,10 +445,22 @@ void take_off_motion(const MotionSize& motion, double t, std::size_t& at, Eigen:
 
 }  // namespace
 
+double guess_from_start(double along_least, double h_max, double t_end) {
+  double guess = t_end / 100;
+  for (const double limit : {h_max, along_least})
+    if (limit > 0 && std::isfinite(limit)) guess = limit;
+  return std::min(guess, t_end / 20);
+}
+
 std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                           double guess, const MotionSize& size, const Watcher& watcher) {
+                                           double guess, const MotionSize& size, double steps,
+                                           const Watcher& watcher) {
   if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
-  if (t_end > 0.1 * guess * static_cast<double>(most_observed_steps)) return std::nullopt;
+  constexpr double finest = 1e-4, coarsest = 0.02, most_times = 25;
+  double low = 0.1 * guess;
+  // Runs of t_end / h steps from low to high, one in each stride, take about t_end / (stride low) steps.
+  const double stride = std::clamp(t_end / (low * steps), finest, coarsest);
+  if (!(t_end / (low * stride) <= most_times * steps)) return std::nullopt;
   const bool mechanical = is_second_order(problem);
   const Runner runner = method.bind(problem);
   Eigen::VectorXd away(problem.y0.size());
@@ -469,11 +481,7 @@ std::optional<StartLimit> limit_from_start(const Method& method, const Problem& 
   const double farthest = t_end / 10, usual = 100 * guess;
   // Too short a run to tell a stable step from one that had no time to grow.
   if (farthest < 2 * guess) return std::nullopt;
-  double low = 0.1 * guess;
   if (!stays(low)) return std::nullopt;
-  // Runs of t_end / h steps from low to high, one in each stride, take about t_end / (stride low) steps.
-  constexpr double most_steps = 2e6, finest = 1e-4, coarsest = 0.02;
-  const double stride = std::clamp(t_end / (low * most_steps), finest, coarsest);
   double high = low;
   for (;;) {
     high *= 1 + (high < usual ? stride : coarsest);

@@ -47,9 +47,9 @@ Path motion_path(const Problem& problem, double t_end, int points = 400, const W
 /// @throws InputError  for what is no body, and for loads that change with time
 Path load_path(const Problem& problem, int points = 40, const Watcher& watcher = {});
 
-/// h_max of the tangent along a path. It is no proof: a step longer than the least may be stable where a
-/// motion passes that point quickly, and a shorter one unstable where modes turn into one another. It says
-/// where to expect the limit, and why it is not that of rest.
+/// h_max of the tangent frozen at the points of a path: for stability at each of them it is necessary, for
+/// the motion it proves nothing. A step longer than the least may be stable where a motion passes that point
+/// quickly, and a shorter one unstable where modes turn into one another. Runs tell, see limit_from_start().
 struct TrajectoryLimit {
   std::vector<double> t,  ///< as Path::at
       h_max;  ///< [s], of the modes that do not grow; NaN without an answer, infinity where nothing limits
@@ -86,6 +86,15 @@ struct MotionSize {
 /// @throws InputError  as motion_path()
 MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& watcher = {});
 
+/// Where to begin a search for the step whose run leaves its motion [s]: at the least limit along the motion,
+/// else at that of one state, else far below the motion; at most a twentieth of the motion, so that its runs
+/// have some steps.
+double guess_from_start(double along_least, double h_max, double t_end);
+
+/// Steps of all runs of a search together that takes a blink, and of one that takes a quarter of a second,
+/// both of an oscillator.
+inline constexpr double quick_search = 5e4, thorough_search = 2e6;
+
 /// Below the first step whose run leaves its motion.
 struct StartLimit {
   double h;       ///< the largest step below it whose run was seen to stay [s]; infinity where none fails
@@ -95,12 +104,14 @@ struct StartLimit {
 /// The first step, upwards from a tenth of `guess`, whose run at fixed step from y0 to t_end is farther from
 /// the true motion at the same time than three times its size, positions and velocities apart, to one part in
 /// ten thousand. Three sizes, because a run that stays on the orbit may be two away by its phase. Steps that
-/// fail come in windows, between which longer ones stay: the strides are as short as two million steps in
-/// all allow, from 2 % down to 0.01 %, and 2 % beyond a hundred guesses. Infinity when steps up to a tenth of
+/// fail come in windows, between which longer ones stay: the strides are as short as so many steps in all
+/// allow, from 2 % down to 0.01 %, and 2 % beyond a hundred guesses. Infinity when steps up to a tenth of
 /// the run stay; nothing when the first one already does not, or the run is shorter than twenty guesses, or
-/// takes more steps than that.
-/// @param size  of that motion, the same for every method
+/// even strides of 2 % take 25 times as many steps.
+/// @param size   of that motion, the same for every method
+/// @param steps  of all runs together
 std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,
-                                           double guess, const MotionSize& size, const Watcher& watcher = {});
+                                           double guess, const MotionSize& size,
+                                           double steps = thorough_search, const Watcher& watcher = {});
 
 }  // namespace hmax

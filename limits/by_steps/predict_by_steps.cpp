@@ -247,6 +247,11 @@ void verify_steps(Found& found, const Method& method, const Problem& problem, co
                                                  found.settings.most, contradiction)
                          : watched_limit(found, run, distance_from(rest, inner), contradiction);
   seen.step_defect = step_defect(method);
+  if (!seen.agrees && driven_away(near, free)) {
+    seen.excused = true;
+    seen.gap = std::numeric_limits<double>::quiet_NaN();
+    contradiction = driven_away_words;
+  }
   if (!contradiction.empty()) say(found.row, contradiction);
   found.row.observed = seen;
 }

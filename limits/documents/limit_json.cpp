@@ -43,6 +43,19 @@ std::string both(const std::string& a, const std::string& b) {
   return a + (a.empty() || b.empty() ? "" : "; ") + b;
 }
 
+/// The largest step that runs of the motion showed to be safe.
+Json safe_json(const LimitRow& row) {
+  if (!std::isnan(row.safe()))
+    return {{"h", row.safe()}, {"how", "runs"}, {"fails_beyond", row.safe() == row.from_start}};
+  Json document{{"h", nullptr}, {"how", nullptr}};
+  if (std::isnan(row.from_start_stride))
+    document["status"] = "no run from the start of the motion was made; --verify makes them";
+  else if (row.bound != name_of(Bound::error_control))
+    document["status"] =
+        "no run from the start of the motion tells: too few or too many steps, or the shortest one fails";
+  return document;
+}
+
 }  // namespace
 
 Json details_json(const Prediction& prediction) {
@@ -147,6 +160,7 @@ Json to_json(const LimitRow& row, const std::string& state_status,
   const std::string status = both(state_status, row.note);
   if (!status.empty()) document["status"] = status;
   if (details.contains("along")) document["along"] = std::move(details["along"]);
+  if (row.point.path == "motion") document["safe"] = safe_json(row);
   if (!std::isnan(row.from_start)) {
     document["observed_from_start"] = number_or_word(row.from_start);
     document["observed_from_start_stride"] = row.from_start_stride;

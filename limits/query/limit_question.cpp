@@ -13,6 +13,8 @@ namespace {
 
 /// States whose steps, or whose runs from a start, are done within a minute or two.
 constexpr Eigen::Index soon = 2000;
+/// States whose runs from a start are done at once.
+constexpr Eigen::Index at_once = 30;
 
 /// Whether the limits of one state do not tell of the motion, or nobody knows that they do.
 bool changes_along_motion(const Problem& problem) {
@@ -37,9 +39,13 @@ LimitQuestion with_path(LimitQuestion question, const std::string& path, const P
   if (question.t_end && question.path != "motion")
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
-  const bool is_large = problem.body || problem.y0.size() > soon;
-  question.runs_from_start =
-      question.verify && question.path == "motion" && !(question.path_by_default && is_large);
+  const Eigen::Index states = problem.y0.size();
+  const bool is_large = problem.body || states > soon;
+  if (question.path != "motion" || (question.path_by_default && is_large)) return question;
+  if (question.verify)
+    question.run_steps = thorough_search;
+  else if (!problem.body && states <= at_once)
+    question.run_steps = quick_search / static_cast<double>(std::max<Eigen::Index>(1, states / 2));
   return question;
 }
 

@@ -13,10 +13,11 @@ namespace hmax {
 
 struct LimitQuestion {
   AskedState at = AskedState::equilibrium;
-  bool verify = false;                         ///< integrate on both sides of each limit
-  std::string path = {};                       ///< also along: motion | load; empty for one state alone
-  bool path_by_default = false;                ///< nobody asked for it
-  bool runs_from_start = false;                ///< limits along a motion are verified by runs from its start
+  bool verify = false;           ///< integrate on both sides of each limit
+  std::string path = {};         ///< also along: motion | load; empty for one state alone
+  bool path_by_default = false;  ///< nobody asked for it
+  double run_steps = 0;  ///< of the runs from the start of a motion that show which step is safe, for each
+                         ///< method; 0: none are made
   std::optional<double> t_end = std::nullopt;  ///< of that motion, as users count time [s]; nothing:
                                                ///< end_of_motion()
   std::optional<StepChoices> options = {};     ///< of linearly implicit methods; nothing: nobody asked
@@ -30,9 +31,9 @@ struct LimitQuestion {
 
 /// The question with the path that is looked along where nobody says: loads of bodies and matrices that
 /// change with time, and other models that are not known to be linear, are looked at along the motion unless
-/// the state at rest or options of steps are asked for. Runs from the start of a motion, some thousand, are
-/// made where
-/// --verify asks for them; of bodies and large models only where the motion was asked for.
+/// the state at rest or options of steps are asked for. Runs from the start of a motion, some hundred, are
+/// made of models of few states, and some thousand where --verify asks for them; of bodies and large models
+/// only where that and the motion were asked for.
 /// @param path  motion | load | none; empty where nobody says
 /// @throws InputError  for an end of a motion that is not looked at
 LimitQuestion with_path(LimitQuestion question, const std::string& path, const Problem& problem);

@@ -107,13 +107,13 @@ class Query {
   /// The stored rows that answer the question.
   [[nodiscard]] std::vector<LimitRow> stored_rows(const OperatingPointKey& key) const {
     if (!store_.store || !store_.looks_up) return {};
+    const std::optional<OperatingPointRow> point = store_.store->operating_point(key);
+    const bool has_motion = point && has_limits_along(Json::parse(point->document));
+    // A motion that was not found is an error for those who ask for it.
+    if (!question_.path.empty() && !question_.path_by_default && !has_motion) return {};
     std::vector<LimitRow> known = stored_limits(
         *store_.store, key,
-        {.verified = question_.verify, .from_start = question_.runs_from_start, .details = true});
-    // A motion that was not found is an error for those who ask for it.
-    if (!known.empty() && !question_.path.empty() && !question_.path_by_default &&
-        !has_limits_along(Json::parse(store_.store->operating_point(key)->document)))
-      return {};
+        {.verified = question_.verify, .from_start = has_motion && question_.run_steps > 0, .details = true});
     // It may have been left unknown where nobody named the method.
     std::erase_if(known, [&](const LimitRow& row) {
       return row.bound == name_of(Bound::unknown) &&
@@ -309,20 +309,19 @@ class Query {
       details["along"] = path_json(along, rows[i], problem);
       rows[i].details = details.dump();
     }
-    if (question_.runs_from_start) add_runs_from_start(problem, limits, methods, rows, watch);
+    if (question_.run_steps > 0) add_runs_from_start(problem, methods, rows, watch);
     return facts;
   }
 
-  void add_runs_from_start(const Problem& problem, const std::vector<std::optional<TrajectoryLimit>>& limits,
-                           const std::vector<Method>& methods, std::vector<LimitRow>& rows,
-                           const Watcher& watch) const {
+  void add_runs_from_start(const Problem& problem, const std::vector<Method>& methods,
+                           std::vector<LimitRow>& rows, const Watcher& watch) const {
     const double t_end = question_.end_of(problem);
-    std::optional<MotionSize> size;
+    const MotionSize size = size_of_motion(problem, t_end, watch);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].from_start_stride = 0;
-      if (!limits[i] || !(limits[i]->least > 0) || !std::isfinite(limits[i]->least)) continue;
-      if (!size) size = size_of_motion(problem, t_end, watch);
-      if (const auto limit = limit_from_start(methods[i], problem, t_end, limits[i]->least, *size, watch))
+      const double guess = guess_from_start(rows[i].along_least, rows[i].h_max, t_end);
+      if (const auto limit =
+              limit_from_start(methods[i], problem, t_end, guess, size, question_.run_steps, watch))
         add_start(rows[i], *limit);
     }
   }

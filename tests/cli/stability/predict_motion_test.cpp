@@ -103,5 +103,47 @@ TEST(PredictOfBodies, CentralDifferenceHasALimitAlongTheMotionWithMassDamping) {
   EXPECT_NEAR(central, newmark, 1e-6 * newmark);
 }
 
+// A limit along a motion is necessary, not safe: c = 10 moves the frozen modes apart, and runs of central
+// differences fail at two thirds of it.
+TEST(StabilityPredict, TellsTheSafeStepFromTheNecessaryOneWithoutBeingAsked) {
+  const Shell shell;
+  const std::string line = "stability predict --problem liver_cubic --set c=10 --methods central_difference";
+  const Told told = shell.hmax(line + " --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const Json row = told.json().at("rows").at(0), safe = row.at("safe");
+  EXPECT_NEAR(row.at("along").at("h_min").get<double>(), 1.889, 1e-3);
+  EXPECT_EQ(safe.at("how"), "runs");
+  EXPECT_EQ(safe.at("fails_beyond"), true);
+  const double h = safe.at("h");
+  EXPECT_LT(h, 1.2);
+  const auto ends = [&](double step) {
+    return shell
+        .hmax(fmt::format("run --problem liver_cubic --set c=10 --method central_difference --h {} --json",
+                          step))
+        .json()
+        .at("outcome");
+  };
+  EXPECT_EQ(ends(h), "reached_end");
+  EXPECT_EQ(ends(1.2), "diverged");
+  EXPECT_NE(shell.hmax(line).out.find("fails below what is necessary: central_difference from "),
+            std::string::npos);
+  // No run tells of methods that choose their steps.
+  const Json adaptive =
+      shell.hmax("stability predict --problem liver_cubic --methods adams_pece --json").json();
+  EXPECT_TRUE(adaptive.at("rows").at(0).at("safe").at("h").is_null());
+  EXPECT_TRUE(adaptive.at("rows").at(0).at("safe").at("how").is_null());
+}
+
+TEST(StabilityPredict, ExcusesRunsOfImplicitExplicitStepsThatAForceDrivesAway) {
+  const Told told =
+      Shell().hmax("stability predict --problem liver_forced --methods imex_ark_324 --verify --json");
+  EXPECT_EQ(told.exit_code, 0);
+  const Json row = told.json().at("rows").at(0);
+  EXPECT_LT(row.at("observed"), row.at("h_max"));
+  EXPECT_TRUE(row.at("gap").is_null());
+  EXPECT_NE(row.at("status").get<std::string>().find("moves the model away"), std::string::npos);
+  EXPECT_LT(row.at("safe").at("h").get<double>(), 4.6);
+}
+
 }  // namespace
 }  // namespace hmax

@@ -182,6 +182,24 @@ TEST(OdeintImplicitEuler, ASingularMatrixIsAnOutcomeAndNotTheEndOfTheProcess) {
   EXPECT_FALSE(end.note.empty());
 }
 
+/// y' = y^3: from y = 10 the simplified iteration of a step of 1 s leaves the numbers.
+struct Cube {
+  using State = Eigen::VectorXd;
+  using Jacobian = Eigen::MatrixXd;
+  static Eigen::Index dim() { return 1; }
+  void rhs(double, const State& y, State& dydt) const { dydt = y.array().cube(); }
+  void jacobian(double, const State& y, Jacobian& J) const {
+    J = Eigen::MatrixXd::Constant(1, 1, 3 * y[0] * y[0]);
+  }
+};
+
+TEST(OdeintImplicitEuler, AnIterationThatLeavesTheNumbersIsNoDivergence) {
+  Eigen::VectorXd y = Eigen::VectorXd::Constant(1, 10);
+  const auto end = fixed<ImplicitEulerPeer>(Cube{}, 10, 1, y);
+  EXPECT_EQ(end.outcome, Outcome::newton_failed);
+  EXPECT_EQ(y[0], 10);
+}
+
 TEST(OdeintImplicitEuler, AnIterationThatDoesNotConvergeIsEnded) {
   Eigen::VectorXd y = Eigen::VectorXd::Ones(1);
   EXPECT_EQ(fixed<ImplicitEulerPeer>(Pole{}, 10, 0.5, y).outcome, Outcome::newton_failed);

@@ -299,7 +299,7 @@ TEST(LimitsAlong, EndWhenWhoWatchesThrows) {
   };
   const std::vector<std::function<void()>> tasks{
       [&] { motion_path(problem, 20, 400, watcher); }, [&] { limits_along(methods, problem, path, watcher); },
-      [&] { limit_from_start(methods.front(), problem, 20, 0.2, size, watcher); },
+      [&] { limit_from_start(methods.front(), problem, 20, 0.2, size, thorough_search, watcher); },
       [&] {
         load_path(cube("fem_cauchy/press", {{"force", 1}}), 40, watcher);
       }};

@@ -43,10 +43,10 @@ TEST(LimitQuestion, LooksAlongTheMotionOnlyWhereOneStateDoesNotTellOfIt) {
 
 TEST(LimitQuestion, RunsFromTheStartOfSmallModelsAndOfMotionsThatWereAskedFor) {
   const Problem cubic = make_problem("liver_cubic"), body = make_problem("fem_green/breathing@cube:n=2");
-  EXPECT_FALSE(with_path({}, "", cubic).runs_from_start);
-  EXPECT_TRUE(with_path({.verify = true}, "", cubic).runs_from_start);
-  EXPECT_FALSE(with_path({.verify = true}, "", body).runs_from_start);
-  EXPECT_TRUE(with_path({.verify = true}, "motion", body).runs_from_start);
+  EXPECT_EQ(with_path({}, "", cubic).run_steps, quick_search);
+  EXPECT_EQ(with_path({.verify = true}, "", cubic).run_steps, thorough_search);
+  EXPECT_EQ(with_path({.verify = true}, "", body).run_steps, 0);
+  EXPECT_EQ(with_path({.verify = true}, "motion", body).run_steps, thorough_search);
 }
 
 TEST(LimitQuestion, RefusesTheEndOfAMotionThatIsNotLookedAt) {
