@@ -106,8 +106,11 @@ std::vector<LimitCase> limit_cases() {
       const OscillatorParameters& p = member.parameters;
       if (std::ranges::find(seen, p) != seen.end()) continue;
       seen.push_back(p);
+      const bool linear = p.k3 == 0;
+      // The same number varies in the unforced and in the forced model.
+      const char* const kind = linear ? "" : p.P == 0 ? "unforced, " : "forced, ";
       cases.push_back(
-          {member.label, std::string(family.id), problem_of(p, family.y0, family.t_end), p.k3 == 0});
+          {kind + member.label, std::string(family.id), problem_of(p, family.y0, family.t_end), linear});
     }
   }
   return cases;
