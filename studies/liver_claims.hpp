@@ -35,8 +35,7 @@ struct SolverWork {
   std::string method;
   double rtol = 0, atol = 0;
   Stats stats = {};
-  double error = 0;    ///< largest |x| or |v| off the motion at any step [m], [m/s]
-  double seconds = 0;  ///< CPU time of a run, the least of a few [s]
+  double error = 0;  ///< largest |x| or |v| off the motion at any step [m], [m/s]
 };
 
 /// The solvers of the study that choose their steps, with MATLAB's defaults (rtol 1e-3, atol 1e-6, its step

@@ -211,7 +211,6 @@ Json work_of_solvers(const std::vector<SolverWork>& all) {
                     {"steps", work.stats.steps},
                     {"rejected", work.stats.rejected},
                     {"evaluations", work.stats.rhs},
-                    {"seconds", work.seconds},
                     {"error", work.error}});
   return rows;
 }

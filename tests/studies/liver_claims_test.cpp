@@ -90,11 +90,11 @@ TEST(LiverClaims, OnSolversFollowTheRows) {
 /// Work of the three solvers that sentences on accuracy compare, with these errors at both tolerances.
 std::vector<SolverWork> work_of(double default_113, double tight_113) {
   std::vector<SolverWork> work;
-  for (const auto& [method, by_default, tight, seconds] : {std::tuple{"dormand_prince_54", 5e-4, 1e-6, 1e-5},
-                                                           {"rosenbrock_23", 2e-3, 4e-5, 2e-5},
-                                                           {"adams_pece", default_113, tight_113, 3e-5}}) {
-    work.push_back({.method = method, .rtol = 1e-3, .atol = 1e-6, .error = by_default, .seconds = seconds});
-    work.push_back({.method = method, .rtol = 1e-6, .atol = 1e-6, .error = tight, .seconds = seconds});
+  for (const auto& [method, by_default, tight] : {std::tuple{"dormand_prince_54", 5e-4, 1e-6},
+                                                  {"rosenbrock_23", 2e-3, 4e-5},
+                                                  {"adams_pece", default_113, tight_113}}) {
+    work.push_back({.method = method, .rtol = 1e-3, .atol = 1e-6, .error = by_default});
+    work.push_back({.method = method, .rtol = 1e-6, .atol = 1e-6, .error = tight});
   }
   return work;
 }
@@ -119,6 +119,8 @@ TEST(LiverClaims, OnRealTimeCompareTheTimeOfARunWithTheMotion) {
   EXPECT_EQ(judgement_of(claims, "euler_is_no_real_time"), Judged::does_not_hold);
   EXPECT_EQ(judgement_of(claims, "ode113_is_no_real_time"), Judged::does_not_hold);
   EXPECT_EQ(judgement_of(claims, "ode23t_is_no_real_time"), Judged::holds);
+  EXPECT_NEAR(claims["ode113_is_less_efficient"]["slower"].get<double>(), 3, 1e-9);
+  EXPECT_NEAR(claims["ode23s_is_not_best"]["slower"].get<double>(), 2, 1e-9);
   // Twice the cost of a step and the same error: no gain.
   EXPECT_EQ(judgement_of(claims, "ode23s_beats_euler"), Judged::does_not_hold);
 }
@@ -134,7 +136,6 @@ TEST(WorkAtDefaults, IsLessAndWorseThanThatOfTheReport) {
     EXPECT_LT(all[i].stats.steps, all[i + 1].stats.steps) << all[i].method;
     EXPECT_GT(all[i].error, 10 * all[i + 1].error) << all[i].method;
     EXPECT_LT(all[i].error, 0.1) << all[i].method;
-    EXPECT_GT(all[i].seconds, 0) << all[i].method;
   }
   // What the report says of ode113 at MATLAB's defaults.
   const auto error_of = [&](const char* method) {
