@@ -227,18 +227,19 @@ void costs(TissuePage& tissue) {
   const ModelCost &springs = bodies.at(bodies.size() - 2), &elements = bodies.back();  // of the liver
   const double forces = elements.force / springs.force, plain = elements.plain / springs.plain,
                steps = elements.step / springs.step;
+  // "Approximately": within a factor of 1.5.
+  const auto four = [](double ratio) { return ratio > 4 / 1.5 && ratio < 4 * 1.5; };
   tissue.page.values["costs"] = {{"bodies", bodies},
                                  {"force_ratio", forces},
                                  {"plain_ratio", plain},
                                  {"step_ratio", steps},
                                  {"kernels", tissue_kernels().name},
                                  {"gain_elements", elements.plain / elements.force},
-                                 {"gain_springs", springs.plain / springs.force}};
+                                 {"gain_springs", springs.plain / springs.force},
+                                 {"kernels_explain", four(plain) && !four(forces)}};
   tissue.document["force_ratio"] = forces;
   tissue.document["plain_force_ratio"] = plain;
   tissue.document["step_ratio"] = steps;
-  // "Approximately": within a third.
-  const auto four = [](double ratio) { return ratio > 4 / 1.5 && ratio < 4 * 1.5; };
   tissue.judge("four_times", judged(four(forces), four(plain)),
                {{"plain", plain}, {"vector", forces}, {"step", steps}});
 }

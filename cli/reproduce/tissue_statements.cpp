@@ -30,8 +30,9 @@ void found_by_a_view(TissuePage& tissue) {
 void penalties(TissuePage& tissue) {
   const std::vector<PenaltyContact> all = penalty_contacts(tissue.options.mesh(), study_material, 0.008);
   const PenaltyContact &by_default = all.at(all.size() - 2), &stiff = all.back();
-  tissue.page.values["penalties"] = {{"mesh", tissue.options.mesh()}, {"contacts", all}};
   const double more = stiff.force / by_default.force, shorter = stiff.h_pressed / stiff.h_rest;
+  tissue.page.values["penalties"] = {
+      {"mesh", tissue.options.mesh()}, {"contacts", all}, {"saturated", more < 1.2}};
   tissue.judge("penalties_are_large", judged(more > 1.5, shorter < 0.9),
                {{"more", more},
                 {"by_default", by_default.penetration},
@@ -93,7 +94,8 @@ void contraction_of_methods(TissuePage& tissue) {
 void body_from_its_motion(TissuePage& tissue) {
   const IdentifiedMotion found = identified_motion("phantom");
   const FittedMotion &right = found.fits.front(), &springs = found.fits.back();
-  tissue.page.values["backwards"] = found;
+  Json& shown = tissue.page.values["backwards"] = found;
+  shown["springs_differ"] = springs.misfit > 2 * right.misfit;
   const double off =
       std::max(std::abs(right.young / found.young - 1), std::abs(right.alpha / found.alpha - 1));
   tissue.judge(

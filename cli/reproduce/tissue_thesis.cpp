@@ -16,10 +16,10 @@
 #include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
-#include "studies/local_model.hpp"
 #include "studies/organ_rates.hpp"
 #include "studies/organ_study.hpp"
 #include "studies/particle_limits.hpp"
+#include "studies/thigh/local_model.hpp"
 
 namespace hmax {
 
@@ -187,7 +187,8 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
       loaded_iterations(tissue.options.mesh(), study_material, {0.05, 0.1, 0.2, 0.4});
   tissue.page.values["inner_systems"] = {{"ways", ways},          {"modified", modified},
                                          {"newton", newton},      {"iteration", cost.iteration},
-                                         {"needed", cost.needed}, {"loads", loads}};
+                                         {"needed", cost.needed}, {"cheap", cost.iteration < cost.needed},
+                                         {"loads", loads}};
   const int exact = row_of(StaticMethod::newton, tight).iterations,
             inexact = row_of(StaticMethod::modified_newton, tight).iterations;
   tissue.judge("newton_converges_faster", judged(exact < inexact),
