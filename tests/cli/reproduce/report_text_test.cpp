@@ -144,6 +144,21 @@ TEST(ReportText, OfAllHasAnAnswerForEveryItem) {
   EXPECT_EQ(slides.size(), 72U) << "every slide of the thesis";
 }
 
+/// A figure or a table does not stand alone.
+TEST(ReportText, BeginsEverySectionWithASentence) {
+  static const std::regex section("(?:^|\n)(##+ [^\n]*)\n((?:\\s|\\{\\{[#^/][^}]*\\}\\})*)([^\n]*)");
+  int sections = 0;
+  for (const char* name : {"all", "oscillators", "stability", "tissue"}) {
+    const std::string text(report_text(name));
+    for (std::sregex_iterator it(text.begin(), text.end(), section), end; it != end; ++it, ++sections) {
+      const std::string first = (*it)[3].str();
+      for (const char* alone : {"|", "{{figure", "{{table", "**The"})
+        EXPECT_FALSE(first.starts_with(alone)) << name << ": " << (*it)[1].str();
+    }
+  }
+  EXPECT_GT(sections, 40);
+}
+
 /// Slide 60 is read in one way, that of slide 34: not stable, or a large mass.
 TEST(ReportText, OfTissueQuotesTheLargeMassAsItIsPrinted) {
   const std::string_view text = report_text("tissue");
