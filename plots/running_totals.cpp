@@ -24,8 +24,6 @@ void require_table(const Table& table) {
 /// "ode45" of "ode45 [s]".
 std::string without_unit(const std::string& column) { return column.substr(0, column.find(" [")); }
 
-Style style_of(std::size_t k) { return family_style(static_cast<int>(k), true); }
-
 }  // namespace
 
 std::vector<std::string> order_of_running(const Table& table) {
@@ -64,16 +62,18 @@ Figure running_totals_figure(const Table& published, const std::vector<Row>& row
   Panel chained{.title = "The same numbers in the order of running",
                 .x = {"row of the table, solver after solver"},
                 .y = {"printed value [s]"},
-                .notes = {"Euler is of another run: its values lie inside those of ode113"}};
+                .notes = {"without Euler, which is of another run"}};
   Panel cost{.title = "Differences down each column",
              .x = {"h [s]", true},
              .y = {"time of one row [s]", true},
              .notes = {"what a row cost; differences of 0 cannot be drawn"}};
+  // The k-th method is the counterpart of the k-th solver and looks like it.
+  const std::vector<Style> styles = method_styles(methods);
   for (std::size_t c = 1; c < published.columns.size(); ++c) {
     Curve curve{.label = without_unit(published.columns[c]),
                 .x = h,
                 .y = published.values[c],
-                .style = style_of(c - 1)};
+                .style = c - 1 < styles.size() ? styles[c - 1] : family_style(static_cast<int>(c), true)};
     printed.curves.push_back(curve);
     const auto place = std::find(order.begin(), order.end(), published.columns[c]);
     if (place != order.end()) {
@@ -88,11 +88,6 @@ Figure running_totals_figure(const Table& published, const std::vector<Row>& row
   }
   Panel measured = run_time_panel(rows, mode, methods);
   measured.title = "Measured here: CPU time of one run";
-  // The k-th method is the counterpart of the k-th solver and looks like it.
-  for (Curve& curve : measured.curves)
-    for (std::size_t k = 0; k < methods.size(); ++k)
-      if (curve.label == (methods[k].label.empty() ? methods[k].id : methods[k].label))
-        curve.style = style_of(k);
   return {.title = "The published times are running totals of one clock",
           .panels = {printed, chained, cost, measured},
           .columns = 2};

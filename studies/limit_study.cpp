@@ -72,6 +72,13 @@ std::vector<AskedCase> asked_cases(const std::vector<LimitCase>& cases, CaseKind
   return asked;
 }
 
+/// What tells cases from others in which the same number varies.
+std::string kind_of(const OscillatorParameters& p) {
+  if (p.k3 != 0) return p.P == 0 ? "unforced, " : "forced, ";
+  const double zeta = p.c / (2 * std::sqrt(p.k1 * p.m));
+  return zeta > 1 + 1e-9 ? "over-damped, " : zeta > 1 - 1e-9 ? "critically damped, " : "";
+}
+
 void keep(Store& store, const std::vector<AskedCase>& asked, const std::vector<StudyRow>& computed) {
   if (computed.empty()) return;
   store.begin_session(fingerprint());
@@ -106,8 +113,9 @@ std::vector<LimitCase> limit_cases() {
       const OscillatorParameters& p = member.parameters;
       if (std::ranges::find(seen, p) != seen.end()) continue;
       seen.push_back(p);
-      cases.push_back(
-          {member.label, std::string(family.id), problem_of(p, family.y0, family.t_end), p.k3 == 0});
+      const bool linear = p.k3 == 0;
+      cases.push_back({kind_of(p) + member.label, std::string(family.id),
+                       problem_of(p, family.y0, family.t_end), linear});
     }
   }
   return cases;

@@ -14,7 +14,7 @@ namespace hmax {
 
 /// A model of the study.
 struct LimitCase {
-  std::string label;  ///< "male_slim:light", "c = 0.3 N s/m"
+  std::string label;  ///< "male_slim:light", "forced, c = 10 N s/m"; each once
   std::string family;
   Problem problem;
   bool linear = true;

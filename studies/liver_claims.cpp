@@ -264,14 +264,25 @@ Claims claims_on_benchmark() {
         {"most", most_left}}},
       {"benchmark_rests", {{"judgement", judged(rests && swings)}, {"times", settle}, {"lasting", lasts}}},
       {"benchmark_is_overdamped",
-       {{"judgement", Judgement::does_not_hold},
+       {{"judgement", Judged::does_not_hold},
         {"overdamped", std::ranges::count_if(ratios, [](double zeta) { return zeta > 1; })}}}};
 }
 
 }  // namespace
 
 std::string_view judged(bool whole, bool in_part) {
-  return whole ? Judgement::holds : in_part ? Judgement::holds_in_part : Judgement::does_not_hold;
+  return whole ? Judged::holds : in_part ? Judged::holds_in_part : Judged::does_not_hold;
+}
+
+Claims counts_of(const Claims& claims) {
+  const auto count = [&](std::string_view judgement) {
+    return std::ranges::count(claims, Claims(judgement),
+                              [](const Claims& claim) { return claim["judgement"]; });
+  };
+  return {{"sentences", claims.size()},
+          {"hold", count(Judged::holds)},
+          {"hold_in_part", count(Judged::holds_in_part)},
+          {"do_not_hold", count(Judged::does_not_hold)}};
 }
 
 Claims claims_on_motion() {

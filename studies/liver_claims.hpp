@@ -13,7 +13,7 @@
 namespace hmax {
 
 /// What a test says of a sentence.
-struct Judgement {
+struct Judged {
   static constexpr std::string_view holds = "holds", holds_in_part = "holds in part",
                                     does_not_hold = "does not hold";
 };
@@ -23,26 +23,30 @@ std::string_view judged(bool whole, bool in_part = false);
 /// on}. Their words stand in the text of the report.
 using Claims = nlohmann::ordered_json;
 
+/// How many there are and how many of them hold, hold in part and do not hold.
+Claims counts_of(const Claims& claims);
+
 /// What it says of the motion, sections 3.3 A to D: damping, stiffness, mass, force. Runs of dop_853, the
 /// same on every machine but for rounding. Lengths in m, times in s, shares of 1.
 Claims claims_on_motion();
 
-/// What it says of the five solvers, sections 2.2 and 3.1.
-/// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least.
-/// Times are
-///              those of the machine that measured them
-Claims claims_on_solvers(const std::vector<Row>& rows);
-
 /// An adaptive run of liver_forced.
 struct SolverWork {
   std::string method;
-  double rtol, atol;
-  Stats stats;
-  double error;  ///< largest |x| or |v| off the motion at any step [m], [m/s]
+  double rtol = 0, atol = 0;
+  Stats stats = {};
+  double error = 0;  ///< largest |x| or |v| off the motion at any step [m], [m/s]
 };
 
 /// The solvers of the study that choose their steps, with MATLAB's defaults (rtol 1e-3, atol 1e-6, its step
 /// size control) and with rtol = atol = 1e-6 and the control of hmax.
 std::vector<SolverWork> work_at_defaults();
+
+/// What it says of the five solvers, sections 2.2, 2.4 and 3.1. Sentences on accuracy are judged at the
+/// tolerances that were in force, MATLAB's defaults.
+/// @param rows  of liver_forced: both readings of the step sizes of the study, its five solvers at least.
+///              Times are those of the machine that measured them
+/// @param work  of work_at_defaults()
+Claims claims_on_solvers(const std::vector<Row>& rows, const std::vector<SolverWork>& work);
 
 }  // namespace hmax

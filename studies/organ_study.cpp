@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
@@ -25,7 +27,7 @@ namespace {
 
 constexpr std::array<std::string_view, 5> models{"fem_cauchy", "fem_green", "fem_corotational",
                                                  "fem_neo_hookean", "mass_spring"};
-constexpr double young = 5500;  // [Pa]
+constexpr double study_modulus = 5500;  // [Pa]
 
 double volume_of(const TetMesh& mesh, const Eigen::Matrix3Xd& points, double* spread = nullptr) {
   double sum = 0;
@@ -55,7 +57,7 @@ Eigen::VectorXd turned(const TissueBody& body, double angle) {
 }
 
 Problem body_of(std::string_view model, std::string_view mesh, const char* load, Parameters parameters) {
-  parameters.emplace_back("E", young);
+  parameters.emplace_back("E", study_modulus);
   return make_problem(tissue_id(model, mesh, load),
                       {.material = {}, .parameters = std::move(parameters), .y0 = {}});
 }
@@ -98,7 +100,7 @@ std::vector<TurnedBody> turned_bodies(std::string_view mesh) {
     const Problem problem = body_of(model, mesh, "gravity", std::move(parameters));
     const TissueBody& body = *problem.body;
     TurnedBody& turning = all.emplace_back(TurnedBody{std::string(model), {}, {}});
-    const double scale = young * volume_of(body.mesh(), body.mesh().points);
+    const double scale = study_modulus * volume_of(body.mesh(), body.mesh().points);
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
     for (int angle = 0; angle <= 90; angle += 5) {
       turning.angle.push_back(angle);
@@ -136,6 +138,44 @@ std::vector<InnerTolerance> inner_tolerances(const StaticModel& model, double re
       const StaticIterate& last = solution.history.back();
       all.push_back({method, tolerance, solution.converged, solution.iterations, last.inner, last.seconds});
     }
+  return all;
+}
+
+AccurateSolution accurate_solution(const std::vector<InnerTolerance>& rows) {
+  std::vector<InnerTolerance> newton;
+  std::ranges::copy_if(rows, std::back_inserter(newton),
+                       [](const InnerTolerance& row) { return row.method == StaticMethod::newton; });
+  Eigen::MatrixXd A(newton.size(), 2);
+  Eigen::VectorXd seconds(newton.size());
+  const InnerTolerance *loose = nullptr, *tight = nullptr;
+  for (std::size_t i = 0; i < newton.size(); ++i) {
+    const InnerTolerance& row = newton[i];
+    A.row(static_cast<Eigen::Index>(i)) << row.iterations, static_cast<double>(row.sweeps);
+    seconds[static_cast<Eigen::Index>(i)] = row.seconds;
+    if (row.tolerance == 0.1) loose = &row;
+    if (row.tolerance == 1e-4) tight = &row;
+  }
+  const Eigen::Vector2d cost = A.colPivHouseholderQr().solve(seconds);
+  return {
+      .iteration = std::max(0.0, cost[0]) / cost[1],
+      .needed = static_cast<double>(tight->sweeps - loose->sweeps) / (loose->iterations - tight->iterations)};
+}
+
+std::vector<LoadedIterations> loaded_iterations(std::string_view mesh, std::string_view material,
+                                                const std::vector<double>& forces) {
+  std::vector<LoadedIterations> all;
+  for (const double force : forces) {
+    const StaticModel model = static_model(
+        make_problem(tissue_id("fem_green", mesh, "press"),
+                     {.material = std::string(material), .parameters = {{"force", force}}, .y0 = {}}),
+        1);
+    const auto iterations = [&](StaticMethod method) {
+      const StaticSolution solution =
+          solve_static(model, {.method = method, .iterations = 2000}, thread_cpu_seconds);
+      return solution.converged ? solution.iterations : 0;
+    };
+    all.push_back({force, iterations(StaticMethod::newton), iterations(StaticMethod::modified_newton)});
+  }
   return all;
 }
 

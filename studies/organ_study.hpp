@@ -46,6 +46,24 @@ struct InnerTolerance {
 /// @param relaxation  of SOR
 std::vector<InnerTolerance> inner_tolerances(const StaticModel& model, double relaxation);
 
+/// What an accurate solution of the linear systems would have to save.
+struct AccurateSolution {
+  double iteration = 0;  ///< what an iteration costs beside its sweeps, in sweeps
+  double needed = 0;     ///< from where the fewer iterations of a tolerance of 1e-4 pay for its sweeps
+};
+/// Of rows of Newton's method: seconds = a iterations + b sweeps by least squares, 1e-4 against 0.1.
+AccurateSolution accurate_solution(const std::vector<InnerTolerance>& rows);
+
+/// Iterations of both methods with exact linear systems under a force, all of it at once.
+struct LoadedIterations {
+  double force = 0;              ///< [N]
+  int newton = 0, modified = 0;  ///< 0: not converged
+};
+HMAX_RECORD(LoadedIterations, force, newton, modified);
+/// Of finite elements of Green's strain, pressed.
+std::vector<LoadedIterations> loaded_iterations(std::string_view mesh, std::string_view material,
+                                                const std::vector<double>& forces);
+
 /// A linear model at rest: displacements from forces by the inverse of K, and by its factors.
 struct LinearSolutions {
   Eigen::Index dofs = 0;

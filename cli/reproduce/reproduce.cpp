@@ -167,7 +167,7 @@ void add_all(CLI::App& reproduce, Console& console) {
   auto options = std::make_shared<AllOptions>();
   show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
   add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue; all by default", "A,B");
-  add_flag(all, "--quick", options->quick, "The quick form of tissue; takes three minutes instead of ten");
+  add_flag(all, "--quick", options->quick, "The quick form of tissue: coarser meshes, fewer points");
   add_footer(all, "A part that the same program has finished in FOLDER is not made again.");
   add_force(all);
   add_figure_style(all);

@@ -20,19 +20,17 @@
 #include "core/numbers.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
+#include "problems/tissue/forces/kernels.hpp"
+#include "studies/organ_rates.hpp"
 
 namespace hmax {
 
 using Json = nlohmann::ordered_json;
 
-namespace {
-constexpr const char* material = "male_normal";
-}
-
 Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
                      Parameters parameters) {
   return make_problem(tissue_id(model, mesh, load),
-                      {.material = material, .parameters = std::move(parameters), .y0 = {}});
+                      {.material = study_material, .parameters = std::move(parameters), .y0 = {}});
 }
 
 std::string made_of(const Problem& problem) {
@@ -43,7 +41,7 @@ std::string made_of(const Problem& problem) {
   };
   return fmt::format(
       "{}; liver:{}: E = {:g} kPa, nu = {:g} (not of springs), {:g} kg; {:g} % at the supported end are fixed.",
-      problem.note, material, value("E") / 1000, value("nu"), value("mass"), 100 * value("support"));
+      problem.note, study_material, value("E") / 1000, value("nu"), value("mass"), 100 * value("support"));
 }
 
 namespace {
@@ -186,76 +184,72 @@ void modes(TissuePage& tissue) {
   tissue.draw(bodies, "modes");
 }
 
-/// A tool that moves into the liver.
+/// A tool that moves into the liver, seen from its side.
 void pressed_by_a_tool(TissuePage& tissue) {
-  constexpr double h = 0.005;
-  const Problem problem = study_tissue("fem_green", "liver", "tool", {{"depth", 0.025}});
+  constexpr double h = 0.005, depth = 0.015;
+  const Problem problem = study_tissue("fem_green", "liver", "tool", {{"depth", depth}});
   const Runner runner = find_method("linearly_implicit_euler").bind(problem);
   BodyPicture bodies{
-      .title = "A tool is pressed into the liver",
+      .title = "A tool is pressed into the liver: the dent beside the shape at rest",
       .caption =
           made_of(problem) +
           fmt::format(
               " linearly_implicit_euler, h = {:g} s; no gravity. Contact is a penalty on the surface.", h),
-      .towards = {0.45, -1, -0.25},
+      .colours = {.quantity = "displacement [mm]"},
+      .towards = {-1, 0, -0.3},
       .columns = 3};
+  Json rows = Json::array();
   for (const double t : {0.2, 0.3, 0.6}) {
     const RunRecord record = runner.run({.t_end = t, .h = h}, {});
     if (record.outcome != Outcome::reached_end)
       throw InputError(fmt::format("the tool in the liver ended at t = {:g} s; this is a defect", record.t));
     const Eigen::VectorXd q = record.y.head(problem.body->dofs());
+    const ToolContact::Reach reach = problem.body->tool_reaches(t, record.y).front();
+    const double smallest = problem.body->least_volume(t, q).first;
+    rows.push_back({{"t", t},
+                    {"depth", reach.depth},
+                    {"penetration", reach.penetration},
+                    {"displacement", largest_displacement(q)},
+                    {"smallest", smallest}});
     BodyView view = body_view(*problem.body, t, q, BodyValue::displacement);
     view.title = fmt::format("t = {:g} s", t);
-    view.notes = {fmt::format("largest displacement {}", millimetres(largest_displacement(q)))};
+    view.notes = {
+        fmt::format("tool {}, body {}", millimetres(reach.depth), millimetres(largest_displacement(q)))};
     bodies.views.push_back(std::move(view));
   }
-  bodies.colours = colours_of(BodyValue::displacement, bodies.views);
+  tissue.page.values["tool_runs"] = rows;
   tissue.draw(bodies, "tool");
 }
 
 /// CPU times of forces and steps.
 void costs(TissuePage& tissue) {
-  Json bodies = Json::array();
-  double force_ratio = 0, step_ratio = 0;  // of the last mesh
-  constexpr double h = 0.01;
-  for (const std::string_view mesh : meshes) {
-    std::array<double, 2> force{}, step{};
-    std::array<Problem, 2> problems{study_tissue("mass_spring", mesh, "gravity", {}),
-                                    study_tissue("fem_green", mesh, "gravity", {})};
-    std::vector<std::function<void(std::int64_t)>> tasks;
-    constexpr int steps = 20;
-    for (const Problem& problem : problems) {
-      tasks.push_back([body = problem.body](std::int64_t runs) {
-        const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
-        Eigen::VectorXd f = zero;
-        for (std::int64_t i = 0; i < runs; ++i) body->force(0, zero, zero, f);
-      });
-      tasks.push_back([runner = find_method("linearly_implicit_euler").bind(problem)](std::int64_t runs) {
-        runner.repeat({.t_end = steps * h, .h = h}, runs);
-      });
-    }
-    TimingOptions options;
-    options.repetitions = 7;
-    const std::vector<Timing> timings = time_interleaved(tasks, options);
-    const auto least = [&](std::size_t k) { return *std::ranges::min_element(timings[k].samples); };
-    for (std::size_t k = 0; k < 2; ++k) {
-      force[k] = least(2 * k);
-      step[k] = least(2 * k + 1) / steps;
-      bodies.push_back({{"mesh", mesh},
-                        {"model", k == 0 ? "mass_spring" : "fem_green"},
-                        {"force", force[k]},
-                        {"step", step[k]}});
-    }
-    force_ratio = force[1] / force[0];
-    step_ratio = step[1] / step[0];
-  }
-  tissue.page.values["costs"] = {
-      {"bodies", bodies}, {"force_ratio", force_ratio}, {"step_ratio", step_ratio}};
-  tissue.document["force_ratio"] = force_ratio;
-  tissue.document["step_ratio"] = step_ratio;
+  const std::vector<ModelCost> bodies = model_costs({meshes.begin(), meshes.end()}, study_material);
+  const ModelCost &springs = bodies.at(bodies.size() - 2), &elements = bodies.back();  // of the liver
+  const double forces = elements.force / springs.force, plain = elements.plain / springs.plain,
+               steps = elements.step / springs.step;
+  // "Approximately": within a factor of 1.5.
+  const auto four = [](double ratio) { return ratio > 4 / 1.5 && ratio < 4 * 1.5; };
+  tissue.page.values["costs"] = {{"bodies", bodies},
+                                 {"force_ratio", forces},
+                                 {"plain_ratio", plain},
+                                 {"step_ratio", steps},
+                                 {"kernels", tissue_kernels().name},
+                                 {"gain_elements", elements.plain / elements.force},
+                                 {"gain_springs", springs.plain / springs.force},
+                                 {"kernels_explain", four(plain) && !four(forces)}};
+  tissue.document["force_ratio"] = forces;
+  tissue.document["plain_force_ratio"] = plain;
+  tissue.document["step_ratio"] = steps;
+  tissue.judge("four_times", judged(four(forces), four(plain)),
+               {{"plain", plain}, {"vector", forces}, {"step", steps}});
 }
 
 }  // namespace
+
+void TissuePage::judge(const std::string& name, std::string_view judgement, Json found) {
+  found["judgement"] = judgement;
+  page.values[name] = document["statements"][name] = std::move(found);
+}
 
 void TissuePage::draw(const BodyPicture& picture, const std::string& name) {
   const std::filesystem::path base = page.folder / name, file = page.folder / (name + ".svg");
@@ -289,6 +283,7 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"rotation", turned_body},
       {"volume", kept_volume},
       {"order and stages", order_and_stages},
+      {"contraction", contraction_of_methods},
       {"regions", regions_and_eigenvalues},
       {"constant Jacobian", constant_jacobian},
       {"force feedback", force_feedback},
@@ -297,6 +292,10 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"costs", costs},
       {"modes", modes},
       {"tool", pressed_by_a_tool},
+      {"view volume", found_by_a_view},
+      {"penalties", penalties},
+      {"stress and strain", stress_and_strain},
+      {"body from its motion", body_from_its_motion},
       {"thigh", telling(identified_thigh)}};
   tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
   tissue.document["sizes"] = Json::array();
@@ -306,6 +305,7 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
     make(tissue);
     share += 1 / static_cast<double>(sections.size());
   }
+  tissue.page.values.update(counts_of(tissue.document["statements"]));
   tissue.document["report"] = tissue.page.write().string();
   return tissue.document;
 }

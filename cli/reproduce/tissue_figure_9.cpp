@@ -60,10 +60,9 @@ void figure_9(TissuePage& tissue) {
                      : "Finite elements: the farthest that the body goes when a force begins to press",
         .columns = 3};
     for (const Shown& each : shown_livers) {
-      const Parameters material{{"E", 1000 * each.k}, {"alpha", each.c / 1.45}};
-      Parameters loaded = material;
-      loaded.emplace_back("force", drawn_force);
-      const Problem problem = study_tissue(model, tissue.options.mesh(), "press", loaded);
+      const Problem problem =
+          study_tissue(model, tissue.options.mesh(), "press",
+                       {{"E", 1000 * each.k}, {"alpha", each.c / 1.45}, {"force", drawn_force}});
       bodies.views.push_back(farthest(problem));
       bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
       bodies.caption = made_of(problem) +
@@ -72,9 +71,7 @@ void figure_9(TissuePage& tissue) {
                            "h = {:g} s. E and alpha as above each picture.",
                            drawn_force, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
-      // Scenes have no pressing forces.
-      write_file(tissue.page.folder / name,
-                 sofa_text(*study_tissue(model, tissue.options.mesh(), "gravity", material).body, h));
+      write_file(tissue.page.folder / name, sofa_text(*problem.body, h));
       if (!scenes.insert(name).second) continue;
       tissue.page.link(name, name);
       tissue.page.values["scenes"].push_back(name);

@@ -123,6 +123,9 @@ void add_limits(TissuePage& tissue, const DampedBodies& bodies, std::span<const 
   values["symplectic"] = found[{"none", "symplectic_euler"}].second;
   values["whole"] = found[{whole_words(), "explicit_euler"}].first;
   values["damped"] = found[{springs_words(), "explicit_euler"}].second;
+  const double bare = found[{"none", "explicit_euler"}].first, damped = values["damped"];
+  tissue.judge("rate_of_280", judged(bare <= printed_rate, damped > study_young),
+               {{"damped", damped}, {"rk4", values["rk4"]}, {"symplectic", values["symplectic"]}});
   tissue.page.values["particles"] = values;
 }
 
@@ -181,16 +184,14 @@ constexpr std::array path_models{"fem_green", "fem_neo_hookean", "mass_spring"};
 constexpr std::array path_methods{"rk4", "symplectic_euler"};
 constexpr double path_force = 1;  // [N]
 
-/// Limits relative to that at rest: a curve for each stretch of the path without growth, or points.
-void add_relative(Panel& panel, const TrajectoryLimit& limit, const std::string& label, const Style& style,
-                  bool line, std::size_t every) {
-  Curve curve{.label = label, .style = style, .line = line};
+/// Limits relative to that at rest: a curve for each stretch of the path without growth.
+void add_relative(Panel& panel, const TrajectoryLimit& limit, const std::string& label, const Style& style) {
+  Curve curve{.label = label, .style = style};
   for (std::size_t i = 0; i < limit.t.size(); ++i) {
     if (std::isfinite(limit.h_max[i])) {
-      if (i % every != 0) continue;
       curve.x.push_back(limit.t[i]);
       curve.y.push_back(limit.h_max[i] / limit.h_max.front());
-    } else if (line && !curve.x.empty()) {
+    } else if (!curve.x.empty()) {
       panel.curves.push_back(curve);
       curve.x.clear();
       curve.y.clear();
@@ -223,12 +224,7 @@ Json add_path(TissuePage& tissue, Panel& panel, const LoadedModel& loaded, bool 
   Json shown = Json::array();
   for (std::size_t i = 0; i < methods.size(); ++i) {
     const TrajectoryLimit& limit = limits[i].value();
-    Style style = family_style(loaded.colour, i > 0);
-    style.size = 0.8;
-    add_relative(panel, limit, fmt::format("{}, {}", loaded.model, methods[i].id), style, i == 0,
-                 i == 0    ? 1
-                 : of_load ? 2
-                           : 5);
+    if (i == 0) add_relative(panel, limit, std::string(loaded.model), family_style(loaded.colour));
     shown.push_back({{"at_rest", limit.h_max.front()}, {"least", limit.least}});
     tissue.document["paths"].push_back({{"load", loaded.load},
                                         {"path", along},
@@ -238,11 +234,9 @@ Json add_path(TissuePage& tissue, Panel& panel, const LoadedModel& loaded, bool 
                                         {"h_min", limit.least},
                                         {"growing_share", limit.growing}});
   }
-  return {{"load", load_in_words(loaded.load)},
-          {"along", along},
-          {"model", loaded.model},
-          {"limits", shown},
-          {"growing", limits.front()->growing}};
+  return {
+      {"load", load_in_words(loaded.load)}, {"along", along},   {"model", loaded.model}, {"limits", shown},
+      {"growing", limits.front()->growing}, {"note", path.note}};
 }
 
 }  // namespace
@@ -250,9 +244,9 @@ Json add_path(TissuePage& tissue, Panel& panel, const LoadedModel& loaded, bool 
 void path_limits(TissuePage& tissue) {
   std::vector<Method> methods;
   for (const char* id : path_methods) methods.push_back(find_method(id));
-  Figure figure{.title = "What loads do to the largest stable step", .columns = 2};
+  Figure figure{.title = "What loads do to the largest stable step of RK4", .columns = 2};
   figure.footer = tissue.options.machine;
-  Json values = Json::object({{"methods", path_methods}});
+  Json values = Json::object({{"methods", path_methods}, {"ended", Json::array()}});
   for (const std::string_view load : {"gravity", "press"}) {
     Panel share{.title = load_in_words(load) + ", in equilibrium",
                 .x = {.label = "share of the load [1]"},
@@ -267,8 +261,15 @@ void path_limits(TissuePage& tissue) {
       const LoadedModel loaded{load, model, study_tissue(model, tissue.options.mesh(), load, parameters),
                                colour++};
       values["made_of"] = made_of(loaded.problem);
-      values["bodies"].push_back(add_path(tissue, share, loaded, true, methods));
-      values["bodies"].push_back(add_path(tissue, motion, loaded, false, methods));
+      for (const bool of_load : {true, false}) {
+        Json row = add_path(tissue, of_load ? share : motion, loaded, of_load, methods);
+        const std::string why = row["note"];
+        row.erase("note");
+        if (!why.empty())
+          values["ended"].push_back(
+              {{"load", row["load"]}, {"along", row["along"]}, {"model", model}, {"why", why}});
+        values["bodies"].push_back(std::move(row));
+      }
     }
     figure.panels.push_back(std::move(share));
     figure.panels.push_back(std::move(motion));

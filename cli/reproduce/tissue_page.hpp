@@ -2,14 +2,17 @@
 /// liver, at rest and in motion.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/methods/method.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "plots/drawn/bodies.hpp"
+#include "studies/liver_claims.hpp"
 
 namespace hmax {
 
@@ -32,7 +35,13 @@ struct TissuePage {
 
   /// Draws {{figure name}}.
   void draw(const BodyPicture& picture, const std::string& name);
+  /// A statement of a source under this name of ours: a row of the table of statements, and of the document.
+  /// @param found  the numbers that the judgement rests on
+  void judge(const std::string& name, std::string_view judgement, nlohmann::ordered_json found);
 };
+
+/// The material of every body here, of the table of livers.
+inline constexpr const char* study_material = "male_normal";
 
 /// Writes pictures, figures, tables and the report (README.md, index.html) into `folder`.
 /// @param progress  told the share that is done and what comes next; may throw to stop
@@ -41,7 +50,7 @@ struct TissuePage {
 nlohmann::ordered_json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,
                                         const std::function<void(double, const std::string&)>& progress);
 
-/// A body of the study's material liver:male_normal.
+/// A body of that material.
 Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
                      Parameters parameters);
 
@@ -66,6 +75,10 @@ void kept_volume(TissuePage& tissue);
 /// Explicit Runge-Kutta methods: stages, order, limits.
 void order_and_stages(TissuePage& tissue);
 
+/// Orders of explicit Runge-Kutta methods over their stages, beside the least number of stages.
+/// @param methods  stages and order of each
+void order_figure(TissuePage& tissue, const std::vector<std::array<int, 2>>& methods);
+
 /// h lambda of the modes in the regions of explicit methods, at several masses.
 void regions_and_eigenvalues(TissuePage& tissue);
 
@@ -83,6 +96,21 @@ void force_feedback(TissuePage& tissue);
 
 /// Linearly implicit Euler with a constant Jacobian, one step in each frame of 10 ms.
 void constant_jacobian(TissuePage& tissue);
+
+/// What a view volume around a tool finds of the surface.
+void found_by_a_view(TissuePage& tissue);
+
+/// Penalty forces of a tool: penetration, force and step over their stiffness.
+void penalties(TissuePage& tissue);
+
+/// Stress against strain of parenchyma and skin, and what a skin does to a body.
+void stress_and_strain(TissuePage& tissue);
+
+/// Which implicit methods bring solutions of dissipative equations nearer.
+void contraction_of_methods(TissuePage& tissue);
+
+/// Elasticity and damping from a measured motion.
+void body_from_its_motion(TissuePage& tissue);
 
 /// A thigh of springs: identified from synthetic measurements, beside a network, in motion.
 void identified_thigh(TissuePage& tissue, const std::function<void(const std::string&)>& progress);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
 #include "catalogue/methods/catalogue.hpp"
@@ -14,10 +16,10 @@
 #include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
-#include "studies/local_model.hpp"
 #include "studies/organ_rates.hpp"
 #include "studies/organ_study.hpp"
 #include "studies/particle_limits.hpp"
+#include "studies/thigh/local_model.hpp"
 
 namespace hmax {
 
@@ -41,6 +43,8 @@ void turned_body(TissuePage& tissue) {
        .panel_height = 300},
       "turned_body");
   tissue.page.values["rotation"] = {{"linear", linear}, {"others", others}};
+  tissue.judge("no_rotation", judged(linear > 0.01), {{"linear", linear}});
+  tissue.judge("rotation_is_free", judged(others < 1e-10), {{"others", others}});
 }
 
 void kept_volume(TissuePage& tissue) {
@@ -50,9 +54,19 @@ void kept_volume(TissuePage& tissue) {
                                   {"bodies", rows},
                                   {"gain", rows[1].lost / rows[3].lost},
                                   {"springs", rows[0].lost}};
+  tissue.judge("dilatation", judged(rows[1].lost > rows[2].lost && rows[2].lost > rows[3].lost),
+               {{"least", rows[3].lost}, {"most", rows[1].lost}});
+  // Tissue keeps its volume: what a model loses of it is not real.
+  const double more = rows[0].lost / rows[3].lost;
+  tissue.judge("springs_are_unrealistic", judged(more > 1.5), {{"more", more}});
+  tissue.judge("springs_are_more_realistic", judged(more < 1), {{"more", more}, {"springs", rows[0].lost}});
 }
 
 void order_and_stages(TissuePage& tissue) {
+  std::vector<std::array<int, 2>> all;
+  for (const Method& method : choose_methods({"explicit_runge_kutta"}, {}))
+    all.push_back({method.stages, method.order});
+  order_figure(tissue, all);
   for (const char* id :
        {"explicit_euler", "rk2_heun", "rk2_midpoint", "rk3_kutta", "rk4", "dormand_prince_54", "dop_853"}) {
     const Method& method = find_method(id);
@@ -68,11 +82,10 @@ void order_and_stages(TissuePage& tissue) {
 namespace {
 
 /// h lambda of every mode.
-Curve eigenvalues_of(const ParticleBody& body, double h, int k) {
-  Curve curve{.label = fmt::format("{:g} g", 1000 * body.particle_mass), .line = false};
-  curve.style = family_style(k, false);
-  curve.style.marker = 5 + 2 * k;
-  curve.style.size = 0.4;
+Curve eigenvalues_of(const ParticleBody& body, double h) {
+  Curve curve{.label = "eigenvalues", .style = {.colour = 6}, .line = false};
+  curve.style.marker = 7;
+  curve.style.size = 0.5;
   const Linearised near = linearised(particle_problem(body));
   for (const auto lambda : near.modes.spectrum.lambda) {
     curve.x.push_back(h * lambda.real());
@@ -81,40 +94,67 @@ Curve eigenvalues_of(const ParticleBody& body, double h, int k) {
   return curve;
 }
 
+/// |1 + h lambda| < 1 for every eigenvalue is h < -2 Re lambda / |lambda|^2, beside the limit that is
+/// predicted.
+void euler_by_eigenvalues(TissuePage& tissue, const ParticleBody& body, double rate) {
+  double h = INFINITY;
+  for (const auto lambda : linearised(particle_problem(body)).modes.spectrum.lambda)
+    h = std::min(h, -2 * lambda.real() / std::norm(lambda));
+  tissue.judge("one_plus_z", judged(std::abs(h * rate - 1) < 1e-6), {{"h", h}, {"predicted", 1 / rate}});
+}
+
 }  // namespace
 
 void regions_and_eigenvalues(TissuePage& tissue) {
   constexpr double h = 1.0 / 280;
+  constexpr std::array masses{0.001, 0.005, 0.02};  // of a particle [kg]
   const PlaneWindow window{-4, 1, -3.5, 3.5};
-  const PlaneFrame frame = equal_frame({window.re_from, window.re_to}, {window.im_from, window.im_to}, 1);
+  const PlaneFrame frame = equal_frame({window.re_from, window.re_to}, {window.im_from, window.im_to},
+                                       static_cast<int>(masses.size()));
   std::vector<RegionShape> shapes;
   std::vector<Method> chosen;
-  Json ids = Json::array(), masses = Json::array();
+  Json ids = Json::array(), rows = Json::array();
   for (const char* id : {"explicit_euler", "rk2_heun", "rk4"}) {
     ids.push_back(id);
     chosen.push_back(find_method(id));
     shapes.push_back(shape_of(id, region_boundary(stable_at(*chosen.back().amplification), window)));
   }
-  Panel panel = regions_panel(shapes, frame);
+  Figure figure{.footer = {}, .panel_height = frame.height};
+  figure.columns = static_cast<int>(masses.size());
   ParticleBody body{.mesh = tissue.options.mesh(), .damper_time = 0.002};
-  int k = 3;
-  for (const double mass : {0.005, 0.02, 0.1}) {
+  std::vector<std::vector<double>> rates;  // of each mass, of each method
+  for (const double mass : masses) {
     body.particle_mass = mass;
-    panel.curves.push_back(eigenvalues_of(body, h, k++));
-    std::vector<double> rates = stable_step_rates(chosen, body);
-    for (double& rate : rates)
-      if (std::isinf(rate)) rate = NAN;  // no step is stable
-    masses.push_back({{"mass", mass}, {"rates", rates}});
+    Panel panel = regions_panel(shapes, frame);
+    panel.title = fmt::format("particles of {:g} g", 1000 * mass);
+    panel.notes = {};
+    panel.curves.push_back(eigenvalues_of(body, h));
+    figure.panels.push_back(std::move(panel));
+    rates.push_back(stable_step_rates(chosen, body));
+    rows.push_back({{"mass", mass}, {"rates", rates.back()}});
   }
-  tissue.page.values["regions"] = {{"methods", ids}, {"masses", masses}};
-  tissue.page.draw({.title = "A larger mass draws the eigenvalues towards zero, and into the regions",
-                    .panels = {panel},
-                    .footer = fmt::format(
-                        "springs on the {}, E = {:g} Pa, dampers along them, {:g} s times their stiffness; "
-                        "h = 1/280 s; points outside of the frame are not shown",
-                        body.mesh, body.young, body.damper_time),
-                    .panel_height = frame.height},
-                   "regions_and_eigenvalues");
+  // Which verdicts at h a larger mass changes.
+  std::vector<std::string> entered, outside;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (rates.back()[k] * h > 1 + 1e-9) outside.push_back(chosen[k].id);
+    if (rates.front()[k] * h > 1 + 1e-9 && rates.back()[k] * h <= 1 + 1e-9) entered.push_back(chosen[k].id);
+  }
+  figure.title = "A larger mass draws the eigenvalues towards zero" +
+                 (entered.empty() ? std::string(", and changes no verdict at this step")
+                                  : fmt::format(", and into the regions of {}", fmt::join(entered, " and ")));
+  figure.footer = fmt::format(
+      "springs on the {}, E = {:g} Pa, dampers along them, {:g} s times their stiffness; h = 1/280 s; points "
+      "outside of the frame are not shown",
+      body.mesh, body.young, body.damper_time);
+  tissue.page.values["regions"] = {
+      {"methods", ids}, {"masses", rows}, {"entered", entered}, {"outside", outside}};
+  tissue.page.draw(figure, "regions_and_eigenvalues");
+  const double heavier = std::sqrt(masses.back() / masses.front());
+  tissue.judge("step_is_limited", judged(rates.front()[2] > 1.1 * rates.back()[2]),
+               {{"lighter", rates.front()[2] / rates.back()[2]}, {"root", heavier}});
+  tissue.judge("mass_or_small_steps", judged(outside.empty(), !entered.empty()),
+               {{"entered", entered}, {"euler", rates.back()[0]}});
+  euler_by_eigenvalues(tissue, body, rates.back()[0]);
 }
 
 void inner_systems(TissuePage& tissue, const StaticModel& model) {
@@ -127,21 +167,45 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
                     {"iterations", row.iterations},
                     {"sweeps", row.sweeps},
                     {"seconds", row.seconds}});
-  const auto gain = [&](StaticMethod method) {
-    double loose = 0, tight = 0;
-    for (const InnerTolerance& row : rows) {
-      if (row.method == method && row.tolerance == 0.1) loose = row.seconds;
-      if (row.method == method && row.tolerance == 1e-4) tight = row.seconds;
-    }
-    return tight / loose;
+  const auto row_of = [&](StaticMethod method, double tolerance) {
+    return *std::ranges::find_if(
+        rows, [&](const InnerTolerance& row) { return row.method == method && row.tolerance == tolerance; });
   };
-  tissue.page.values["inner_systems"] = {{"ways", ways},
-                                         {"modified", gain(StaticMethod::modified_newton)},
-                                         {"newton", gain(StaticMethod::newton)}};
+  constexpr double rough = 0.5, loose = 0.1, tight = 1e-4;
+  const auto slower = [&](StaticMethod method) {
+    return row_of(method, tight).seconds / row_of(method, loose).seconds;
+  };
+  const double modified = slower(StaticMethod::modified_newton), newton = slower(StaticMethod::newton);
+  const AccurateSolution cost = accurate_solution(rows);
+  const double best = std::ranges::min(rows | std::views::filter([](const InnerTolerance& row) {
+                                         return row.method == StaticMethod::newton;
+                                       }),
+                                       {}, &InnerTolerance::seconds)
+                          .seconds /
+                      row_of(StaticMethod::newton, rough).seconds;
+  const std::vector<LoadedIterations> loads =
+      loaded_iterations(tissue.options.mesh(), study_material, {0.05, 0.1, 0.2, 0.4});
+  tissue.page.values["inner_systems"] = {{"ways", ways},          {"modified", modified},
+                                         {"newton", newton},      {"iteration", cost.iteration},
+                                         {"needed", cost.needed}, {"cheap", cost.iteration < cost.needed},
+                                         {"loads", loads}};
+  const int exact = row_of(StaticMethod::newton, tight).iterations,
+            inexact = row_of(StaticMethod::modified_newton, tight).iterations;
+  tissue.judge("newton_converges_faster", judged(exact < inexact),
+               {{"newton", exact}, {"modified", inexact}});
+  tissue.judge("accuracy_is_no_gain", judged(modified >= 1), {{"slower", modified}});
+  tissue.judge("accuracy_is_a_gain", judged(newton < 1, best < 0.95),
+               {{"slower", newton}, {"best", best}, {"iteration", cost.iteration}, {"needed", cost.needed}});
+  const auto more = [](const LoadedIterations& at) { return double(at.modified) / at.newton; };
+  tissue.judge("strong_nonlinearity", judged(more(loads.back()) > more(loads.front())),
+               {{"weak", loads.front()}, {"strong", loads.back()}});
 }
 
 void pre_inversion(TissuePage& tissue, const StaticModel& model) {
-  tissue.page.values["pre_inversion"] = linear_solutions(model);
+  const LinearSolutions found = linear_solutions(model);
+  tissue.page.values["pre_inversion"] = found;
+  tissue.judge("pre_inverted", judged(found.multiply < found.solve),
+               {{"ratio", found.solve / found.multiply}, {"bytes", found.inverse_bytes}});
 }
 
 void pseudo_dynamics(TissuePage& tissue, const StaticModel& model) {
@@ -150,15 +214,19 @@ void pseudo_dynamics(TissuePage& tissue, const StaticModel& model) {
 }
 
 void constant_jacobian(TissuePage& tissue) {
-  constexpr const char* material = "male_normal";
   std::vector<std::string> meshes{"phantom"};
   if (!tissue.options.quick) meshes.emplace_back("liver");
-  const std::vector<ConstantJacobian> rows = constant_jacobians(meshes, material);
+  const std::vector<ConstantJacobian> rows = constant_jacobians(meshes, study_material);
+  const ConstantJacobian& springs = rows.back();
+  const double rate = newton_rate(meshes.back(), study_material);
   tissue.page.values["constant_jacobian"] = {
       {"stable", std::ranges::all_of(rows, &ConstantJacobian::reached_end)},
       {"bodies", rows},
-      {"newton_rate", newton_rate(meshes.back(), material)},
+      {"newton_rate", rate},
       {"mesh", meshes.back()}};
+  tissue.judge("springs_at_150_hz", judged(springs.reached_end && springs.rate > 150),
+               {{"springs", springs.springs}, {"rate", springs.rate}, {"mesh", springs.mesh}});
+  tissue.judge("sixty_iterations", judged(rate > 60), {{"rate", rate}});
 }
 
 void force_feedback(TissuePage& tissue) {
@@ -179,6 +247,8 @@ void force_feedback(TissuePage& tissue) {
   const HapticForce &held = forces.at(2), &local = forces.at(4);
   tissue.page.values["feedback"] = {
       {"forces", forces}, {"error", local.rms / held.rms}, {"change", local.jump / held.jump}};
+  tissue.judge("local_model_helps", judged(local.jump < held.jump && local.rms < held.rms),
+               {{"error", local.rms / held.rms}, {"change", local.jump / held.jump}});
   tissue.page.draw(
       {.title = "A local model smooths what the hand feels between two frames",
        .panels = {panel},

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/reproduce/tissue_page.hpp"
-#include "studies/thigh_study.hpp"
+#include "studies/thigh/thigh_study.hpp"
 
 namespace hmax {
 
@@ -222,6 +222,36 @@ void add_motion(Json& values, const ThighStudy& study) {
   values["euler_rate"] = 1 / h;
   values["stable_points"] = stable;
   values["stable_everywhere"] = stable == study.constant_depths.size();
+  values["left"] = study.left;
+  values["period"] = study.period;
+  values["period_heavy"] = study.period_heavy;
+  values["sag"] = study.sag;
+  values["sag_heavy"] = study.sag_heavy;
+}
+
+/// The statements of slides 31 to 38.
+void judge_thigh(TissuePage& tissue, const ThighStudy& study, const Json& values) {
+  const ThighCase& fit = study.identified();
+  tissue.judge("error_below_5_percent", judged(fit.overall < 0.05),
+               {{"overall", fit.overall}, {"within", fit.recovery.within}});
+  const int lost = values["tried"].get<int>() - values["found_by_ratios"].get<int>();
+  tissue.judge("local_minima", judged(lost > 0), {{"lost", lost}, {"tried", values["tried"]}});
+  const double h = study.limits.front().h_pressed;
+  tissue.judge("euler_in_real_time", judged(h < 0.01 && study.stable_mass > study.load.mass),
+               {{"rate", 1 / h}, {"mass", study.stable_mass}, {"own", study.load.mass}});
+  tissue.judge("heavy_is_slow", judged(study.period_heavy > 2 * study.period),
+               {{"period", study.period}, {"heavy", study.period_heavy}});
+  tissue.judge("heavy_sags", judged(study.sag_heavy > 2 * study.sag),
+               {{"sag", study.sag}, {"heavy", study.sag_heavy}});
+  const bool everywhere = values["stable_everywhere"];
+  tissue.judge("constant_jacobian_at_100_hz", judged(everywhere, study.runs.at(2).reached_end),
+               {{"stable", values["stable_points"]},
+                {"points", values["points"]},
+                {"times", study.runs.at(2).real_time}});
+  tissue.judge("network_is_very_fast", judged(study.network_seconds < 0.1 * study.equilibrium_seconds),
+               {{"gain", values["network_gain"]},
+                {"worst", values["network_worst"]},
+                {"at", values["network_worst_at"]}});
 }
 
 }  // namespace
@@ -235,6 +265,7 @@ void identified_thigh(TissuePage& tissue, const std::function<void(const std::st
   add_network(values, study);
   add_motion(values, study);
   tissue.page.values["thigh"] = values;
+  judge_thigh(tissue, study, values);
   const std::string& machine = tissue.options.machine;
   tissue.page.draw(forces_figure(study, machine), "thigh_forces");
   tissue.page.draw(parameters_figure(study, machine), "thigh_parameters");

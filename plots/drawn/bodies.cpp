@@ -58,12 +58,23 @@ Box box_of(const BodyView& view, const Camera& camera) {
   return box;
 }
 
+/// The range of the values that are seen, unless one is given.
 Range range_of(const BodyPicture& picture) {
   if (picture.colours.range) return *picture.colours.range;
   Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const BodyView& view : picture.views)
-    for (const double value : view.values)
-      if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
+  const auto include = [&](double value) {
+    if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
+  };
+  const Camera camera(picture.towards);
+  for (const BodyView& view : picture.views) {
+    if (view.values.empty()) continue;
+    if (view.values.size() != view.points.size()) {
+      std::ranges::for_each(view.values, include);
+      continue;
+    }
+    for (const TriangleCorners& t : seen_by(camera, {view.points, view.triangles}).triangles)
+      for (const std::int32_t corner : t) include(view.values[static_cast<std::size_t>(corner)]);
+  }
   if (!(range.low <= range.high)) return {0, 1};
   if (!(range.high > range.low)) range.high = range.low + std::max(1e-12, 0.1 * std::abs(range.low));
   return range;
@@ -295,7 +306,8 @@ class Page {
       rim = rest_rim("rest" + id);
     }
     std::string before;
-    for (const BodyTool& tool : view.tools) (stands_before(tool) ? before : svg) += tool_svg(tool, camera);
+    for (const BodyTool& tool : view.tools)
+      (stands_before(tool, view) ? before : svg) += tool_svg(tool, camera);
     svg += fmt::format("<path class=\"outline\" d=\"{}\"/>\n", shape_path(seen)) +
            painted(seen, "v" + id, edges) + before + rim;
     std::set<std::int32_t> visible;
@@ -349,8 +361,25 @@ class Page {
     return lines_of(text, caption_line);
   }
 
-  /// Its shaft leads towards the viewer, and not behind the body.
-  [[nodiscard]] bool stands_before(const BodyTool& tool) const { return camera_.seen(tool.shaft)[2] >= 0; }
+  /// The surface around it looks this way, near pieces of it counting most; without one, its shaft does.
+  [[nodiscard]] bool stands_before(const BodyTool& tool, const BodyView& view) const {
+    if (view.triangles.empty()) return camera_.seen(tool.shaft)[2] >= 0;
+    double towards = 0;
+    for (const TriangleCorners& t : view.triangles) {
+      std::array<SpacePoint, 3> seen{};
+      double away = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const SpacePoint& p = view.points[static_cast<std::size_t>(t[k])];
+        seen[k] = camera_.seen(p);
+        away += std::hypot(p[0] - tool.centre[0], p[1] - tool.centre[1], p[2] - tool.centre[2]);
+      }
+      // Twice the area on the page, which has y downwards; positive where the triangle looks this way.
+      const double area = (seen[2][0] - seen[0][0]) * (seen[1][1] - seen[0][1]) -
+                          (seen[1][0] - seen[0][0]) * (seen[2][1] - seen[0][1]);
+      towards += area / std::pow(away, 6);
+    }
+    return towards >= 0;
+  }
 
   /// Scales, key and caption.
   std::string below() const {

@@ -41,7 +41,7 @@ struct BodyView {
 /// What the colours mean.
 struct BodyColours {
   std::string quantity = {};        ///< with its unit, "displacement [mm]"
-  std::optional<Range> range = {};  ///< of all views alike; from the values when absent
+  std::optional<Range> range = {};  ///< of all views alike; from the values that are seen when absent
   bool low_is_bad = false;          ///< the strong colours stand for small values
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <variant>
+#include <vector>
 
 #include "core/own_files.hpp"
 #include "problems/digits.hpp"
@@ -46,7 +47,8 @@ void check(const TissueSettings& settings, double step) {
                                 "; choose another model");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
   require_none(settings.tools.empty(), "tools");
-  require_none(settings.forces.empty(), "pressing forces");
+  for (const PressingForce& force : settings.forces)
+    require_none(force.profile.kind == TimeProfile::Kind::steady, "forces that change with time");
   for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
   for (const TissueMaterial& material : settings.materials) {
@@ -143,6 +145,11 @@ std::string force_fields(const TissueBody& body) {
   return nodes;
 }
 
+/// Where a point of the body stands in the file.
+TetMesh::Index place_of(const TissueBody& body, TetMesh::Index point) {
+  return body.origin() ? body.origin()->points[static_cast<std::size_t>(point)] : point;
+}
+
 /// Every spring: its points in the file, stiffness, damper and length at rest.
 std::string springs(const TissueBody& body) {
   const TetMesh& mesh = body.mesh();
@@ -150,10 +157,7 @@ std::string springs(const TissueBody& body) {
   for (const SpringSet::Spring& spring :
        tissue_springs(mesh, edge_table(mesh), surface_of(mesh), body.settings())) {
     std::array<double, 2> places{};
-    for (const std::size_t end : {0U, 1U}) {
-      const TetMesh::Index point = spring.points[end];
-      places[end] = body.origin() ? body.origin()->points[static_cast<std::size_t>(point)] : point;
-    }
+    for (const std::size_t end : {0U, 1U}) places[end] = place_of(body, spring.points[end]);
     const double length = (mesh.points.col(spring.points[0]) - mesh.points.col(spring.points[1])).norm();
     list += (list.empty() ? "" : " ") +
             listed(std::array{places[0], places[1], spring.stiffness, spring.damper, length});
@@ -173,12 +177,25 @@ std::string mass(const TissueBody& body) {
   return "<DiagonalMass massDensity=\"" + shortest_digits(settings.materials[0].density) + "\"/>";
 }
 
+/// A dead load on points of the file, each with its share.
+std::string constant_force(const TissueBody& body, const PressingForce& force) {
+  std::vector<TetMesh::Index> places;
+  std::vector<double> each;
+  for (std::size_t i = 0; i < force.points.size(); ++i) {
+    places.push_back(place_of(body, force.points[i]));
+    const double share =
+        force.shares.empty() ? 1 / static_cast<double>(force.points.size()) : force.shares[i];
+    for (const double component : force.force) each.push_back(share * component);
+  }
+  return "<ConstantForceField template=\"Vec3d\" indices=\"" + listed(places) + "\" forces=\"" +
+         listed(each) + "\"/>";
+}
+
 /// Points that a scene holds, by their places in the file: the supports, and those in no tetrahedron.
 std::vector<TetMesh::Index> fixed_points(const TissueBody& body) {
   std::vector<TetMesh::Index> fixed;
   for (const Support& support : body.settings().supports)
-    for (const TetMesh::Index point : support.points)
-      fixed.push_back(body.origin() ? body.origin()->points[static_cast<std::size_t>(point)] : point);
+    for (const TetMesh::Index point : support.points) fixed.push_back(place_of(body, point));
   if (body.origin())
     for (const TetMesh::Index idle : unused_points(body.origin()->file.mesh)) fixed.push_back(idle);
   std::ranges::sort(fixed);
@@ -196,11 +213,18 @@ std::string sofa_text(const TissueBody& body, double step) {
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) +
                      " -->\n<Node name=\"root\" dt=\"" + shortest_digits(step) + "\" gravity=\"" +
                      listed(settings.gravity) + "\">\n";
-  for (const char* plugin : {"Constraint.Projective", "LinearSolver.Iterative", "Mass", "ODESolver.Backward",
-                             settings.model.is_of_springs() ? "SolidMechanics.Spring"
-                             : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
-                                                            : "SolidMechanics.FEM.HyperElastic",
-                             "StateContainer", "Topology.Container.Dynamic", "Visual"})
+  std::vector<const char*> plugins{"Constraint.Projective",
+                                   "LinearSolver.Iterative",
+                                   "Mass",
+                                   "ODESolver.Backward",
+                                   settings.model.is_of_springs() ? "SolidMechanics.Spring"
+                                   : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
+                                                                  : "SolidMechanics.FEM.HyperElastic",
+                                   "StateContainer",
+                                   "Topology.Container.Dynamic",
+                                   "Visual"};
+  if (!settings.forces.empty()) plugins.push_back("MechanicalLoad");
+  for (const char* plugin : plugins)
     text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
   text += "  <Node name=\"tissue\">\n";
@@ -215,6 +239,7 @@ std::string sofa_text(const TissueBody& body, double step) {
   add(mass(body));
   if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
   add(settings.model.is_of_springs() ? springs(body) : force_fields(body));
+  for (const PressingForce& force : settings.forces) add(constant_force(body, force));
   return text + "  </Node>\n</Node>\n";
 }
 

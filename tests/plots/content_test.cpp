@@ -190,6 +190,12 @@ TEST(RunningTotals, TheOrderOfRunningFollowsTheClock) {
   EXPECT_EQ(figure.panels[1].curves[0].label, "a");
   EXPECT_EQ(figure.panels[1].curves[0].x, (std::vector<double>{5, 6}));
   EXPECT_EQ(figure.panels[3].curves.at(0).label, "explicit_euler");
+  // The first column is that of the first method and looks like it, here as in the figure of the steps.
+  const Style euler = method_styles({{"explicit_euler", 1}}).front();
+  for (const std::size_t panel : {0U, 3U})
+    EXPECT_EQ(figure.panels[panel].curves[0].style.colour, euler.colour);
+  for (const Panel& panel : figure.panels)
+    for (const std::string& note : panel.notes) EXPECT_LE(note.size(), 55U) << note << " is cut";
   EXPECT_EQ(figure.panels[2].curves[2].y, (std::vector<double>{6.5}));
   EXPECT_THROW(order_of_running({{}, {"h", "a"}, {{1, 2}, {1}}}), InputError);
 }

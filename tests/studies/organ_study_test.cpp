@@ -50,6 +50,26 @@ TEST(InnerTolerances, CostSweepsAndSaveIterationsOfNewtonsMethod) {
   EXPECT_LT(newton_tight.iterations, newton.iterations);
 }
 
+/// 3 + 2 iterations of 5 and 7 sweeps: seconds = 4 iterations + 2 sweeps by construction.
+TEST(AccurateSolutions, TellWhenFewerIterationsPay) {
+  const auto row = [](StaticMethod method, double tolerance, int iterations, std::int64_t sweeps) {
+    return InnerTolerance{method,     tolerance, true,
+                          iterations, sweeps,    4.0 * iterations + 2.0 * static_cast<double>(sweeps)};
+  };
+  const AccurateSolution found = accurate_solution(
+      {row(StaticMethod::modified_newton, 0.1, 9, 1), row(StaticMethod::newton, 0.1, 9, 230),
+       row(StaticMethod::newton, 1e-2, 5, 240), row(StaticMethod::newton, 1e-4, 4, 350)});
+  EXPECT_NEAR(found.iteration, 2, 1e-9);
+  EXPECT_NEAR(found.needed, (350.0 - 230) / (9 - 4), 1e-9);
+}
+
+TEST(LoadedIterations, GrowWithTheLoadAndMoreSoOfTheModifiedMethod) {
+  const std::vector<LoadedIterations> all = loaded_iterations("phantom", "male_normal", {0.05, 0.4});
+  ASSERT_EQ(all.size(), 2U);
+  for (const LoadedIterations& at : all) EXPECT_GT(at.modified, at.newton);
+  EXPECT_GT(all[1].modified * all[0].newton, all[0].modified * all[1].newton);
+}
+
 TEST(FrameBudgets, LeaveLessErrorWithMoreIterations) {
   const std::vector<FrameBudget> budgets = frame_budgets(pressed_phantom(), 30);
   ASSERT_EQ(budgets.size(), 3U);

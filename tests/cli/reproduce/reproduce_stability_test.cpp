@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <set>
 #include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -78,6 +80,11 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
   EXPECT_NE(text_of(scratch / "limits.csv").find("male_slim:light"), std::string::npos);
   EXPECT_NE(text_of(scratch / "nonlinear.csv").find("rk4"), std::string::npos);
   EXPECT_EQ(fs::exists(scratch / "hmax_predicted_vs_observed.svg"), gnuplot_available());
+}
+
+TEST(StabilityReport, HasOneNameForEachCase) {
+  std::set<std::string> names;
+  for (const LimitCase& each : limit_cases()) EXPECT_TRUE(names.insert(each.label).second) << each.label;
 }
 
 TEST(StabilityReport, IsMadeFromTheMergedStoresOfShards) {

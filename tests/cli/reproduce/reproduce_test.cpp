@@ -147,6 +147,21 @@ TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
                     page = read_text(shell / "both/README.md");
   EXPECT_NE(page.find("](tissue/README.md#two-meshes)"), std::string::npos);
   EXPECT_NE(page.find("| Slide 20 |"), std::string::npos);
+  // Every statement has its judgement, in the page as in the document of the command.
+  EXPECT_NE(first.find("\n| 64 | Global time gain when solving linear system accurately | **"),
+            std::string::npos);
+  EXPECT_NE(first.find("\n| 63 | Accurate solution (many SOR iterations) does not allow faster solution"),
+            std::string::npos);
+  EXPECT_NE(first.find("by plain loops"), std::string::npos);
+  // The title of the regions names those that a larger mass leads into; a path that ends early has its
+  // reason.
+  EXPECT_NE(first.find("and into the regions of rk2\\_heun and rk4"), std::string::npos);
+  EXPECT_NE(first.find("\n- mass\\_spring, hanging in its weight, load: no equilibrium was found"),
+            std::string::npos);
+  // Scenes of figure 9 have the force that is drawn and no weight.
+  const std::string scene = read_text(shell / "both/tissue/figure_9_fem_green_k4.3_c6.scn");
+  EXPECT_NE(scene.find("<ConstantForceField"), std::string::npos);
+  EXPECT_NE(scene.find("gravity=\"0 0 0\""), std::string::npos);
   EXPECT_NE(read_text(shell / "both/index.html").find("<a href=\"tissue/index.html#two-meshes\">"),
             std::string::npos);
   expect_whole_pages(shell / "both", 50);

@@ -394,6 +394,26 @@ TEST(Bodies, HideToolsThatComeFromBehind) {
   }
 }
 
+TEST(Bodies, HaveToolsBeforeTheFaceThatTheyTouch) {
+  BodyView view = cube();
+  // At the face towards the viewer, on a shaft that leads away from him.
+  view.tools = {{{0.05, 0, 0.05}, 0.01, {0, 0.2, -1}}};
+  const std::string svg = bodies_svg({.towards = {0.1, -1, 0.1}, .views = {view}});
+  EXPECT_GT(svg.find("<circle"), svg.find("<g class=\"body"));
+}
+
+TEST(Bodies, HaveColoursForWhatIsSeenAlone) {
+  BodyView view = cube();
+  for (const SpacePoint& p : view.points) {
+    const bool hidden = p[0] < 0.01 && p[1] > 0.09 && p[2] < 0.01;
+    view.values.push_back(hidden ? 1000 : 100 * p[0]);
+  }
+  const std::string svg =
+      bodies_svg({.colours = {.quantity = "z"}, .towards = {0.45, -1, 0.5}, .views = {view}});
+  EXPECT_NE(svg.find(">≥ 10</text>"), std::string::npos) << "that there is more behind is told";
+  EXPECT_EQ(svg.find("1000</text>"), std::string::npos);
+}
+
 TEST(Bodies, ShowForcesAsArrowsAlongThem) {
   const auto picture = [](const SpacePoint& direction, bool leaves = false) {
     BodyView view = box(1, 0.1);

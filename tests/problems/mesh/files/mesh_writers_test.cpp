@@ -211,7 +211,23 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   refused([](TissueSettings& s) { s.supports[0].points = {4}; });
   refused([](TissueSettings& s) { s.supports[0].travel = {0, 0, 0.1}; });
   refused([](TissueSettings& s) { s.skin.kind = SkinSettings::Kind::membrane; });
+  refused([](TissueSettings& s) {
+    s.forces = {{.points = {1}, .force = {1, 0, 0}, .profile = {.kind = TimeProfile::Kind::ramp}}};
+  });
   refused([](TissueSettings&) {}, 0);
+}
+
+TEST(SofaScenes, HaveDeadLoadsByTheirShares) {
+  TissueSettings settings = liver();
+  settings.forces = {{.points = {1, 3}, .force = {0, 0, 2}},
+                     {.points = {1, 3}, .force = {4, 0, 0}, .shares = {0.25, 0.75}}};
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
+  for (const char* part : {"Sofa.Component.MechanicalLoad", "indices=\"1 3\" forces=\"0 0 1 0 0 1\"",
+                           "indices=\"1 3\" forces=\"1 0 0 3 0 0\""})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  settings.forces.clear();
+  EXPECT_EQ(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01).find("MechanicalLoad"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "studies/thigh_motion.hpp"
+#include "studies/thigh/thigh_motion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
@@ -184,6 +185,38 @@ double stable_mass(const std::string& method, const Thigh& thigh, ThighLoad load
     (stable(middle) ? high : low) = middle;
   }
   return high;
+}
+
+double deepest_under(const Thigh& thigh, double force) {
+  // r is convex and increasing: Newton's method from above converges without a line search.
+  Eigen::VectorXd u = ((1 + force / thigh.a.array()).log() / thigh.b.array()).matrix();
+  u.setConstant(u.maxCoeff());
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::MatrixXd K(thigh.stiffness(u));
+    const Eigen::VectorXd step = K.llt().solve(thigh.forces(u) - Eigen::VectorXd::Constant(u.size(), force));
+    u -= step;
+    if (step.cwiseAbs().maxCoeff() < 1e-12) break;
+  }
+  return u.maxCoeff();
+}
+
+double share_left(const Thigh& thigh, const ThighLoad& load) {
+  const Problem problem = moving_thigh(thigh, load);
+  double most = 0, last = 0;
+  find_method("dop_853").bind(problem).run(
+      {.t_end = problem.t_end, .adaptive = true, .rtol = 1e-8, .atol = 1e-11},
+      [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        last = std::abs(y[load.point]);
+        most = std::max(most, last);
+      });
+  return last / most;
+}
+
+double slowest_period(const Thigh& thigh, double mass) {
+  const Eigen::MatrixXd K(thigh.stiffness(Eigen::VectorXd::Zero(thigh.points())));
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return 2 * std::numbers::pi * std::sqrt(mass / least);
 }
 
 Eigen::VectorXd constant_jacobian_depths(const Thigh& thigh, const ThighLoad& load, double h, double most) {

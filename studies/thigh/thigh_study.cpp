@@ -1,4 +1,4 @@
-#include "studies/thigh_study.hpp"
+#include "studies/thigh/thigh_study.hpp"
 
 #include <algorithm>
 #include <array>
@@ -180,6 +180,14 @@ ThighStudy thigh_study(const ThighStudyOptions& options,
   study.limits = thigh_limits({"explicit_euler", "symplectic_euler", "rk4", "linearly_implicit_euler"}, thigh,
                               study.load);
   study.stable_mass = stable_mass("explicit_euler", thigh, study.load, 0.01);
+  ThighLoad heavy = study.load;
+  heavy.mass = study.stable_mass;
+  constexpr double g = 9.81;  // [m/s^2]
+  study.left = share_left(thigh, study.load);
+  study.period = slowest_period(thigh, study.load.mass);
+  study.period_heavy = slowest_period(thigh, heavy.mass);
+  study.sag = deepest_under(thigh, g * study.load.mass);
+  study.sag_heavy = deepest_under(thigh, g * heavy.mass);
   study.constant_depths = constant_jacobian_depths(thigh, study.load, 0.01, 0.024);
   study.runs = thigh_runs(thigh, study.load);
   return study;

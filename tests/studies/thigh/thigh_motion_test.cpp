@@ -1,9 +1,10 @@
-#include "studies/thigh_motion.hpp"
+#include "studies/thigh/thigh_motion.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>
@@ -127,6 +128,31 @@ TEST(ThighMotion, RefusesBadInput) {
   EXPECT_THROW(moving_thigh(thigh, {.rise = std::numeric_limits<double>::quiet_NaN()}),
                std::invalid_argument);
   EXPECT_THROW(moving_thigh(thigh, {.point = 9}), std::invalid_argument);
+}
+
+/// The same force on every point: r(u) = f in equilibrium, deeper than no point alone would be at least.
+TEST(DeepestPoints, AreInEquilibriumUnderTheSameForceEverywhere) {
+  const Thigh thigh = true_thigh(4, 4);
+  const double force = 0.2;
+  const Eigen::VectorXd alone = ((1 + force / thigh.a.array()).log() / thigh.b.array()).matrix();
+  const double deepest = deepest_under(thigh, force);
+  EXPECT_LT(deepest, alone.maxCoeff());
+  EXPECT_GT(deepest, alone.minCoeff());
+  Thigh loose = thigh;
+  for (SkinSpring& spring : loose.skin) spring.stiffness *= 1e-9;
+  EXPECT_NEAR(deepest_under(loose, force), alone.maxCoeff(), 1e-7);
+}
+
+/// Forces come from an energy: what is pressed and released comes back.
+TEST(SharesLeft, AreNextToNothing) { EXPECT_LT(share_left(true_thigh(4, 4), load), 0.01); }
+
+/// Without a skin the softest point swings alone, with a b of stiffness at rest.
+TEST(SlowestPeriods, AreThoseOfTheSoftestPointAndGrowWithTheRootOfTheMass) {
+  Thigh thigh = true_thigh(4, 4);
+  for (SkinSpring& spring : thigh.skin) spring.stiffness *= 1e-9;
+  const double softest = thigh.a.cwiseProduct(thigh.b).minCoeff();
+  EXPECT_NEAR(slowest_period(thigh, 0.01), 2 * std::numbers::pi * std::sqrt(0.01 / softest), 1e-6);
+  EXPECT_NEAR(slowest_period(thigh, 0.04), 2 * slowest_period(thigh, 0.01), 1e-9);
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "studies/thigh_identification.hpp"
-#include "studies/thigh_motion.hpp"
-#include "studies/thigh_network.hpp"
+#include "studies/thigh/thigh_identification.hpp"
+#include "studies/thigh/thigh_motion.hpp"
+#include "studies/thigh/thigh_network.hpp"
 
 namespace hmax {
 
@@ -66,8 +66,11 @@ struct ThighStudy {
   double network_seconds = 0, force_seconds = 0, equilibrium_seconds = 0;  ///< CPU time of one evaluation
   ThighLoad load;
   std::vector<ThighLimit> limits;
-  double stable_mass = 0;           ///< of a point, with explicit Euler at 100 Hz [kg]
-  Eigen::VectorXd constant_depths;  ///< of constant_jacobian_depths() at 100 Hz up to 24 mm
+  double stable_mass = 0;               ///< of a point, with explicit Euler at 100 Hz [kg]
+  double left = 0;                      ///< share_left()
+  double period = 0, period_heavy = 0;  ///< slowest_period() with either mass [s]
+  double sag = 0, sag_heavy = 0;        ///< deepest point under the weight of all points with either mass [m]
+  Eigen::VectorXd constant_depths;      ///< of constant_jacobian_depths() at 100 Hz up to 24 mm
   std::vector<ThighRun> runs;
 
   [[nodiscard]] const ThighCase& identified() const { return cases.at(1); }

@@ -7,7 +7,7 @@
 
 #include "catalogue/methods/method.hpp"
 #include "studies/record.hpp"
-#include "studies/thigh_model.hpp"
+#include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {
 
@@ -40,6 +40,16 @@ std::vector<ThighLimit> thigh_limits(const std::vector<std::string>& methods, co
 /// part in a hundred, with the same damping of a mass; the mass of `load` where that is enough, infinity
 /// where a million times as much is not.
 double stable_mass(const std::string& method, const Thigh& thigh, ThighLoad load, double h);
+
+/// The depth of the point that sinks deepest when the same force acts inwards on every point, as weight does
+/// [m].
+double deepest_under(const Thigh& thigh, double force);
+
+/// How much of its largest depth the pressed point has left at the end of a run of the load [1].
+double share_left(const Thigh& thigh, const ThighLoad& load);
+
+/// The period of the slowest motion at rest without damping, for points of some mass [s].
+double slowest_period(const Thigh& thigh, double mass);
 
 /// How deep the probe may press each point until steps of `h` of linearly implicit Euler with the Jacobian of
 /// rest are unstable, shape (points) [m]; infinity where they are stable up to `most`. With K at the depth
