@@ -111,6 +111,22 @@ TEST(FixedPointSearch, FindsPairsThatTheCornersOfTheirSquareDoNotShow) {
   }
 }
 
+TEST(FixedPointSearch, DiscardsCellsByOneComponentThatHasNoZero) {
+  // Phi(y) - y = (2 + u, 0): the slopes are singular, and the first component alone says that no point is
+  // there: of the first 32 x 32 cells corners and middles, and for the degree the border.
+  int evaluations = 0;
+  const auto found = search_fixed_points(
+      [&](const VectorXd& y) -> VectorXd {
+        ++evaluations;
+        return y + Vector2d(2 + y(0), 0);
+      },
+      square);
+  EXPECT_TRUE(found.points.empty());
+  EXPECT_TRUE(found.whole);
+  EXPECT_EQ(found.degree, 0);
+  EXPECT_LT(evaluations, 33 * 33 + 32 * 32 + 1000);
+}
+
 TEST(FixedPointSearch, SaysWhatItCannotTell) {
   // Every point is fixed.
   const auto all = search_fixed_points([](const VectorXd& y) { return y; }, square);
