@@ -183,6 +183,20 @@ TEST(EquilibriumSearch, SumsTheIndicesOfADoubleWell) {
   EXPECT_TRUE(saddle.accounts());
 }
 
+TEST(EquilibriumSearch, NamesEachPointOnce) {
+  // The grid finds all three before the search in cells does; none is another's image in the origin.
+  const PlanarField well = field_of([](const Vector2d& y) {
+    const double x = y(0) - 0.4;
+    return Vector2d(y(1) - 0.3, x - x * x * x - 0.2 * (y(1) - 0.3));
+  });
+  const EquilibriumSet found = search_equilibria(well, {{-2, -2}, {2, 2}});
+  ASSERT_EQ(found.points.size(), 3U);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT((found.points[static_cast<std::size_t>(i)].state - Vector2d(-0.6 + i, 0.3)).norm(), 1e-9) << i;
+  EXPECT_EQ(found.index_sum, 1);
+  EXPECT_TRUE(found.accounts());
+}
+
 TEST(EquilibriumSearch, SaysWhatItCannotTell) {
   // x' = v, v' = -v: a line of equilibria, of which some are shown.
   const EquilibriumSet line = search_equilibria(

@@ -6,6 +6,7 @@
 #include <complex>
 #include <memory>
 #include <numbers>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +47,24 @@ struct UniformChain {
     return (u.normalized() / std::sqrt(m)).cast<std::complex<double>>();
   }
 };
+
+TEST(ScaledMatrices, FindTheLargestEigenvalueOfEverySumOfBoth) {
+  const UniformChain chain{.n = 20};
+  const ScaledMatrices matrices(chain.part());
+  const auto kappa = [&](Index j) { return std::norm(chain.eigenvalue(j)); };
+  const auto gamma = [&](Index j) { return chain.alpha + chain.beta * kappa(j); };
+  const FindLargestOfSum find = matrices.largest_of_sum(1.1 * gamma(chain.n), 1.1 * kappa(chain.n));
+  // a gamma + b kappa rises with kappa, or falls where b is negative: then the slowest mode has the largest.
+  for (const auto& [a, b, j] :
+       {std::tuple(1.0, 0.0, chain.n), {0.0, 1.0, chain.n}, {0.0, -1.0, Index(1)}, {-2.0, -1.0, Index(1)}}) {
+    const LargestOfSum found = find(a, b, 1e-10);
+    EXPECT_TRUE(found.converged) << a << " " << b;
+    const double size = std::abs(a) * gamma(chain.n) + std::abs(b) * kappa(chain.n);
+    EXPECT_NEAR(found.value, a * gamma(j) + b * kappa(j), 1e-9 * size) << a << " " << b;
+    EXPECT_NEAR(found.kappa, kappa(j), 1e-6 * kappa(chain.n)) << a << " " << b;
+    EXPECT_NEAR(found.gamma, gamma(j), 1e-6 * gamma(chain.n)) << a << " " << b;
+  }
+}
 
 TEST(DampedSearch, ThatRestartsFindsTheEigenvaluesOfAUniformChain) {
   // Three or eight times the room of the space, whose restarts must keep what has been found.
