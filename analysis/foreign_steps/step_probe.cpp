@@ -431,7 +431,7 @@ void Probe::bracket(double low, double high) {
   for (double away = 0.004; runs_grow(low); away *= 2) {
     high = low;
     low = found_.h_max * (1 - away);
-    if (low < settings_.h0 / 2 || away > 1) {
+    if (low < settings_.h0 / 2) {
       found_.observed = nan;
       return contradict("runs grow at h0 already, though no multiplier does; take a smaller h0");
     }

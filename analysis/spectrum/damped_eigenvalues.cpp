@@ -34,7 +34,7 @@ class QuadraticSpace {
         M_(matrices.mass.coupled()),
         most_(std::min(most, matrices.size())),
         V_(matrices.size(), most_),
-        MV_(M_ ? matrices.size() : 0, M_ ? most_ : 0),
+        MV_(M_ ? matrices.size() : 0, most_),
         KV_(matrices.size(), most_),
         CV_(matrices.size(), most_),
         k_of_V_(most_, most_),
@@ -136,7 +136,7 @@ class QuadraticSpace {
     }
     const MatrixXd Q = orthonormal_basis(S.leftCols(count));
     for (MatrixXd* vectors : {&V_, &MV_, &KV_, &CV_})
-      if (vectors->size() > 0) vectors->leftCols(count) = (vectors->leftCols(size_) * Q).eval();
+      vectors->leftCols(count) = (vectors->leftCols(size_) * Q).eval();
     for (MatrixXd* projected : {&k_of_V_, &c_of_V_})
       projected->topLeftCorner(count, count) =
           (Q.transpose() * (projected->topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>() * Q))

@@ -32,6 +32,21 @@ AdviceQuestion question(double rate, const std::vector<std::string>& names, cons
   return asked;
 }
 
+TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
+  AdviceRow row;
+  row.frame.p50 = 2e-3;
+  row.error = 0.16;
+  row.candidate.method.order = 4;
+  // The error falls as h^p: sixteen times less takes twice the steps at order 4, four times at order 2.
+  EXPECT_NEAR(time_to_meet(row, 0.01), 2 * 2e-3, 1e-15);
+  row.candidate.method.order = 2;
+  EXPECT_NEAR(time_to_meet(row, 0.01), 4 * 2e-3, 1e-15);
+  // No fewer steps than were run; methods whose order nobody knows count as of the first.
+  EXPECT_EQ(time_to_meet(row, 0.2), 2e-3);
+  row.candidate.method.order = 0;
+  EXPECT_NEAR(time_to_meet(row, 0.01), 16 * 2e-3, 1e-15);
+}
+
 TEST(ProbingMotion, PressesHoldsAndReleases) {
   const Problem problem = cube("press");
   const ProbingMotion motion = probing_motion(problem);

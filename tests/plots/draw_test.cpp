@@ -242,5 +242,29 @@ TEST(Data, OfEveryKindIsWhatGnuplotIsToldToRead) {
       "0 0\n9 0\n0 9\n0 0\n1 1\n1 2\n2 1\n1 1\n0 0\n");
 }
 
+TEST(Key, FillsItsColumnsInTheOrderOfItsEntries) {
+  Figure figure{.panels = {{.x = {.range = Range{0, 10}}, .y = {.range = Range{0, 6}}}}};
+  for (int i = 0; i < 11; ++i)
+    figure.panels[0].curves.push_back({.label = "a curve of number " + std::to_string(i),
+                                       .x = {1, 2},
+                                       .y = {1, 2},
+                                       .style = {.width = 1.0 + i}});
+  const std::string script = source_of(figure, "f").script;
+  const auto samples = places(script, "set arrow from screen ");
+  ASSERT_EQ(samples.size(), 11U);
+  std::size_t rows = 0;
+  while (rows < samples.size() && samples[rows][0] == samples[0][0]) ++rows;
+  // Several columns of several rows, on the page, equally far apart.
+  ASSERT_TRUE(rows > 1 && rows < samples.size()) << rows;
+  const double wide = samples[rows][0] - samples[0][0], high = samples[0][1] - samples[1][1];
+  EXPECT_GT(wide, 0.1);
+  EXPECT_GT(high, 0);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_NEAR(samples[i][0], samples[0][0] + wide * static_cast<double>(i / rows), 2e-5) << i;
+    EXPECT_NEAR(samples[i][1], samples[0][1] - high * static_cast<double>(i % rows), 5e-5) << i;
+    EXPECT_TRUE(samples[i][0] > 0 && samples[i][0] < 0.9 && samples[i][1] > 0) << i;
+  }
+}
+
 }  // namespace
 }  // namespace hmax

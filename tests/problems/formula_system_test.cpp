@@ -203,6 +203,7 @@ TEST(FormulaSystem, NamesThatAreNotFreeAreRefused) {
   EXPECT_SAYS(named("x y", "a"), "is no name");
   EXPECT_SAYS(named("", "a"), "is no name");
   EXPECT_SAYS(named(std::string(101, 'x'), "a"), "is no name");
+  EXPECT_EQ(named(std::string(100, 'x'), "a"), "accepted");
 }
 
 TEST(FormulaSystem, SizesAndNumbersAreChecked) {

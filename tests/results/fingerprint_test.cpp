@@ -42,6 +42,25 @@ TEST(Fingerprint, ReadsTheMachineFromProcAndSys) {
   EXPECT_EQ(print.load, "0.25 0.50 0.75");
 }
 
+TEST(Fingerprint, NamesTheHypervisorByFirmwareOrElseByItsClock) {
+  const auto named = [](const std::string& flags, const std::string& vendor, const std::string& product,
+                        const std::string& clocks) {
+    Scratch root;
+    put(root / "proc/cpuinfo", "processor\t: 0\nmodel name\t: x\nflags\t\t: " + flags + "\n");
+    put(root / "sys/class/dmi/id/sys_vendor", vendor + "\n");
+    put(root / "sys/class/dmi/id/product_name", product + "\n");
+    put(root / "sys/devices/system/clocksource/clocksource0/available_clocksource", clocks + "\n");
+    return fingerprint(root.folder()).virtualisation;
+  };
+  EXPECT_EQ(named("fpu", "QEMU", "", "tsc kvm-clock"), "none");
+  EXPECT_EQ(named("hypervisor", "QEMU", "Standard PC", "tsc"), "KVM");
+  EXPECT_EQ(named("hypervisor", "Microsoft Corporation", "Virtual Machine", "tsc"), "Hyper-V");
+  EXPECT_EQ(named("hypervisor", "innotek GmbH", "VirtualBox", "tsc kvm-clock"), "VirtualBox");
+  EXPECT_EQ(named("hypervisor", "Dell", "x", "tsc kvm-clock"), "KVM");
+  EXPECT_EQ(named("hypervisor", "Dell", "x", "hyperv_clocksource_tsc_page"), "Hyper-V");
+  EXPECT_EQ(named("hypervisor", "Dell", "x", "tsc"), "virtual machine");
+}
+
 TEST(Fingerprint, SaysUnknownWhereTheSystemDoesNotTell) {
   Scratch root;
   const Fingerprint print = fingerprint(root.folder());

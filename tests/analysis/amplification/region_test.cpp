@@ -52,6 +52,17 @@ TEST(RegionBoundary, LiesWhereTheSpectralRadiusIsOne) {
   }
 }
 
+TEST(RegionBoundary, TellsAtEveryEdgeThatItIsClipped) {
+  // Half a disc in the middle of one edge each.
+  const PlaneWindow window{-1, 1, -1, 1.5};
+  for (const Complex middle : {Complex(-1, 0.25), Complex(1, 0.25), Complex(0, -1), Complex(0, 1.5)}) {
+    const auto curves = region_boundary([&](Complex z) { return std::abs(z - middle) <= 0.5; }, window, 200);
+    ASSERT_EQ(curves.size(), 1U) << middle;
+    EXPECT_TRUE(curves[0].clipped) << middle;
+    EXPECT_NEAR(curves[0].area(), std::numbers::pi / 8, 1e-3) << middle;
+  }
+}
+
 TEST(RegionBoundary, ClosesWhatLeavesTheWindowAlongItsEdge) {
   const auto curves = region_boundary([](Complex z) { return z.real() <= 0; }, {-1, 1, -1, 1}, 10);
   ASSERT_EQ(curves.size(), 1u);

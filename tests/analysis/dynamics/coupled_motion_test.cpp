@@ -195,13 +195,14 @@ TEST(CoupledMotion, OfABodyThatDriftsIsStable) {
   EXPECT_LT(limit->h_max, 2 / std::sqrt(5 * 4.0 / 3));
 }
 
-/// A chain between walls, whose stiffness damps it: C = beta K.
-MechanicalPart damped_chain(Eigen::Index n, double beta) {
+/// A chain between walls, or of free ends, whose stiffness damps it: C = beta K.
+MechanicalPart damped_chain(Eigen::Index n, double beta, bool is_free = false) {
   Eigen::SparseMatrix<double> K(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     K.coeffRef(i, i) = 200;
     if (i > 0) K.coeffRef(i, i - 1) = K.coeffRef(i - 1, i) = -100;
   }
+  if (is_free) K.coeffRef(0, 0) = K.coeffRef(n - 1, n - 1) = 100;
   return mechanical_part(VectorXd::Constant(n, 0.5), K, Eigen::SparseMatrix<double>(beta * K));
 }
 
@@ -214,6 +215,19 @@ TEST(CoupledMotion, OfCentralDifferencesWithFastDampingIsProved) {
     EXPECT_TRUE(limit->proved) << beta;
     for (int i = 1; i < 200; ++i)
       EXPECT_LE(whole.spectral_radius(limit->h_max * i / 200), 1 + 1e-9) << beta << " " << i;
+    EXPECT_GT(whole.spectral_radius(1.001 * limit->h_max), 1 + 1e-6) << beta;
+  }
+}
+
+TEST(CoupledMotion, OfCentralDifferencesIsProvedForAFreeBodyToo) {
+  // Nothing resists or damps its rigid motion: C and rho C - K are definite but for rounding.
+  const Amplification lumped = kick_drift_kick_amplification(KickDamping::lumped);
+  for (const double beta : {0.01, 0.1}) {
+    const CoupledMotion whole(*lumped.motion, damped_chain(12, beta, true));
+    const auto limit = whole.first_exit(lumped);
+    ASSERT_TRUE(limit);
+    EXPECT_TRUE(limit->proved) << beta;
+    EXPECT_LE(whole.spectral_radius(0.999 * limit->h_max), 1 + 1e-6) << beta;
     EXPECT_GT(whole.spectral_radius(1.001 * limit->h_max), 1 + 1e-6) << beta;
   }
 }

@@ -111,6 +111,22 @@ TEST(FixedPointSearch, FindsPairsThatTheCornersOfTheirSquareDoNotShow) {
   }
 }
 
+TEST(FixedPointSearch, DiscardsCellsByOneComponentThatHasNoZero) {
+  // Phi(y) - y = (2 + u, 0): the slopes are singular, and the first component alone says that no point is
+  // there: of the first 32 x 32 cells corners and middles, and for the degree the border.
+  int evaluations = 0;
+  const auto found = search_fixed_points(
+      [&](const VectorXd& y) -> VectorXd {
+        ++evaluations;
+        return y + Vector2d(2 + y(0), 0);
+      },
+      square);
+  EXPECT_TRUE(found.points.empty());
+  EXPECT_TRUE(found.whole);
+  EXPECT_EQ(found.degree, 0);
+  EXPECT_LT(evaluations, 33 * 33 + 32 * 32 + 1000);
+}
+
 TEST(FixedPointSearch, SaysWhatItCannotTell) {
   // Every point is fixed.
   const auto all = search_fixed_points([](const VectorXd& y) { return y; }, square);
@@ -165,6 +181,20 @@ TEST(EquilibriumSearch, SumsTheIndicesOfADoubleWell) {
   const EquilibriumSet saddle = search_equilibria(well, {{-0.5, -1}, {0.5, 1}});
   EXPECT_EQ(saddle.degree, -1);
   EXPECT_TRUE(saddle.accounts());
+}
+
+TEST(EquilibriumSearch, NamesEachPointOnce) {
+  // The grid finds all three before the search in cells does; none is another's image in the origin.
+  const PlanarField well = field_of([](const Vector2d& y) {
+    const double x = y(0) - 0.4;
+    return Vector2d(y(1) - 0.3, x - x * x * x - 0.2 * (y(1) - 0.3));
+  });
+  const EquilibriumSet found = search_equilibria(well, {{-2, -2}, {2, 2}});
+  ASSERT_EQ(found.points.size(), 3U);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT((found.points[static_cast<std::size_t>(i)].state - Vector2d(-0.6 + i, 0.3)).norm(), 1e-9) << i;
+  EXPECT_EQ(found.index_sum, 1);
+  EXPECT_TRUE(found.accounts());
 }
 
 TEST(EquilibriumSearch, SaysWhatItCannotTell) {

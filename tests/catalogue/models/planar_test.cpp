@@ -129,6 +129,21 @@ TEST(Planar, TheDefaultWindowHoldsTheEquilibriaOfTheDoubleWell) {
   EXPECT_LT(default_window(liver({{"c", -2}})).upper(0), 30);
 }
 
+TEST(Planar, TheWindowOfADrivenOscillatorHoldsItsResonance) {
+  // ((k1 - m w^2 + 3/4 k3 A^2)^2 + (c w)^2) A^2 = P^2 at A = 10: (1e-4 + 1e-4) 100 = 0.02; the rest under the
+  // force of the start is at 0.14.
+  const Window window = window_of_motions(
+      liver({{"m", 1}, {"k1", 1}, {"k3", 4e-4 / 3}, {"c", 0.01}, {"w", 1}, {"P", std::sqrt(0.02)}},
+            "liver_forced"),
+      {}, 1);
+  for (const int i : {0, 1}) {
+    EXPECT_LT(window.lower(i), -10);
+    EXPECT_GT(window.lower(i), -15);
+    EXPECT_GT(window.upper(i), 10);
+    EXPECT_LT(window.upper(i), 15);
+  }
+}
+
 TEST(Planar, RefusesWhatHasNotTwoStates) {
   for (const char* id : {"lorenz", "dahlquist", "kepler"})
     EXPECT_THROW(require_planar(make_problem(id)), InputError) << id;

@@ -30,6 +30,19 @@ Problem pressed_cube(const std::string& model) {
       {.material = {}, .parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 2}, {"beta", 1e-3}}, .y0 = {}});
 }
 
+TEST(TissueProblem, IsLinearOfSmallStrainsWithoutToolOrSkinAlone) {
+  const auto is_linear = [](const char* name, double skin) {
+    return has_linear_forces(
+        *make_problem(name, {.material = {}, .parameters = {{"skin", skin}}, .y0 = {}}).body);
+  };
+  EXPECT_TRUE(is_linear("fem_cauchy@cube:n=1", 0));
+  EXPECT_TRUE(is_linear("fem_cauchy/press@cube:n=1", 0));
+  EXPECT_FALSE(is_linear("fem_cauchy@cube:n=1", 10));
+  EXPECT_FALSE(is_linear("fem_cauchy/tool@cube:n=1", 0));
+  EXPECT_FALSE(is_linear("fem_green@cube:n=1", 0));
+  EXPECT_FALSE(is_linear("fem_green/tool@cube:n=1", 10));
+}
+
 TEST(TissueProblem, IsSteppedByEveryMethodToTheSameEnd) {
   const Problem problem = pressed_cube("fem_green");
   ASSERT_GT(problem.body->dofs(), 30);

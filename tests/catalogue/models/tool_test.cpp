@@ -73,6 +73,8 @@ TEST(Tool, ThatBeginsInsideTheBodyIsRefused) {
   EXPECT_NE(at(0.03, 0.02, 0.035).find("starts inside the body"), std::string::npos) << "wholly inside";
   EXPECT_NE(at(0.03, 0.02, 0.0995).find("starts inside the body"), std::string::npos) << "through a triangle";
   EXPECT_EQ(at(0.03, 0.02, 0.1), "");
+  EXPECT_EQ(at(0.05, 0.05, 0.1), "") << "on a point but for rounding";
+  EXPECT_NE(at(0.05, 0.05, 0.09999).find("starts inside the body"), std::string::npos) << "on a point";
   EXPECT_EQ(at(0.03, 0.02, 0.11), "");
 }
 

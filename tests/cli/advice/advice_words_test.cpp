@@ -47,6 +47,20 @@ TEST(AdviceWords, SayWhichJacobianIsFrozen) {
   EXPECT_EQ(fact(cube("gravity"), exact, "Jacobian"), "");
 }
 
+TEST(AdviceWords, WarnWherePublishedSpreadsOfAMaterialCrossTheStep) {
+  const Problem problem = make_problem("liver_forced");
+  Advice advice = advice_of({find_method("rk4"), {}, {}});
+  // h = 10 ms beside h_max = 20 ms, of which 0.45 are 9 ms and 0.55 are 11 ms. Of a frame of 10 ms two steps
+  // are the fewest that are at most 0.95 * 9 ms.
+  advice.bands = {{.quantity = "mass", .spread = 0.077, .low = 0.9},
+                  {.quantity = "stiffness", .spread = 0.29, .low = 0.45}};
+  EXPECT_EQ(
+      fact(problem, advice, "caution"),
+      "where the stiffness is 29 % off, h_max falls to 9 ms; h = 5 ms, 2 steps per frame, is below that");
+  advice.bands.back().low = 0.55;
+  EXPECT_EQ(fact(problem, advice, "caution"), "");
+}
+
 TEST(AdviceWords, SayOfALimitEachThingOnce) {
   const Problem problem = make_problem("liver_forced");
   Advice advice = advice_of({find_method("rk4"), {}, {}});

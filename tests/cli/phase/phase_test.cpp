@@ -353,6 +353,10 @@ TEST(Phase, LooksAtFormulasOnceInTheirPeriod) {
   const Json document = phase(shell, "swing.toml --poincare --periods 20 --period 3.141592653589793");
   const std::complex<double> Z = 1.0 / std::complex<double>(-3, 1);
   EXPECT_NEAR(document.at("section")[3][0].get<double>(), Z.real(), 1e-9);
+  // In words its one look is one row: a = -3/10, b = -2 Im Z = 1/5.
+  const Told told =
+      shell.hmax("phase --problem swing.toml --poincare --periods 20 --period 3.141592653589793");
+  EXPECT_NE(told.out.find("\n\nlook     a    b\n1     -0.3  0.2\n\n"), std::string::npos) << told.out;
   expect_refused(shell.hmax("phase --problem swing.toml --poincare"), "name it with --period");
   expect_refused(shell.hmax("phase --problem swing.toml --poincare --period 3"), "not the same 3 s later");
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <regex>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -72,6 +73,31 @@ TEST(SlidingSpectrum, FramesShowWhoIsOutside) {
   EXPECT_EQ(count(outside, "fill=\"#d00000\""), 2U);
   EXPECT_EQ(inside.find("<animate"), std::string::npos);
   EXPECT_EQ(count(sliding_frames_svg(square(), {0.1, 1, 2}), "<clipPath"), 3U);
+}
+
+TEST(SlidingSpectrum, ShowsEachOfManySpectra) {
+  SlidingPicture picture = square();
+  picture.spectra = {{"one", {{-2, 0, 1}, {-1, 1, 9}}}, {"two", {{-1, 0, 0.5}}}, {"three", {{-3, 0, 0.25}}}};
+  const std::string moving = sliding_svg(picture);
+  // A ray and a moving point for each of four, beside the points a list of three and what outside looks like,
+  // and on the bar three largest steps.
+  EXPECT_EQ(count(moving, "stroke-dasharray"), 4U);
+  EXPECT_EQ(count(moving, "attributeName=\"cx\""), 4U);
+  EXPECT_EQ(count(moving, "r=\"6\""), 4U + 3 + 1);
+  EXPECT_EQ(count(moving, "v14\""), 3U);
+  for (const char* text : {">one<", ">two<", ">three<", ">1 s<", ">0.5 s<", ">0.25 s<"})
+    EXPECT_EQ(count(moving, text), 1U) << text;
+  const std::string frames = sliding_frames_svg(picture, {0.1, 0.2});
+  EXPECT_EQ(count(frames, "r=\"4.5\""), 2U * 4);
+  // The key stands below in one row, each name behind the one before it.
+  std::vector<double> places;
+  const std::regex sample("<circle cx=\"([0-9.]+)\" cy=\"[0-9.]+\" r=\"5\"");
+  for (std::sregex_iterator at(frames.begin(), frames.end(), sample), none; at != none; ++at)
+    places.push_back(std::stod(at->str(1)));
+  ASSERT_EQ(places.size(), 3U + 1);
+  EXPECT_EQ(places[0], 40);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_GT(places[k + 1], places[k] + 11 + 6 * static_cast<double>(picture.spectra[k].label.size())) << k;
 }
 
 TEST(SlidingSpectrum, ShowsThePlaneWithEqualScalesAndEachPointWhereItIs) {

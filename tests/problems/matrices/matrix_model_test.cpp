@@ -67,6 +67,16 @@ TEST_F(Matrices, UnknownsWithoutMassAreCondensed) {
                  "is singular, for instance at unknown 2");
 }
 
+TEST_F(Matrices, UnknownsWithoutMassThatNothingHoldsAreRefusedInEveryUnit) {
+  // Three massless points on springs among themselves alone, whose factors are singular but for rounding, and
+  // a force of the first body on one of them.
+  MatrixXd K = MatrixXd::Zero(4, 4);
+  K << 1, -0.1, 0, 0, -0.1, 0.3, -0.1, -0.2, 0, -0.1, 0.8, -0.7, 0, -0.2, -0.7, 0.9;
+  const MatrixXd M = Eigen::Vector4d(1, 0, 0, 0).asDiagonal();
+  for (const double unit : {1e-9, 1e-6, 1.0, 1e6})
+    expect_refusal(files(unit * K, M), "is singular, for instance at unknown");
+}
+
 TEST_F(Matrices, ConstraintRowsAreFoundAndLeftOutWhenTold) {
   MatrixXd K = chain(5);
   K(0, 0) += 1e10;                         // a penalty

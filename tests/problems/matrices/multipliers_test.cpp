@@ -155,5 +155,21 @@ TEST_F(Multipliers, OfThousandsOfTiesAreFast) {
   EXPECT_EQ(model.K.coeff(5, 6), -2);
 }
 
+TEST_F(Multipliers, ThatTieThousandsOfUnknownsAtOnceAreRefused) {
+  // One constraint of n unknowns would make n^2 entries of the stiffness.
+  const int n = 8000;
+  std::vector<Eigen::Triplet<double>> K, M;
+  for (int i = 0; i < n; ++i) {
+    K.emplace_back(i, i, 1.0), K.emplace_back(i, n, 1.0), K.emplace_back(n, i, 1.0);
+    M.emplace_back(i, i, 1.0);
+  }
+  Eigen::SparseMatrix<double> stiffness(n + 1, n + 1), mass(n + 1, n + 1);
+  stiffness.setFromTriplets(K.begin(), K.end());
+  mass.setFromTriplets(M.begin(), M.end());
+  expect_refusal({.stiffness = write("K.mtx", matrix_market_text(stiffness, "one")),
+                  .mass = write("M.mtx", matrix_market_text(mass, "one"))},
+                 "the Lagrange multipliers couple too many unknowns to be eliminated");
+}
+
 }  // namespace
 }  // namespace hmax

@@ -253,6 +253,14 @@ TEST(TissueBody, RaisedMassesAllowTheStepAndHaveNoWeight) {
   EXPECT_THROW(TissueBody(mesh, settings), std::invalid_argument);
 }
 
+TEST(SampledCurve, HasAHarmonicMeanOfItsSecantsAsSlope) {
+  // Secants 2 and 1/2 over widths 1 and 2: 3 (1 + 2) / ((2 * 2 + 1) / 2 + (2 + 2 * 1) / (1/2)) = 6/7.
+  const SampledCurve curve({0, 1, 3}, {0, 2, 3});
+  EXPECT_NEAR(curve.rate(1), 6.0 / 7, 1e-14);
+  // Half way between flat and that: (0 + 2) / 2 - 1 * (6/7) / 8.
+  EXPECT_NEAR(curve.value(0.5), 1 - 6.0 / 56, 1e-14);
+}
+
 TEST(SampledCurve, MeetsItsValuesSmoothlyAndDoesNotOvershoot) {
   const std::vector<double> t{0, 0.1, 0.4, 0.5, 0.9}, v{0, 1, 1.5, 1.5, -2};
   const SampledCurve curve(t, v);

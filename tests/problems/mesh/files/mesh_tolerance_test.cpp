@@ -40,6 +40,14 @@ void expect_refused(const GoldenMesh& mesh, const std::string& named) {
   EXPECT_NE(said.find(named), std::string::npos) << "'" << named << "' is not in: " << said;
 }
 
+TEST(MeshTolerance, EveryBlankOfAsciiSeparatesWords) {
+  for (const char blank : {'\t', '\r', '\f', '\v'}) {
+    GoldenMesh mesh = golden("ghs3d.mesh");
+    std::ranges::replace(mesh.text, ' ', blank);
+    expect_golden(mesh.read());
+  }
+}
+
 TEST(MeshTolerance, MeditWithoutItsEndIsReadDownToTheLastWord) {
   GoldenMesh mesh = golden("ghs3d.mesh");
   mesh.text = replaced(mesh.text, "\nEnd\n", "");

@@ -1,8 +1,11 @@
 #include "problems/mesh/files/mesh_writers.hpp"
 
+#include <cstdint>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +69,23 @@ TEST(MeshWriters, FieldsStandBehindTheirOffsets) {
   const std::size_t offset = std::stoul(text.substr(text.find(tag) + tag.size()));
   EXPECT_EQ(text.substr(text.find("\n_") + 2 + offset, 72),
             Bytes().longs({64}).reals({1, 2, 3, 4, 5, 6, 7, 8}).str());
+}
+
+TEST(MeshWriters, GmshCountsElementsOfSurfacesAroundTheNumbersOfTetrahedra) {
+  MeshFile file = counted_from_one(unit_tetrahedron());
+  file.groups.push_back({.dimension = 2, .number = 7, .corners = {0, 1, 2, 0, 1, 3, 0, 2, 3, 1, 2, 3}});
+  const auto numbers = [&](std::int64_t of_the_tetrahedron) {
+    file.numbers = {of_the_tetrahedron};
+    const std::string text = msh_text(file), begin = "$Elements\n5\n";
+    std::istringstream lines(text.substr(text.find(begin) + begin.size()));
+    std::vector<std::int64_t> found;
+    for (std::string line; std::getline(lines, line) && line != "$EndElements";)
+      found.push_back(std::stoll(line));
+    return found;
+  };
+  EXPECT_EQ(numbers(1), (std::vector<std::int64_t>{2, 3, 4, 5, 1}));
+  EXPECT_EQ(numbers(3), (std::vector<std::int64_t>{1, 2, 4, 5, 3}));
+  EXPECT_EQ(numbers(9), (std::vector<std::int64_t>{1, 2, 3, 4, 9}));
 }
 
 TEST(MeshWriters, AFieldOfAnotherMeshIsRefused) {

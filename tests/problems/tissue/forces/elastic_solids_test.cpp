@@ -303,5 +303,13 @@ TEST(ElasticSolids, ASkinOfTrianglesHasTheStiffnessOfItsThickness) {
   EXPECT_NEAR(skin / (4 * 0.01 * 5e6 * 1e-4 * strain * strain / (2 * (1 - 0.16))), 1, 1e-5);
 }
 
+TEST(TableSpring, StoresTheAreaUnderItsLines) {
+  const TableSpring spring({-0.2, -0.05, 0.06, 0.3}, {-0.15, -0.05, 0.06, 0.5});
+  // A triangle of slope 1 on both sides of rest, and the trapezia behind it.
+  EXPECT_NEAR(spring.integral(0.06), 0.06 * 0.06 / 2, 1e-16);
+  EXPECT_NEAR(spring.integral(0.3), 0.06 * 0.06 / 2 + 0.24 * (0.06 + 0.5) / 2, 1e-15);
+  EXPECT_NEAR(spring.integral(-0.2), 0.05 * 0.05 / 2 + 0.15 * (0.05 + 0.15) / 2, 1e-15);
+}
+
 }  // namespace
 }  // namespace hmax
