@@ -297,7 +297,8 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"costs", costs},
       {"modes", modes},
       {"tool", pressed_by_a_tool},
-      {"thigh", telling(identified_thigh)}};
+      {"thigh", telling(identified_thigh)},
+      {"echography", telling(echographic_image)}};
   tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
   tissue.document["sizes"] = Json::array();
   if (options.scale) sections.emplace_back("sizes", telling(costs_over_size));

@@ -14,10 +14,10 @@
 #include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
-#include "studies/local_model.hpp"
 #include "studies/organ_rates.hpp"
 #include "studies/organ_study.hpp"
 #include "studies/particle_limits.hpp"
+#include "studies/thigh/local_model.hpp"
 
 namespace hmax {
 

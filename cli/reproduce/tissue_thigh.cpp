@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "cli/reproduce/tissue_page.hpp"
-#include "studies/thigh_study.hpp"
+#include "studies/thigh/thigh_study.hpp"
 
 namespace hmax {
 

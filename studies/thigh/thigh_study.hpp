@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "studies/thigh_identification.hpp"
-#include "studies/thigh_motion.hpp"
-#include "studies/thigh_network.hpp"
+#include "studies/thigh/thigh_identification.hpp"
+#include "studies/thigh/thigh_motion.hpp"
+#include "studies/thigh/thigh_network.hpp"
 
 namespace hmax {
 

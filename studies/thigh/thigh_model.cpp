@@ -1,4 +1,4 @@
-#include "studies/thigh_model.hpp"
+#include "studies/thigh/thigh_model.hpp"
 
 #include <cmath>
 #include <limits>
@@ -105,6 +105,10 @@ Thigh true_thigh(Eigen::Index around, Eigen::Index along) {
     }
   return thigh;
 }
+
+Eigen::Vector2d point_distances() { return {arc, spacing}; }
+
+Eigen::VectorXd tissue_depths(const Thigh& thigh) { return growth * thigh.b.cwiseInverse(); }
 
 std::vector<Eigen::Index> pressed_points(const Thigh& thigh, Eigen::Index point, Probe probe) {
   if (point < 0 || point >= thigh.points())

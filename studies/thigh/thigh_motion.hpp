@@ -7,7 +7,7 @@
 
 #include "catalogue/methods/method.hpp"
 #include "studies/record.hpp"
-#include "studies/thigh_model.hpp"
+#include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "studies/record.hpp"
-#include "studies/thigh_model.hpp"
+#include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {
 

@@ -1,4 +1,4 @@
-#include "studies/local_model.hpp"
+#include "studies/thigh/local_model.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "studies/thigh_identification.hpp"
+#include "studies/thigh/thigh_identification.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "studies/thigh_study.hpp"
+#include "studies/thigh/thigh_study.hpp"
 
 #include <algorithm>
 #include <array>

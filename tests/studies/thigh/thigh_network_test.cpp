@@ -1,4 +1,4 @@
-#include "studies/thigh_network.hpp"
+#include "studies/thigh/thigh_network.hpp"
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-#include "studies/thigh_model.hpp"
+#include "studies/thigh/thigh_model.hpp"
 
 #include <array>
 #include <cmath>

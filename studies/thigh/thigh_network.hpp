@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "studies/thigh_identification.hpp"
+#include "studies/thigh/thigh_identification.hpp"
 
 namespace hmax {
 

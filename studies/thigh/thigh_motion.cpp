@@ -1,4 +1,4 @@
-#include "studies/thigh_motion.hpp"
+#include "studies/thigh/thigh_motion.hpp"
 
 #include <algorithm>
 #include <array>
