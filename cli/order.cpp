@@ -75,6 +75,18 @@ struct OrderReport {
                          : seen.lack == OrderLack::not_asymptotic && slope(seen.h.size() - 1) < expected;
   }
 
+  /// Whether the slopes come nearer to the expected order up to the step at which errors are rounding.
+  [[nodiscard]] bool is_unsettled() const {
+    if (shown() || !seen.observed || !seen.h_rounded) return false;
+    double before = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < seen.h.size(); ++i) {
+      const double off = slope(i) - expected;
+      if (std::abs(off) >= std::abs(before) || (i > 1 && off * before < 0)) return false;
+      before = off;
+    }
+    return true;
+  }
+
   /// From one point to the next.
   [[nodiscard]] double slope(std::size_t i) const {
     return std::log(seen.error[i - 1] / seen.error[i]) / std::log(seen.h[i - 1] / seen.h[i]);
@@ -89,6 +101,11 @@ struct OrderReport {
           "below {} s",
           short_number(seen.h.back() * fastest, 2), expected, short_number(1 / fastest, 2));
     const auto at = [](const std::optional<double>& h) { return short_number(h.value_or(0), 3); };
+    if (is_unsettled())
+      return fmt::format(
+          "the slopes still change, from {:.3f} to {:.3f}, where errors reach rounding level at h = {} s: the "
+          "steps above it are too large to show order {}; try another --t-end",
+          slope(1), slope(seen.h.size() - 1), at(seen.h_rounded), expected);
     switch (seen.lack) {
       case OrderLack::diverged:
         return fmt::format(
@@ -118,7 +135,10 @@ struct OrderReport {
 
   /// The status in a word.
   [[nodiscard]] std::string_view reason() const {
-    return is_reduced() ? "order_reduction" : seen.observed ? "" : name_of(seen.lack);
+    return is_reduced()     ? "order_reduction"
+           : is_unsettled() ? "unsettled"
+           : seen.observed  ? ""
+                            : name_of(seen.lack);
   }
 };
 

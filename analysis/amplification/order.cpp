@@ -11,6 +11,8 @@ namespace {
 
 // Points that the line is fitted to: three local slopes.
 constexpr std::ptrdiff_t window = 4;
+// Rounding is far below the solution.
+constexpr double most_rounding = 1e-5;
 
 /// log(error) = slope log(h) + const.
 struct Line {
@@ -86,9 +88,30 @@ std::optional<double> cut_plateau(OrderObservation& seen) {
   return level;
 }
 
+/// Cuts off the finest steps where errors scatter about a line, as the rounding of a method does above
+/// `floor`: where the slope falls and rises again, or the other way round, by more than `most_spread` each
+/// time. What is less than ten times as large as the errors there goes too.
+/// @returns  the level of the errors that scatter; nothing where those of the last steps do not
+std::optional<double> cut_scatter(OrderObservation& seen, double most_spread) {
+  const std::ptrdiff_t n = std::ssize(seen.h);
+  if (n < window) return std::nullopt;
+  const auto slope = [&](std::ptrdiff_t i) {
+    const auto at = static_cast<std::size_t>(n - i);
+    return std::log(seen.error[at - 1] / seen.error[at]) / std::log(seen.h[at - 1] / seen.h[at]);
+  };
+  const double before = slope(2) - slope(3), after = slope(1) - slope(2);
+  if (before * after >= 0 || std::min(std::abs(before), std::abs(after)) <= most_spread) return std::nullopt;
+  const double level = *std::max_element(seen.error.end() - 2, seen.error.end());
+  std::size_t end = seen.error.size() - 2;
+  while (end > 0 && seen.error[end - 1] <= 10 * level) --end;
+  seen.h_rounded = seen.h[end];
+  seen.h.resize(end);
+  seen.error.resize(end);
+  return level;
+}
+
 OrderLack lack_of(const OrderObservation& seen, double level, const OrderScale& scale) {
-  // Rounding is far below the solution.
-  if (level > 1e-5 * scale.size) return OrderLack::stalled;
+  if (level > most_rounding * scale.size) return OrderLack::stalled;
   if (seen.h_diverged && seen.h_rounded) return OrderLack::narrow;
   if (seen.h_diverged) return OrderLack::diverged;
   return OrderLack::rounded;
@@ -124,7 +147,13 @@ OrderObservation observe_order(const std::function<double(double t_end, double h
   double least_spread = std::numeric_limits<double>::infinity();
   for (const double t_end : end_times) {
     OrderObservation seen = refined(error_of, t_end, scale, most_steps);
-    const std::optional<double> level = cut_plateau(seen);
+    std::optional<double> level = cut_plateau(seen);
+    // Far above rounding it is the leading term that vanishes.
+    while (!seen.error.empty() && seen.error.back() <= most_rounding * scale.size)
+      if (const auto scattered = cut_scatter(seen, most_spread))
+        level = scattered;
+      else
+        break;
     if (std::ssize(seen.h) < window) {
       seen.lack = lack_of(seen, level.value_or(0), scale);
       last = std::move(seen);

@@ -50,8 +50,8 @@ struct OrderScale {
 /// whose three local slopes agree best is reported. The order that is expected has no say in the choice.
 ///
 /// The range begins behind the last step whose error is a tenth of the solution or not finite. It ends where
-/// finer steps no longer lower the error by a fifth: rounding above `floor`, and ten times that. Slopes that
-/// differ by more than 0.5 are no order.
+/// finer steps no longer lower the error by a fifth, or errors scatter: rounding above `floor`, and ten times
+/// that. Slopes that differ by more than 0.5 are no order.
 /// @param error_of   error at t_end of a run with step h, both in s; t_end is a whole number of steps
 /// @param end_times  [s], positive
 /// @param most_steps of one run

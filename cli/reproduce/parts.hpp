@@ -38,4 +38,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
 ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
                                      Console& console);
 
+/// `hmax reproduce slice`: any slice of the synthetic thigh as PNG.
+void add_slice(CLI::App& reproduce, Console& console);
+
 }  // namespace hmax

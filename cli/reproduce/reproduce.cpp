@@ -245,6 +245,7 @@ void add_reproduce(CLI::App& app, Console& console) {
   add_oscillator_study(reproduce, console);
   add_stability_study(reproduce, console);
   add_tissue_study(reproduce, console);
+  add_slice(reproduce, console);
 }
 
 }  // namespace hmax

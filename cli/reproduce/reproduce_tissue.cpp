@@ -296,7 +296,8 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"penalties", penalties},
       {"stress and strain", stress_and_strain},
       {"body from its motion", body_from_its_motion},
-      {"thigh", telling(identified_thigh)}};
+      {"thigh", telling(identified_thigh)},
+      {"echography", telling(echographic_image)}};
   tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
   tissue.document["sizes"] = Json::array();
   if (options.scale) sections.emplace_back("sizes", telling(costs_over_size));

@@ -115,6 +115,10 @@ void body_from_its_motion(TissuePage& tissue);
 /// A thigh of springs: identified from synthetic measurements, beside a network, in motion.
 void identified_thigh(TissuePage& tissue, const std::function<void(const std::string&)>& progress);
 
+/// The image of an echograph on a synthetic thigh of voxels, deformed by a linear rule and by finite
+/// elements.
+void echographic_image(TissuePage& tissue, const std::function<void(const std::string&)>& progress);
+
 /// What meshes cost as they grow.
 void costs_over_size(TissuePage& tissue, const std::function<void(const std::string&)>& progress);
 

@@ -1,23 +1,16 @@
 // Measures what the stability analysis costs: one prediction, one region, one spectrum.
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <benchmark/benchmark.h>
 
 #include "analysis/amplification/region.hpp"
-#include "analysis/spectrum/block_product.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/models/problems.hpp"
+#include "limits/micro/inputs.hpp"
 #include "limits/predict.hpp"
-#include "problems/mesh/mesh_generators.hpp"
-#include "problems/tissue/body.hpp"
-
-#if HMAX_HAVE_SPECTRA
-#include <Spectra/SymEigsSolver.h>
-#endif
 
 namespace hmax {
 namespace {
@@ -40,29 +33,10 @@ void region_of(benchmark::State& state, const std::string& id) {
   for (auto _ : state) benchmark::DoNotOptimize(region_boundary(stable, window, 400));
 }
 
-Eigen::MatrixXd some_matrix(Eigen::Index n) {
-  std::srand(1);
-  return Eigen::MatrixXd::Random(n, n);
-}
-
 /// All eigenvalues of a dense matrix; the goal is 1.1 times what Eigen's solver takes alone.
 void spectrum_dense(benchmark::State& state) {
   const Eigen::MatrixXd A = some_matrix(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(all_eigenvalues(A));
-}
-void spectrum_of_eigen(benchmark::State& state) {
-  const Eigen::MatrixXd A = some_matrix(state.range(0));
-  for (auto _ : state)
-    benchmark::DoNotOptimize(Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues().eval());
-}
-
-/// M^-1/2 K M^-1/2 of a ball of so many shells: 4 have 927 degrees of freedom, 20 about 84,000.
-SymmetricProduct ball_product(Eigen::Index shells) {
-  const TissueBody body(ball_mesh(0.1, static_cast<int>(shells)), {});
-  TissueBody::DofMatrix K;
-  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
-  body.stiffness(0, rest, rest, K);
-  return {K, body.mass().cwiseSqrt().cwiseInverse()};
 }
 
 /// The largest eigenvalue to a residual of 1e-6 with its vector; the goal is 0.7 of the time of Spectra with
@@ -72,26 +46,6 @@ void fastest_mode(benchmark::State& state) {
   const SymmetricOperator product = [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) { A(x, y); };
   for (auto _ : state) benchmark::DoNotOptimize(largest_eigenpair(product, A.rows()).vector.data());
 }
-#if HMAX_HAVE_SPECTRA
-struct SpectraProduct {
-  using Scalar = double;
-  const SymmetricProduct& A;
-  [[nodiscard]] Eigen::Index rows() const { return A.rows(); }
-  [[nodiscard]] Eigen::Index cols() const { return A.rows(); }
-  void perform_op(const double* x, double* y) const { A.apply(x, y); }
-};
-void fastest_mode_of_spectra(benchmark::State& state) {
-  const SymmetricProduct A = ball_product(state.range(0));
-  const Eigen::VectorXd start = start_vector(A.rows());
-  SpectraProduct product{A};
-  for (auto _ : state) {
-    Spectra::SymEigsSolver<SpectraProduct> solver(product, 1, state.range(1));
-    solver.init(start.data());
-    solver.compute(Spectra::SortRule::LargestAlge, 2000, 1e-6);
-    benchmark::DoNotOptimize(solver.eigenvectors().eval().data());
-  }
-}
-#endif
 
 BENCHMARK_CAPTURE(predict_one, rk4, "rk4");
 BENCHMARK_CAPTURE(predict_one, dormand_prince_54, "dormand_prince_54");
@@ -102,11 +56,7 @@ BENCHMARK_CAPTURE(region_of, dop_853, "dop_853")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(region_of, rosenbrock_23, "rosenbrock_23")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(region_of, abm_pece_4, "abm_pece_4")->Unit(benchmark::kMillisecond);
 BENCHMARK(fastest_mode)->Arg(4)->Arg(20)->Unit(benchmark::kMillisecond);
-#if HMAX_HAVE_SPECTRA
-BENCHMARK(fastest_mode_of_spectra)->ArgsProduct({{4, 20}, {8, 20}})->Unit(benchmark::kMillisecond);
-#endif
 BENCHMARK(spectrum_dense)->Arg(40)->Arg(200)->Unit(benchmark::kMicrosecond);
-BENCHMARK(spectrum_of_eigen)->Arg(40)->Arg(200)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace hmax

@@ -15,7 +15,7 @@ namespace hmax {
 
 namespace {
 
-constexpr double page_width = 900;
+constexpr double sliding_width = 900;
 constexpr const char* red = "#d00000";
 // Of the house's colours, those that nobody takes for red; a second row repeats them with a square.
 constexpr std::array palette{0, 2, 6, 3, 4, 5};
@@ -88,7 +88,7 @@ std::string opening(double height, const std::string& title) {
              "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {2} -->\n"
              "<style>.tick{{font-size:11px;fill:#606060}}.head{{font-size:16px}}</style>\n"
              "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-             page_width, height, own_mark) +
+             sliding_width, height, own_mark) +
          svg_text(16, 26, title, "class=\"head\"");
 }
 
@@ -163,7 +163,7 @@ std::string largest_steps(const SlidingPicture& picture, double left) {
                   change(picture, "fill", colour_at(k), red, exit) +
                       change(picture, "stroke", "#ffffff", "#000000", exit));
     svg += svg_text(left + 22, y, spectrum.label);
-    svg += svg_text(page_width - 20, y, std::isfinite(exit) ? seconds_text(exit) : "unbounded",
+    svg += svg_text(sliding_width - 20, y, std::isfinite(exit) ? seconds_text(exit) : "unbounded",
                     "text-anchor=\"end\"");
   }
   const double below = plane_top + 40 + 26 * static_cast<double>(picture.spectra.size()) + 10;
@@ -232,7 +232,7 @@ std::string sliding_svg(const SlidingPicture& picture) {
 
 std::string sliding_frames_svg(const SlidingPicture& picture, const std::vector<double>& steps) {
   const double count = static_cast<double>(std::max<std::size_t>(1, steps.size()));
-  const double share = (page_width - 20) / count, size = share - 34;
+  const double share = (sliding_width - 20) / count, size = share - 34;
   const double shape = (picture.im.high - picture.im.low) / (picture.re.high - picture.re.low);
   const double height = std::clamp(size * shape, 90.0, 1.4 * size);
   constexpr double top = 68;

@@ -106,6 +106,10 @@ Thigh true_thigh(Eigen::Index around, Eigen::Index along) {
   return thigh;
 }
 
+Eigen::Vector2d point_distances() { return {arc, spacing}; }
+
+Eigen::VectorXd tissue_depths(const Thigh& thigh) { return growth * thigh.b.cwiseInverse(); }
+
 std::vector<Eigen::Index> pressed_points(const Thigh& thigh, Eigen::Index point, Probe probe) {
   if (point < 0 || point >= thigh.points())
     throw std::invalid_argument(fmt::format("there is no point {} on a thigh of {} points; they count from 0",

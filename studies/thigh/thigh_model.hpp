@@ -42,6 +42,12 @@ struct Thigh {
 /// @throws std::invalid_argument  for less than two points in a direction
 Thigh true_thigh(Eigen::Index around = 8, Eigen::Index along = 8);
 
+/// Between neighbours around and along the bone, on the skin [m].
+Eigen::Vector2d point_distances();
+
+/// Of soft tissue over the bone under each point of true_thigh(), shape (points) [m].
+Eigen::VectorXd tissue_depths(const Thigh& thigh);
+
 /// What presses the skin.
 enum class Probe {
   indentor,  ///< one point

@@ -15,8 +15,8 @@ TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
   const Json report = shell.hmax("doctor --json").json();
   for (const char* key : {"version", "compiler", "libraries", "optional", "missing", "fingerprint"})
     EXPECT_TRUE(report.contains(key)) << key;
-  EXPECT_EQ(report.at("optional").size(), 12U)
-      << "Boost, SUNDIALS, Spectra, METIS, SLEPc, OpenMPI, zlib, lz4, lzma, gnuplot, pybind11, musl";
+  EXPECT_EQ(report.at("optional").size(), 13U)
+      << "Boost, SUNDIALS, Spectra, METIS, Google Benchmark, SLEPc, OpenMPI, zlib, lz4, lzma, gnuplot, pybind11, musl";
   std::size_t missing = 0;
   for (const Json& part : report.at("optional")) {
     EXPECT_NE(part.at("debian_package"), "");
@@ -24,7 +24,9 @@ TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
     missing += part.at("present") ? 0 : 1;
   }
   EXPECT_EQ(report.at("missing").size(), missing);
-  EXPECT_NE(shell.hmax("doctor").out.find("SUNDIALS"), std::string::npos);
+  const std::string text = shell.hmax("doctor").out;
+  for (const char* said : {"SUNDIALS", "Google Benchmark", "micro_explicit_rk, micro_tissue, micro_stability"})
+    EXPECT_NE(text.find(said), std::string::npos) << text;
 }
 
 TEST(Doctor, SeesThatGnuplotIsGone) {

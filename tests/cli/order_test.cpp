@@ -106,5 +106,25 @@ TEST(OrderCommand, NamesOrderReductionOfStiffProblems) {
   EXPECT_TRUE(Shell().hmax("order --problem liver_forced --method rk4 --json").json().at("reason").is_null());
 }
 
+/// Solvers of SUNDIALS run in double alone, and their errors stop falling, or scatter, above its rounding.
+TEST(OrderCommand, TakesNoErrorsAtTheFloorOfAMethodForItsOrder) {
+  const auto measured = [](const std::string& arguments) {
+    return Shell().hmax("order --json " + arguments).json();
+  };
+  if (Shell().hmax("order --problem liver_forced --method arkode_mri").exit_code == 2)
+    GTEST_SKIP() << "this build has no SUNDIALS";
+  for (const char* arguments : {"--problem liver_forced --method arkode_mri",
+                                "--problem liver_linear --t-end 20 --method arkode_imex_ark436l2sa"}) {
+    const Json order = measured(arguments);
+    ASSERT_FALSE(order.at("observed").is_null()) << order;
+    EXPECT_NEAR(order.at("observed"), order.at("expected"), 0.1) << order;
+  }
+  const Json early = measured("--problem liver_forced --method arkode_erk_fehlberg_13_7_8");
+  EXPECT_EQ(early.at("reason"), "unsettled") << early;
+  EXPECT_NE(early.at("status").get<std::string>().find("the slopes still change, from 8.388 to 8.145"),
+            std::string::npos)
+      << early;
+}
+
 }  // namespace
 }  // namespace hmax

@@ -100,5 +100,19 @@ TEST(ObservedOrder, IsAbsentBeforeTheAsymptoticRange) {
   EXPECT_EQ(seen.lack, OrderLack::not_asymptotic);
 }
 
+/// Rounding of a method that neither a floor nor a plateau tells: each finer step still lowers the error.
+TEST(ObservedOrder, TakesNoPartOfErrorsThatScatter) {
+  const auto error = [](double t, double h) {
+    const auto steps = static_cast<int>(std::round(t / h));
+    const double rounding = steps == 11585 ? 1.3 : steps == 16384 ? -0.4 : 0;
+    return std::pow(h / t, 4) * (1 + 1e4 * h * h) + 1e-16 * std::abs(rounding);
+  };
+  const auto seen = observe_order(error, std::array{1.0}, {1e-18, 1});
+  ASSERT_TRUE(seen.observed);
+  EXPECT_NEAR(*seen.observed, 4, 0.05);
+  EXPECT_GT(seen.error.back(), 1e-15);
+  ASSERT_TRUE(seen.h_rounded);
+}
+
 }  // namespace
 }  // namespace hmax

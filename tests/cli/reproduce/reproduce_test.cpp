@@ -131,6 +131,27 @@ TEST(ReproduceOscillators, ShowsEveryFigureAndTableLinksWhatExistsAndRepeatsItsB
     EXPECT_TRUE(again.contains(name) && again.at(name) == bytes) << name;
 }
 
+bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG") && bytes.size() > 65536; }
+
+TEST(ReproduceSlice, WritesAnySliceAsPng) {
+  const Shell shell;
+  const Told told = shell.hmax("reproduce slice --at 100,40 --angle -30 --tilt 15 --output a.png --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.json().at("slice"), "a.png");
+  const std::string rest = read_text(shell / "a.png");
+  EXPECT_TRUE(is_png(rest));
+  ASSERT_EQ(shell.hmax("reproduce slice --at 100,40 --angle -30 --tilt 15 --images").exit_code, 0);
+  EXPECT_TRUE(is_png(read_text(shell / "slice.png")));
+  EXPECT_NE(read_text(shell / "slice.png"), rest);
+  ASSERT_EQ(shell.hmax("reproduce slice --rule bone --press 4").exit_code, 0);  // over its own file
+  expect_refused(shell.hmax("reproduce slice --at 300,0"), "the skin has no point 300,0 mm");
+  expect_refused(shell.hmax("reproduce slice --at 3"), "--at 3 is no point of the skin");
+  expect_refused(shell.hmax("reproduce slice --rule cubic"), "there is no rule 'cubic'");
+  expect_refused(shell.hmax("reproduce slice --press 5"), "--press is for a slice that is deformed");
+  expect_refused(shell.hmax("reproduce slice --rule bone --press 40"), "the probe presses by 40 mm");
+  expect_refused(shell.hmax("reproduce slice --output a.jpg"), "the slice a.jpg would be a PNG");
+}
+
 TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   const Shell shell;
   expect_refused(shell.hmax("reproduce all --part nothing"), "there is no part 'nothing'");
@@ -162,6 +183,7 @@ TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   const std::string scene = read_text(shell / "both/tissue/figure_9_fem_green_k4.3_c6.scn");
   EXPECT_NE(scene.find("<ConstantForceField"), std::string::npos);
   EXPECT_NE(scene.find("gravity=\"0 0 0\""), std::string::npos);
+  EXPECT_TRUE(is_png(read_text(shell / "both/tissue/slice_elements.png")));
   EXPECT_NE(read_text(shell / "both/index.html").find("<a href=\"tissue/index.html#two-meshes\">"),
             std::string::npos);
   expect_whole_pages(shell / "both", 50);
