@@ -206,7 +206,8 @@ class Iteration {
     stale_ = true;
     double tau = 0;
     const auto is_definite = [&] { return solver.factor(shifted_) && solver.negative_eigenvalues() == 0; };
-    if (is_definite()) return false;
+    stable_ = is_definite();
+    if (*stable_) return false;
     // K + tau I with tau doubled until all pivots are positive: the least eigenvalue lies within tau below
     // zero.
     const double size = shifted_.diagonal().cwiseAbs().mean();
@@ -232,10 +233,21 @@ class Iteration {
         if ((!model_.admissible || model_.admissible(trial_)) && energy_at(trial_) < energy) {
           q_ = trial_;
           size_ = residual_at(q_);
+          stable_.reset();
           return true;
         }
       }
     return false;
+  }
+
+  /// Whether K is positive definite here; nothing of more unknowns than are factored for it.
+  std::optional<bool> is_stable() {
+    if (!stable_ && model_.dofs <= most_factored_often) {
+      model_.stiffness(q_, shifted_);
+      stale_ = true;
+      stable_ = inner_.factors().factor(shifted_) && inner_.factors().negative_eigenvalues() == 0;
+    }
+    return stable_;
   }
 
  private:
@@ -390,6 +402,7 @@ class Iteration {
   int solved_ = 0, creeping_ = 0;
   bool taken_ = false, stale_ = false, barred_ = false;
   bool indefinite_ = false, was_shifted_ = false;  ///< the last K; the last direction is that of K + tau I
+  std::optional<bool> stable_;                     ///< whether K is positive definite at the last equilibrium
   std::string note_, remedy_;
 };
 
@@ -438,6 +451,24 @@ std::string_view name_of(InnerSolver solver) {
   return "cg";
 }
 
+namespace {
+
+constexpr int most_saddles = 10;  // that a load step leaves
+
+/// An equilibrium that is a saddle of the energy is no place where a body stays.
+void tell_stability(std::optional<bool> stable, const StaticSettings& settings, StaticSolution& solution) {
+  solution.stable = stable;
+  if (stable.value_or(true)) return;
+  solution.note += fmt::format(
+      "{}this equilibrium is a saddle: it is not stable, its stiffness is negative along some "
+      "displacement",
+      solution.note.empty() ? "" : "; ");
+  const bool searched = settings.line_search && settings.leave_saddles;
+  solution.remedy = searched ? "a smaller load or a stiffer material" : "a line search, which leaves saddles";
+}
+
+}  // namespace
+
 // Load steps from outside to inside: share of the load, Newton iteration to the tolerance, departure from
 // saddles and iteration again.
 StaticSolution solve_static(const StaticModel& model, const StaticSettings& settings, const Clock& clock) {
@@ -463,7 +494,6 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     int k = 0, left = 0;
     // A linear solution is what one system gives, and its residual says what the model leaves out.
     const int most = linear ? 1 : settings.iterations;
-    constexpr int most_saddles = 10;
     for (bool goes_on = true; goes_on;) {
       const bool balanced = iteration.approach(settings.tolerance, most, k, [&] { record(step); });
       solution.converged = linear ? k == 1 : balanced;
@@ -485,6 +515,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
                       iteration.residual())
                 : fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
                               iteration.residual());
+      if (!linear && step == steps) tell_stability(iteration.is_stable(), settings, solution);
     } else {
       if (solution.note.empty()) {
         solution.note = fmt::format("the residual is still {:.3g} after {} iterations of load step {}",

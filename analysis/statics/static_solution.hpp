@@ -98,10 +98,13 @@ struct StaticSolution {
   std::vector<StaticIterate> history;  ///< the state at rest first
   int iterations = 0;                  ///< linear systems solved
   bool unstable = false;               ///< q is an equilibrium, but not a stable one, and none was found
-  bool singular = false;               ///< the stiffness at rest has no inverse: supports leave motions free
-  bool barred = false;                 ///< the search ended where its steps led to what is not admissible
-  std::string note;                    ///< why it did not converge, or only to rounding
-  std::string remedy;                  ///< what settings may help: "more load steps"; empty: none
+  /// Whether K is positive definite at q, an equilibrium. None where nobody looked: of linear solutions,
+  /// where none was found, and of more than most_factored_often unknowns.
+  std::optional<bool> stable{};
+  bool singular = false;  ///< the stiffness at rest has no inverse: supports leave motions free
+  bool barred = false;    ///< the search ended where its steps led to what is not admissible
+  std::string note;       ///< why it did not converge, or only to rounding
+  std::string remedy;     ///< what settings may help: "more load steps"; empty: none
 };
 
 /// Tells the time [s] that histories record.

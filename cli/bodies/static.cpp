@@ -130,6 +130,8 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!bounded) console.print(status + "\n");
 }
 
+Json stable_json(const StaticSolution& solution) { return solution.stable ? Json(*solution.stable) : Json(); }
+
 /// Every solver on the same equilibrium: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                       StaticSettings settings, Console& console) {
@@ -153,6 +155,7 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
                     {"linear", name_of(way.inner)},
                     {"outcome", outcome},
                     {"status", status_of(problem, solution)},
+                    {"stable", stable_json(solution)},
                     {"iterations", solution.iterations},
                     {"residual", residual},
                     {"seconds", way.seconds()}});
@@ -192,7 +195,9 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
   BodyPicture picture{
       .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
                            problem.material.empty() ? "" : " of " + problem.material,
-                           outcome == "converged" ? "" : no_equilibrium,
+                           outcome != "converged"           ? no_equilibrium
+                           : solution.stable.value_or(true) ? ""
+                                                            : "unstable equilibrium, ",
                            short_number(1000 * largest_displacement(solution.q), 3)),
       .caption =
           fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.", problem.note,
@@ -366,6 +371,7 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 {"linear", name_of(answer.settings.inner)},
                 {"outcome", answer.outcome},
                 {"status", answer.status},
+                {"stable", stable_json(answer.solution)},
                 {"iterations", answer.solution.iterations},
                 {"residuals", residuals},
                 {"times", times},
@@ -423,6 +429,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (!options.output.empty()) write_csv(options.output, history_of(answer));
   if (options.picture.wanted())
     options.picture.write(picture_of(options, problem, settings, answer.solution, answer.outcome));
+  if (answer.solution.converged && !answer.solution.stable.value_or(true)) console.remark(answer.status);
   if (answer.solution.converged)
     warn_of_tool(console, problem, equilibrium_time(*problem.body), answer.solution.q);
   if (console.json)

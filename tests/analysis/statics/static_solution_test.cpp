@@ -192,6 +192,29 @@ TEST(StaticSolution, LeavesAnEquilibriumThatIsNotStable) {
   EXPECT_NEAR(solve_static(column(2), {.line_search = false}, no_clock).q[0], 2, 1e-7);
 }
 
+/// At (P, 0) the stiffness is diag(1, 1 - P).
+TEST(StaticSolution, SaysWhetherItsEquilibriumIsStable) {
+  for (const auto method : {StaticMethod::newton, StaticMethod::modified_newton})
+    for (const auto& [searches, leaves] : {std::pair{false, true}, {true, false}}) {
+      StaticSettings settings{.method = method, .line_search = searches, .leave_saddles = leaves};
+      const StaticSolution saddle = solve_static(column(1.5), settings, no_clock);
+      ASSERT_TRUE(saddle.converged);
+      EXPECT_NEAR(saddle.q[0], 1.5, 1e-7);
+      EXPECT_EQ(saddle.stable, false);
+      EXPECT_NE(saddle.note.find("is a saddle"), std::string::npos) << saddle.note;
+      EXPECT_NE(saddle.remedy.find("line search"), std::string::npos) << saddle.remedy;
+      const StaticSolution below = solve_static(column(0.9), settings, no_clock);
+      EXPECT_EQ(below.stable, true);
+      EXPECT_EQ(below.note, "");
+    }
+  EXPECT_EQ(solve_static(column(1.5), {}, no_clock).stable, true);
+  EXPECT_EQ(solve_static(column(1.5), {.load_steps = 4}, no_clock).stable, true);
+  StaticModel without_energy = column(1.5);
+  without_energy.energy = nullptr;
+  EXPECT_EQ(solve_static(without_energy, {}, no_clock).stable, false);
+  EXPECT_EQ(solve_static(column(1.5), {.method = StaticMethod::linear}, no_clock).stable, std::nullopt);
+}
+
 TEST(StaticSolution, EndsWhereRoundingDoes) {
   // Forces that are known to 1e-6 of the load.
   StaticModel noisy = pulled_chain(6, 1, 1);

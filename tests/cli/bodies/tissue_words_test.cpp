@@ -98,6 +98,27 @@ TEST(TissueWords, TellHowToGetAPictureOfWhatHasDiverged) {
   EXPECT_FALSE(std::filesystem::exists(shell / "a.svg"));
 }
 
+/// Beyond the load at which a beam buckles Newton's method alone stays on the way that is no longer stable.
+TEST(TissueWords, SayThatAnEquilibriumIsASaddle) {
+  const Shell shell;
+  const std::string beam = "static --mesh beam:n=2 --load press --model fem_neo_hookean --set force=0.6 ";
+  const Told saddle = shell.hmax(beam + "--no-line-search --picture saddle.svg --json");
+  EXPECT_EQ(saddle.exit_code, 0);
+  EXPECT_NE(saddle.err.find("this equilibrium is a saddle"), std::string::npos) << saddle.err;
+  const Json found = saddle.json();
+  EXPECT_EQ(found.at("stable"), false);
+  EXPECT_NE(found.at("status").get<std::string>().find("take a line search"), std::string::npos) << found;
+  EXPECT_NE(read_text(shell / "saddle.svg").find("unstable equilibrium"), std::string::npos);
+  const Told buckled = shell.hmax(beam + "--json");
+  EXPECT_EQ(buckled.err, "");
+  EXPECT_EQ(buckled.json().at("stable"), true);
+  EXPECT_LT(buckled.json().at("energy"), found.at("energy"));
+  EXPECT_NE(shell.hmax(beam + "--no-line-search").out.find("converged: this equilibrium is a saddle"),
+            std::string::npos);
+  EXPECT_TRUE(shell.hmax("static --mesh beam:n=2 --solver linear --json").json().at("stable").is_null());
+  EXPECT_EQ(shell.hmax("static --mesh phantom --load press --no-line-search --json").err, "");
+}
+
 TEST(TissueWords, SayThatABodyBucklesAndWhatToDo) {
   const std::string beam =
       "stability predict --mesh beam:n=2 --load press --set force=0.46 --methods rk4,symplectic_euler ";
