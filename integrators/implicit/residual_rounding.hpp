@@ -77,6 +77,8 @@ class ResidualRounding {
   using Real = real_of<State>;
   /// Factor on the estimate below which a correction counts as rounding.
   static constexpr Real margin = 8;
+  /// Share of the numbers of the state (|Y| or |X|) above which a correction is no rounding.
+  static constexpr Real most_of_state = Real(0.1);
 
   /// Takes |X| where the system has an offset; forgets the correction.
   template <System Sys>
@@ -88,7 +90,7 @@ class ResidualRounding {
     id_ = 0;
   }
 
-  /// The norm of that correction.
+  /// The norm of that correction; 0 where it is larger than most_of_state.
   /// @param system    whose f that is
   /// @param estimate  whether it is worth a product and a solution to know it: else 0 unless it is known for
   ///                  this matrix and numbers of the size of Y
@@ -107,6 +109,9 @@ class ResidualRounding {
       size_ = size;
       make(J, Y, z);
       solve(correction_);
+      // Where f is rounded to more than its state nothing is known: an iterate has run away.
+      const Real known = most_of_state * std::max(size, norm.largest(system, offset_));
+      if (!(norm.largest(system, correction_) <= known)) correction_.setZero();
     }
     return std::sqrt(norm.squared(system, correction_, Y));
   }

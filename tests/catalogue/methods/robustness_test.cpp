@@ -2,6 +2,7 @@
 /// soon, with a clear outcome and a state that is finite.
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,38 @@ RunSpec adaptive(double t_end, double tolerance) {
 
 /// Methods of low order need more steps than a test should take at tight tolerances.
 double tolerance_for(const Method& method) { return method.error_order <= 2 ? 1e-3 : 1e-6; }
+
+/// The root of y + s y^3 = right, by bisection.
+double cubic_root(double s, double right) {
+  double low = -10, high = 10;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    (middle + s * middle * middle * middle < right ? low : high) = middle;
+  }
+  return low;
+}
+
+// Far from the solution f is large, and so is its rounding: that is no sign that a stage is solved.
+TEST(StepsFarBeyondTheModel, EndAtTheRootOfTheirEquationsOrSayThatTheyDoNot) {
+  const Problem cubic = scalar(
+      4, [](auto, auto y) { return -y * y * y; }, [](auto, auto y) { return -3 * y * y; });
+  const std::map<std::string, double> roots{{"implicit_euler", cubic_root(100, 4)},
+                                            {"imex_euler", cubic_root(100, 4)},
+                                            {"trapezoidal", cubic_root(50, 4 - 50 * 64)},
+                                            {"implicit_midpoint", 2 * cubic_root(50, 4) - 4}};
+  int solved = 0;
+  for (const Method& method : methods()) {
+    if (!method.fixed_step || !method.needs_jacobian || method.needs_second_order) continue;
+    const RunRecord record = method.bind(cubic).run({.t_end = 100, .h = 100}, {});
+    if (record.outcome != Outcome::reached_end) continue;
+    EXPECT_LE(std::abs(record.y[0]), 4.001) << method.id;
+    const auto root = roots.find(method.id);
+    if (root == roots.end()) continue;
+    ++solved;
+    EXPECT_NEAR(record.y[0], root->second, 1e-9) << method.id;
+  }
+  EXPECT_GE(solved, 3);
+}
 
 class EveryAdaptiveMethod : public testing::TestWithParam<std::string> {
  protected:
