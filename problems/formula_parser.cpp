@@ -39,8 +39,6 @@ bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) !=
 bool continues_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
-
 /// Levenshtein's distance: the fewest insertions, deletions and substitutions.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -374,6 +372,8 @@ std::string formula_language() {
   for (const std::string& name : formula_functions()) text += " " + name;
   return text + "; log is the natural logarithm";
 }
+
+std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
   const std::size_t tolerated = name.size() <= 2 ? 1 : 2;

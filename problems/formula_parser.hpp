@@ -37,6 +37,9 @@ std::string formula_language();
 /// "did you mean 'k1'?" where a known name is near, else the list of what is known.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
+/// 'text'.
+std::string quoted(std::string_view text);
+
 /// Adds a formula to a graph. From weak to strong: `a ? b : c`, ||, &&, comparisons, + -, * / and signs, ^ or
 /// **, which groups from the right. -x^2 is -(x^2).
 /// @param names  what names other than those of functions mean

@@ -19,18 +19,10 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
-using Order = std::vector<Index>;
+using Order = std::vector<Eigen::Index>;
 using Slopes = std::vector<std::vector<FormulaSlope>>;
 
 [[noreturn]] void refuse(const std::string& sentence) { throw std::invalid_argument(sentence); }
-
-std::string quoted(std::string_view text) {
-  std::string result = "'";
-  result += text;
-  result += '\'';
-  return result;
-}
 
 bool is_identifier(std::string_view name) {
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
@@ -110,7 +102,7 @@ struct Formulas {
     names.push_back({"t", graph.time()});
     names.push_back({"pi", graph.constant(std::numbers::pi)});
     names.push_back({"e", graph.constant(std::numbers::e)});
-    for (const Index state : order) {
+    for (const Eigen::Index state : order) {
       const auto& equation = definition.equations[static_cast<std::size_t>(state)];
       try {
         roots.push_back(parse_formula(equation.second, names, graph));
@@ -125,7 +117,7 @@ struct Formulas {
   [[nodiscard]] int states() const { return static_cast<int>(roots.size()); }
 
   /// The state that component i is the derivative of and nothing else: f_i = y_j for every t and y.
-  [[nodiscard]] std::optional<Index> copied_by(std::size_t i) const {
+  [[nodiscard]] std::optional<Eigen::Index> copied_by(std::size_t i) const {
     const FormulaNode& root = graph[roots[i]];
     if (root.op == FormulaOp::state) return root.a;
     const FormulaDependence& of = graph.dependence(roots[i]);
@@ -136,14 +128,14 @@ struct Formulas {
     double at_zero = 0;
     const std::vector<double> zero(roots.size(), 0.0);
     FormulaProgram(graph, {roots[i]}, states()).run(0, zero.data(), &at_zero);
-    return at_zero == 0 ? std::optional<Index>(slopes[i][0].state) : std::nullopt;
+    return at_zero == 0 ? std::optional<Eigen::Index>(slopes[i][0].state) : std::nullopt;
   }
 };
 
 /// Positions, each beside its velocity, that cover all states once: q_i' = v_i. A state that is no derivative
 /// of another can only be a position; in a cycle of derivatives the first state of the user is one.
 /// @return  the order (q, v), empty where there is none
-Order packed_order(const std::vector<std::optional<Index>>& derivative_is) {
+Order packed_order(const std::vector<std::optional<Eigen::Index>>& derivative_is) {
   const std::size_t n = derivative_is.size();
   if (n == 0 || n % 2 != 0) return {};
   std::vector<bool> taken(n, false);
@@ -159,7 +151,7 @@ Order packed_order(const std::vector<std::optional<Index>>& derivative_is) {
     if (!velocity || static_cast<std::size_t>(*velocity) == position ||
         taken[static_cast<std::size_t>(*velocity)])
       return {};
-    q.push_back(static_cast<Index>(position));
+    q.push_back(static_cast<Eigen::Index>(position));
     v.push_back(*velocity);
     taken[position] = taken[static_cast<std::size_t>(*velocity)] = true;
   }
@@ -174,7 +166,7 @@ Order packed_order(const std::vector<std::optional<Index>>& derivative_is) {
 }
 
 /// The order that the user names.
-Order named_order(const FormulaDefinition& d, const std::vector<std::optional<Index>>& derivative_is) {
+Order named_order(const FormulaDefinition& d, const std::vector<std::optional<Eigen::Index>>& derivative_is) {
   if (d.positions.size() != d.velocities.size())
     refuse("there are " + std::to_string(d.positions.size()) + " positions but " +
            std::to_string(d.velocities.size()) + " velocities; name the velocity of each position");
@@ -187,7 +179,7 @@ Order named_order(const FormulaDefinition& d, const std::vector<std::optional<In
       if (at == states.end())
         refuse("positions and velocities name " + quoted(name) + ", which has no equation; " +
                nearest_name(name, states));
-      const Index state = at - states.begin();
+      const Eigen::Index state = at - states.begin();
       if (std::ranges::find(order, state) != order.end())
         refuse("positions and velocities name " + quoted(name) + " twice; name each state once");
       order.push_back(state);
@@ -207,7 +199,7 @@ Order named_order(const FormulaDefinition& d, const std::vector<std::optional<In
 }
 
 Order order_of(const FormulaDefinition& definition, const Formulas& formulas) {
-  std::vector<std::optional<Index>> derivative_is;
+  std::vector<std::optional<Eigen::Index>> derivative_is;
   for (std::size_t i = 0; i < formulas.roots.size(); ++i) derivative_is.push_back(formulas.copied_by(i));
   if (definition.positions.empty() && definition.velocities.empty()) return packed_order(derivative_is);
   return named_order(definition, derivative_is);
@@ -215,7 +207,7 @@ Order order_of(const FormulaDefinition& definition, const Formulas& formulas) {
 
 Order as_written(std::size_t n) {
   Order order(n);
-  std::iota(order.begin(), order.end(), Index{0});
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
   return order;
 }
 
@@ -236,10 +228,11 @@ Linearity linearity_of(const Formulas& formulas) {
 
 struct FormulaSystem::Compiled {
   Order order;
-  Index dofs = 0;
+  Eigen::Index dofs = 0;
   FormulaProgram rhs, force, jacobian, time_derivative;
-  Jacobian constant_slopes;                       ///< entries that change are 0
-  std::vector<std::pair<Index, Index>> changing;  ///< the others, in the order of the values of `jacobian`
+  Jacobian constant_slopes;  ///< entries that change are 0
+  std::vector<std::pair<Eigen::Index, Eigen::Index>>
+      changing;  ///< the others, in the order of the values of `jacobian`
   bool autonomous = false;
   Linearity linearity = Linearity::unknown;
   FormulaSwitches switches;
@@ -248,7 +241,7 @@ struct FormulaSystem::Compiled {
     Formulas formulas(definition, order);
     check_start(definition, formulas);
     if (const Order packed = order_of(definition, formulas); !packed.empty()) {
-      dofs = static_cast<Index>(packed.size() / 2);
+      dofs = static_cast<Eigen::Index>(packed.size() / 2);
       if (packed != order) formulas = Formulas(definition, packed);
       order = packed;
     }
@@ -274,7 +267,7 @@ struct FormulaSystem::Compiled {
     if (dofs > 0) force = FormulaProgram(graph, {roots.begin() + dofs, roots.end()}, n);
     constant_slopes = Jacobian::Zero(n, n);
     std::vector<FormulaNodeId> entries;
-    for (Index i = 0; i < n; ++i)
+    for (Eigen::Index i = 0; i < n; ++i)
       for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(i)]) {
         if (graph.is_constant(slope.node)) {
           constant_slopes(i, slope.state) = graph[slope.node].value;
@@ -302,12 +295,12 @@ struct FormulaSystem::Compiled {
   }
 
   /// -J in the rows of the velocities, columns from `first` on, shape (dofs, dofs).
-  void write_block(double t, const Dofs& q, const Dofs& v, Index first, DofMatrix& out) const {
+  void write_block(double t, const Dofs& q, const Dofs& v, Eigen::Index first, DofMatrix& out) const {
     State y(2 * dofs);
     y << q, v;
     // 0 - x, for -0 is nothing to show.
     out = DofMatrix::Zero(dofs, dofs) - constant_slopes.block(dofs, first, dofs, dofs);
-    each_changing(t, y.data(), [&](Index i, Index j, double value) {
+    each_changing(t, y.data(), [&](Eigen::Index i, Eigen::Index j, double value) {
       if (i >= dofs && j >= first && j < first + dofs) out(i - dofs, j - first) = 0 - value;
     });
   }
@@ -333,8 +326,8 @@ void FormulaSystem::rhs(double t, const State& y, State& dydt) const {
 
 void FormulaSystem::jacobian(double t, const State& y, Jacobian& J) const {
   J = compiled_->constant_slopes;
-  compiled_->each_changing(t, y.data(),
-                           [&](Index i, Index j, double value) { J(i, j) = slope_or_infinite(value); });
+  compiled_->each_changing(
+      t, y.data(), [&](Eigen::Index i, Eigen::Index j, double value) { J(i, j) = slope_or_infinite(value); });
 }
 
 void FormulaSystem::time_derivative(double t, const State& y, State& dfdt) const {
@@ -349,8 +342,8 @@ std::vector<double> FormulaSystem::breakpoints(double t0, double t1) const {
   return compiled_->switches.between(t0, t1);
 }
 
-Index FormulaSystem::dofs() const { return compiled_->dofs; }
-const std::vector<Index>& FormulaSystem::order() const { return compiled_->order; }
+Eigen::Index FormulaSystem::dofs() const { return compiled_->dofs; }
+const std::vector<Eigen::Index>& FormulaSystem::order() const { return compiled_->order; }
 
 void FormulaSystem::force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
   thread_local State y;
@@ -387,7 +380,7 @@ void FormulaSystem::set(std::string_view parameter, double value) {
 
 FormulaSystem::State FormulaSystem::y0() const {
   State y(dim());
-  for (Index i = 0; i < dim(); ++i)
+  for (Eigen::Index i = 0; i < dim(); ++i)
     y[i] = definition_.y0[static_cast<std::size_t>(order()[static_cast<std::size_t>(i)])];
   return y;
 }

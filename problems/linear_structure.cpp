@@ -12,24 +12,23 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-std::string shape_of(Index rows, Index columns) {
+std::string shape_of(Eigen::Index rows, Eigen::Index columns) {
   return std::to_string(rows) + " x " + std::to_string(columns);
 }
 
 /// What serves as K, C or M: square, of n rows, finite, and not one triangle of a symmetric matrix.
 template <class Matrix>
-void require_whole(const Matrix& matrix, std::string_view name, Index n) {
+void require_whole(const Matrix& matrix, std::string_view name, Eigen::Index n) {
   if (matrix.rows() != n || matrix.cols() != n)
     throw std::invalid_argument(std::string(name) + " has the shape " +
                                 shape_of(matrix.rows(), matrix.cols()) + " but must have " + shape_of(n, n) +
                                 ", a row and a column for each degree of freedom of K");
   bool above = false, below = false;
-  each_entry(matrix, [&](Index i, Index j, double value) {
+  each_entry(matrix, [&](Eigen::Index i, Eigen::Index j, double value) {
     if (!std::isfinite(value))
       throw std::invalid_argument(std::string(name) + " has " + shortest_digits(value) + " at row " +
                                   std::to_string(i + 1) + ", column " + std::to_string(j + 1) +
@@ -43,11 +42,11 @@ void require_whole(const Matrix& matrix, std::string_view name, Index n) {
                                 "both triangles of a symmetric matrix");
 }
 
-void require_masses(const VectorXd& mass, Index n) {
+void require_masses(const VectorXd& mass, Eigen::Index n) {
   if (mass.size() != n)
     throw std::invalid_argument("there are " + std::to_string(mass.size()) + " masses, but K has " +
                                 std::to_string(n) + " rows; give one mass for each degree of freedom");
-  for (Index i = 0; i < n; ++i)
+  for (Eigen::Index i = 0; i < n; ++i)
     if (!(mass[i] > 0 && std::isfinite(mass[i])))
       throw std::invalid_argument("the mass of degree of freedom " + std::to_string(i + 1) + " is " +
                                   shortest_digits(mass[i]) +
@@ -55,10 +54,10 @@ void require_masses(const VectorXd& mass, Index n) {
                                   "degree of freedom out of the matrices");
 }
 
-Index rows_of(const StructureMatrix& matrix) {
+Eigen::Index rows_of(const StructureMatrix& matrix) {
   return std::visit([](const auto& held) { return held.rows(); }, matrix);
 }
-Index columns_of(const StructureMatrix& matrix) {
+Eigen::Index columns_of(const StructureMatrix& matrix) {
   return std::visit([](const auto& held) { return held.cols(); }, matrix);
 }
 MatrixXd dense_of(const StructureMatrix& matrix) {
@@ -70,7 +69,9 @@ VectorXd lumped_masses(const StructureMatrix& M) {
   if (columns_of(M) == 1) return dense_of(M);
   if (rows_of(M) != columns_of(M)) return {};  // told by require_whole
   bool diagonal = true;
-  each_entry(M, [&](Index i, Index j, double value) { diagonal = diagonal && (i == j || value == 0); });
+  each_entry(M, [&](Eigen::Index i, Eigen::Index j, double value) {
+    diagonal = diagonal && (i == j || value == 0);
+  });
   if (!diagonal) return {};
   return std::visit([](const auto& held) { return VectorXd(held.diagonal()); }, M);
 }
@@ -96,7 +97,7 @@ void share_pattern(MatrixXd&, MatrixXd&, const MassMatrix<double>&, bool) {}
 template <class Matrix>
 bool has_entries(const Matrix& matrix) {
   bool found = false;
-  each_entry(matrix, [&](Index, Index, double value) { found = found || value != 0; });
+  each_entry(matrix, [&](Eigen::Index, Eigen::Index, double value) { found = found || value != 0; });
   return found;
 }
 
@@ -123,7 +124,7 @@ LinearStructure<MatrixT>::LinearStructure(MatrixT K, MassMatrix<double> mass, Ma
 
 template <class MatrixT>
 void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const MatrixT& C, MatrixT& J) {
-  const Index n = M.size();
+  const Eigen::Index n = M.size();
   if (!M.is_diagonal()) {
     if (n > most_coupled_masses)
       throw std::invalid_argument(
@@ -143,17 +144,17 @@ void first_order_matrix(const MatrixT& K, const MassMatrix<double>& M, const Mat
   }
   const VectorXd& mass = M.diagonal();
   const auto write = [&](const auto& add) {
-    for (Index i = 0; i < n; ++i) add(i, n + i, 1);
-    each_entry(K, [&](Index i, Index j, double value) { add(n + i, j, -value / mass[i]); });
-    each_entry(C, [&](Index i, Index j, double value) { add(n + i, n + j, -value / mass[i]); });
+    for (Eigen::Index i = 0; i < n; ++i) add(i, n + i, 1);
+    each_entry(K, [&](Eigen::Index i, Eigen::Index j, double value) { add(n + i, j, -value / mass[i]); });
+    each_entry(C, [&](Eigen::Index i, Eigen::Index j, double value) { add(n + i, n + j, -value / mass[i]); });
   };
   if constexpr (std::is_same_v<MatrixT, MatrixXd>) {
     J.setZero(2 * n, 2 * n);
-    write([&](Index i, Index j, double value) { J(i, j) = value; });
+    write([&](Eigen::Index i, Eigen::Index j, double value) { J(i, j) = value; });
   } else {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(static_cast<std::size_t>(n + K.nonZeros() + C.nonZeros()));
-    write([&](Index i, Index j, double value) {
+    write([&](Eigen::Index i, Eigen::Index j, double value) {
       entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
     });
     J.resize(2 * n, 2 * n);
@@ -169,7 +170,7 @@ template class LinearStructure<Sparse>;
 namespace detail {
 
 AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped) {
-  const Index n = rows_of(K);
+  const Eigen::Index n = rows_of(K);
   if (!damped) C = Sparse(n, n);
   auto *const sparse_K = std::get_if<Sparse>(&K), *const sparse_C = std::get_if<Sparse>(&C);
   const bool sparse = sparse_K != nullptr && sparse_C != nullptr;

@@ -119,9 +119,9 @@ struct Lines {
 };
 
 /// An interval of a and the most that a |(z I - A)^-1| can be in it.
-struct Interval {
+struct BoundedInterval {
   double a0, a1, log_norm0, log_norm1, bound;
-  bool operator<(const Interval& other) const { return bound < other.bound; }
+  bool operator<(const BoundedInterval& other) const { return bound < other.bound; }
 };
 
 /// sup of a N(a), N(a) the largest norm of the resolvent on line a.
@@ -151,7 +151,7 @@ class KreissSearch {
     climb();
     double bound = 0;
     while (queue_.top().bound > best_.value * (1 + within)) {
-      const Interval top = queue_.top();
+      const BoundedInterval top = queue_.top();
       bound = top.bound;
       if (++splits_ > most_splits) break;
       queue_.pop();
@@ -201,7 +201,7 @@ class KreissSearch {
   }
 
   /// On a chord of the convex log N the largest a N is at an end, or where both slopes cancel.
-  void push(Interval interval) {
+  void push(BoundedInterval interval) {
     const double x0 = lines_.convex(interval.a0), x1 = lines_.convex(interval.a1);
     const double slope = (interval.log_norm1 - interval.log_norm0) / (x1 - x0);
     // a exp(slope x): x = a, or x = log(1 + a).
@@ -237,7 +237,7 @@ class KreissSearch {
   double a_ = 0, b_ = 0;
   int splits_ = 0;
   KreissConstant best_{.value = 1, .bound = 1, .at = infinity};
-  std::priority_queue<Interval> queue_;
+  std::priority_queue<BoundedInterval> queue_;
 };
 
 constexpr KreissConstant unbounded{.value = infinity, .bound = infinity, .at = {}};

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_stages = 40;
+constexpr std::size_t most_tableau_stages = 40;
 
 std::string_view trimmed(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -161,8 +161,8 @@ RuntimeTableau tableau_from(const TomlDocument& document) {
   const Json& b = required(document, "b", "[...]");
   const Json& rows = required(document, "a", "[[], ...]");
   if (b.is_array() && b.empty()) document.fail("/b", "b is empty; a method has at least one stage");
-  if (std::max(b.size(), rows.size()) > most_stages)
-    document.fail("/b", fmt::format("more than {} stages; such a method is refused", most_stages));
+  if (std::max(b.size(), rows.size()) > most_tableau_stages)
+    document.fail("/b", fmt::format("more than {} stages; such a method is refused", most_tableau_stages));
 
   std::string name = name_of(document);
   std::vector<long double> weights_b = coefficients(document, "/b", b);

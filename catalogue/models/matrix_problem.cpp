@@ -25,7 +25,6 @@ namespace hmax {
 
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr std::string_view prefix = "matrices:";
@@ -122,7 +121,7 @@ std::array<double, 2> rayleigh_of(const std::string& id, const MatrixModel& mode
 double rate_bound(const MatrixModel& model) {
   if (!model.is_first_order()) return model.facts.constraints.others;
   VectorXd sums = VectorXd::Zero(model.size());
-  for (Index j = 0; j < model.J.cols(); ++j)
+  for (Eigen::Index j = 0; j < model.J.cols(); ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator entry(model.J, j); entry; ++entry)
       sums[entry.row()] += std::abs(entry.value());
   return sums.size() > 0 ? sums.maxCoeff() : 0;
@@ -141,7 +140,7 @@ double default_end(const MatrixModel& model) {
 std::vector<std::string> state_names(const MatrixModel& model) {
   std::vector<std::string> names;
   const auto add = [&](std::string_view letter) {
-    for (const Index row : model.unknowns) {
+    for (const Eigen::Index row : model.unknowns) {
       const auto i = static_cast<std::size_t>(row);
       names.push_back(
           fmt::format("{}{}", letter, i < model.names.size() ? model.names[i] : std::to_string(row + 1)));
@@ -185,7 +184,7 @@ void add_exact_motion(Problem& problem, const MatrixModel& model) {
 }
 
 /// "1 mode", "2 modes"
-std::string counted(Index count, std::string_view what) {
+std::string counted(Eigen::Index count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
@@ -222,14 +221,15 @@ std::string note_of(const MatrixModel& model) {
   if (facts.massless > 0)
     note += fmt::format("; {} without mass condensed", counted(facts.massless, "unknown"));
   if (facts.dropped)
-    note += fmt::format("; {} left out", counted(static_cast<Index>(facts.constraints.decoupled.size() +
-                                                                    facts.constraints.penalties.size()),
-                                                 "constraint row"));
+    note +=
+        fmt::format("; {} left out", counted(static_cast<Eigen::Index>(facts.constraints.decoupled.size() +
+                                                                       facts.constraints.penalties.size()),
+                                             "constraint row"));
   return note;
 }
 
 /// "unknowns 1, 2, 3 and 9 more"
-std::string rows_in_words(const MatrixModel& model, const std::vector<Index>& rows) {
+std::string rows_in_words(const MatrixModel& model, const std::vector<Eigen::Index>& rows) {
   constexpr std::size_t most = 4;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(most, rows.size()); ++i) names.push_back(model.name_of(rows[i]));
@@ -242,11 +242,11 @@ void remark_constraints(const MatrixModel& model, std::vector<std::string>& rema
   if (rows.none() || model.facts.dropped) return;
   std::string found;
   if (!rows.penalties.empty())
-    found = fmt::format("{} ({})", counted(static_cast<Index>(rows.penalties.size()), "penalty row"),
+    found = fmt::format("{} ({})", counted(static_cast<Eigen::Index>(rows.penalties.size()), "penalty row"),
                         rows_in_words(model, rows.penalties));
   if (!rows.decoupled.empty())
     found += fmt::format("{}{} with a diagonal alone ({})", found.empty() ? "" : " and ",
-                         counted(static_cast<Index>(rows.decoupled.size()), "row"),
+                         counted(static_cast<Eigen::Index>(rows.decoupled.size()), "row"),
                          rows_in_words(model, rows.decoupled));
   remarks.push_back(
       rows.own_the_fastest()
@@ -323,7 +323,7 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
   VectorXd start = model->start;
   if (!settings.y0.empty()) {
     const VectorXd given =
-        Eigen::Map<const VectorXd>(settings.y0.data(), static_cast<Index>(settings.y0.size()));
+        Eigen::Map<const VectorXd>(settings.y0.data(), static_cast<Eigen::Index>(settings.y0.size()));
     if (!given.allFinite()) throw InputError("--y0 holds a number that is not finite; give finite numbers");
     start = start_from(*model, given, "--y0");
   }
@@ -366,7 +366,7 @@ std::optional<ModeCounts> mode_counts(const MatrixModel& model) {
   const VectorXd mass = model.facts.coupled_mass ? VectorXd(model.M.diagonal()) : model.mass;
   const MechanicalPart part =
       mechanical_part(mass, model.K, Eigen::SparseMatrix<double>(model.size(), model.size()));
-  const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Index>(7, model.size()));
+  const ExtremeStiffnesses least = smallest_stiffnesses(part, std::min<Eigen::Index>(7, model.size()));
   if (!least.converged) return std::nullopt;
   const double largest = model.facts.constraints.others * model.facts.constraints.others,
                rounding = rigid_share * largest, of_entries = entry_rounding(model.K) * largest;
@@ -388,9 +388,10 @@ std::vector<std::string> matrix_remarks(const Problem& problem) {
   if (facts.repeated > 0) remarks.push_back(fmt::format("{} duplicate entries are summed", facts.repeated));
   if (model->is_first_order()) return remarks;
   if (!facts.redundant.empty())
-    remarks.push_back(fmt::format("the constraints of {} ({}) follow from others and are left out",
-                                  counted(static_cast<Index>(facts.redundant.size()), "Lagrange multiplier"),
-                                  rows_in_words(*model, facts.redundant)));
+    remarks.push_back(
+        fmt::format("the constraints of {} ({}) follow from others and are left out",
+                    counted(static_cast<Eigen::Index>(facts.redundant.size()), "Lagrange multiplier"),
+                    rows_in_words(*model, facts.redundant)));
   if (facts.look_swapped) remarks.emplace_back(exchanged_matrices);
   if (!facts.symmetric_K)
     remarks.push_back(

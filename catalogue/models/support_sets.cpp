@@ -129,7 +129,7 @@ struct Called {
                           ? name
                           : fmt::format("{}:{}", group_kinds[static_cast<std::size_t>(dimension)],
                                         name.empty() ? std::to_string(its_number) : name));
-      return (!name.empty() && name == id) || (number && *number == its_number);
+      return (!name.empty() && name == id) || number == its_number;
     };
     for (const MeshGroup& group : origin.file.groups)
       if (is_called(group.dimension, group.number, group.name)) groups.push_back(&group);

@@ -12,7 +12,6 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -54,7 +53,7 @@ class FirstOrder {
   using Jacobian = MatrixXd;
   explicit FirstOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
 
-  [[nodiscard]] Index dim() const { return link_->facts().dim; }
+  [[nodiscard]] Eigen::Index dim() const { return link_->facts().dim; }
   void rhs(double t, const State& y, State& dydt) const {
     link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
   }
@@ -76,8 +75,8 @@ class SecondOrder {
   using DofMatrix = MatrixXd;
   explicit SecondOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
 
-  [[nodiscard]] Index dim() const { return link_->facts().dim; }
-  [[nodiscard]] Index dofs() const { return dim() / 2; }
+  [[nodiscard]] Eigen::Index dim() const { return link_->facts().dim; }
+  [[nodiscard]] Eigen::Index dofs() const { return dim() / 2; }
   [[nodiscard]] Dofs mass() const { return link_->facts().mass; }
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
     const VectorXd y = packed(q, v);
@@ -98,7 +97,7 @@ class SecondOrder {
     dydt.tail(dofs()) = f.cwiseQuotient(link_->facts().mass);
   }
   void jacobian(double t, const State& y, Jacobian& J) const {
-    const Index m = dofs();
+    const Eigen::Index m = dofs();
     const VectorXd q = y.head(m), v = y.tail(m);
     MatrixXd K, C;
     stiffness(t, q, v, K);
@@ -121,7 +120,7 @@ class SecondOrder {
 };
 
 /// States of which matrices are compared with differences, which takes one of them.
-constexpr Index most_compared = 2000;
+constexpr Eigen::Index most_compared = 2000;
 
 /// A matrix that the plugin gives beside differences of what it is the derivative of, along one direction.
 /// @param A   the matrix, shape (n, n), minus it for K and C
@@ -131,12 +130,12 @@ template <class Function>
 void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, const Function& f,
              const VectorXd& x, double scale) {
   VectorXd direction(x.size());
-  for (Index i = 0; i < x.size(); ++i) direction[i] = std::cos(static_cast<double>(i * i + i));
+  for (Eigen::Index i = 0; i < x.size(); ++i) direction[i] = std::cos(static_cast<double>(i * i + i));
   const double step = 1e-4 * scale;
   const VectorXd ahead = f(x + step * direction), behind = f(x - step * direction);
   const VectorXd told = A * direction, seen = (ahead - behind) / (2 * step);
   const double rounding = 1e-13 * std::max(ahead.cwiseAbs().maxCoeff(), behind.cwiseAbs().maxCoeff()) / step;
-  Index worst = 0;
+  Eigen::Index worst = 0;
   const double apart = (told - seen).cwiseAbs().maxCoeff(&worst);
   if (apart > 0.01 * std::max(told.cwiseAbs().maxCoeff(), seen.cwiseAbs().maxCoeff()) + rounding)
     throw InputError(fmt::format(
@@ -159,7 +158,7 @@ void check_repeatable(const Problem& problem) {
   for (const VectorXd& y : {problem.y0, VectorXd(problem.y0.array() + nearby)}) {
     const VectorXd first = rhs(y), second = rhs(y);
     if (!first.allFinite() || !second.allFinite()) continue;
-    Index worst = 0;
+    Eigen::Index worst = 0;
     const double apart = (first - second).cwiseAbs().maxCoeff(&worst);
     // Threads that add in another order change the last digits.
     if (apart > 1e-9 * first.cwiseAbs().maxCoeff())
@@ -172,7 +171,7 @@ void check_repeatable(const Problem& problem) {
 
 /// @throws InputError  where a matrix of the plugin is wrong at its start: every limit would be
 void check_matrices(const SecondOrder& model, const PluginFacts& facts) {
-  const Index m = model.dofs();
+  const Eigen::Index m = model.dofs();
   const VectorXd q = facts.y0.head(m), v = facts.y0.tail(m);
   const double scale = std::max(1e-3, facts.y0.cwiseAbs().maxCoeff());
   MatrixXd A;
@@ -220,7 +219,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
     throw InputError("the end time that start() of the plugin gives is not positive");
   const bool mechanical = facts.greeting.has_force != 0;
   // Its matrices are dense: half a gigabyte each.
-  if (constexpr Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
+  if (constexpr Eigen::Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
     throw InputError(fmt::format(
         "the model of the plugin has {} unknowns, but its matrices are dense, which serves up to {}; "
         "write its matrices to files and use --matrices",
@@ -228,7 +227,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
     throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
   std::vector<std::string> states;
-  for (Index i = 0; i < facts.dim; ++i)
+  for (Eigen::Index i = 0; i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
   Problem problem{.id = fmt::format("{}#{}", facts.name, digest),
@@ -259,7 +258,7 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
     process.patience = value;
   }
   Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
-  if (!settings.y0.empty() && static_cast<Index>(settings.y0.size()) != problem.y0.size())
+  if (!settings.y0.empty() && static_cast<Eigen::Index>(settings.y0.size()) != problem.y0.size())
     throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
                                  settings.y0.size(), problem.y0.size()));
   if (!settings.y0.empty())

@@ -19,7 +19,6 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -32,7 +31,7 @@ std::string shape_of(const MatrixFile& file) {
 }
 
 /// A square matrix of n rows; a format without a shape may leave the last rows empty.
-void require_shape(const MatrixFile& file, Index n, const std::string& model) {
+void require_shape(const MatrixFile& file, Eigen::Index n, const std::string& model) {
   if (file.rows == n && file.columns == n) return;
   if (file.open_shape && file.rows <= n) return;
   fail(file.name, "the matrix has the shape " + shape_of(file) + " but must have " + std::to_string(n) +
@@ -57,7 +56,7 @@ void settle_triangle(MatrixFile& file, bool mirrored) {
 Sparse diagonal_matrix(const VectorXd& values) {
   Sparse matrix(values.size(), values.size());
   std::vector<MatrixEntry> entries;
-  for (Index i = 0; i < values.size(); ++i)
+  for (Eigen::Index i = 0; i < values.size(); ++i)
     if (values[i] != 0) entries.emplace_back(static_cast<int>(i), static_cast<int>(i), values[i]);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
@@ -65,7 +64,7 @@ Sparse diagonal_matrix(const VectorXd& values) {
 
 /// Masses from a file: a matrix, a column of masses, or the sums of rows.
 Sparse mass_from(MatrixFile& file, const MatrixModel& model, std::size_t& repeated) {
-  const Index n = model.facts.rows;
+  const Eigen::Index n = model.facts.rows;
   if (file.columns == 1 && file.rows == n && n > 1) return diagonal_matrix(column_of(file, 0));
   settle_triangle(file, model.files.one_triangle);
   const Sparse M = assembled(file, n, n, &repeated);
@@ -76,7 +75,7 @@ Sparse mass_from(MatrixFile& file, const MatrixModel& model, std::size_t& repeat
 /// @throws std::invalid_argument  that names the row of a mass that is none
 void check_mass(const MatrixModel& model, const Sparse& M, const std::string& file) {
   const VectorXd diagonal = M.diagonal();
-  for (Index i = 0; i < diagonal.size(); ++i)
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
     if (!(diagonal[i] >= 0 && std::isfinite(diagonal[i])))
       fail(
           file,
@@ -86,7 +85,7 @@ void check_mass(const MatrixModel& model, const Sparse& M, const std::string& fi
                    ? "the sums of rows are no masses of quadratic elements, so give the masses that the program "
                      "lumps itself"
                    : "check the elements and densities"));
-  each_entry(M, [&](Index i, Index j, double value) {
+  each_entry(M, [&](Eigen::Index i, Eigen::Index j, double value) {
     if (i != j && value != 0 && (diagonal[i] == 0 || diagonal[j] == 0))
       fail(file, "the mass matrix is not positive: " + model.name_of(diagonal[i] == 0 ? i : j) +
                      " has no mass on the diagonal and is coupled to others; export the matrix again");
@@ -97,14 +96,14 @@ void check_mass(const MatrixModel& model, const Sparse& M, const std::string& fi
 }
 
 /// Translations along the directions of nodes with 3 unknowns that make no force.
-Index free_directions(const Sparse& K) {
-  const Index n = K.rows();
+Eigen::Index free_directions(const Sparse& K) {
+  const Eigen::Index n = K.rows();
   if (n % 3 != 0 || n < 9) return 0;
-  Index free = 0;
+  Eigen::Index free = 0;
   const double size = K.nonZeros() > 0 ? K.coeffs().cwiseAbs().maxCoeff() : 0;
-  for (Index k = 0; k < 3; ++k) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
     VectorXd q = VectorXd::Zero(n);
-    for (Index i = k; i < n; i += 3) q[i] = 1;
+    for (Eigen::Index i = k; i < n; i += 3) q[i] = 1;
     free += (K * q).cwiseAbs().maxCoeff() <= 1e-9 * size ? 1 : 0;
   }
   return free;
@@ -113,27 +112,27 @@ Index free_directions(const Sparse& K) {
 /// Whether no entry of K is negative, and most rows of M sum to zero, as those of a stiffness do where a
 /// translation makes no force.
 bool look_swapped(const Sparse& K, const Sparse& M) {
-  const Index n = K.rows();
+  const Eigen::Index n = K.rows();
   bool negative = false;
-  each_entry(K, [&](Index, Index, double value) { negative = negative || value < 0; });
+  each_entry(K, [&](Eigen::Index, Eigen::Index, double value) { negative = negative || value < 0; });
   if (negative) return false;
   const VectorXd ones = VectorXd::Ones(n), sums = M * ones, sizes = M.cwiseAbs() * ones;
   return 2 * ((sums.array().abs() <= 1e-9 * sizes.array()) && sizes.array() > 0).count() > n;
 }
 
-std::vector<Index> all_rows(const Sparse& A) {
-  std::vector<Index> rows(static_cast<std::size_t>(A.cols()));
-  std::iota(rows.begin(), rows.end(), Index(0));
+std::vector<Eigen::Index> all_rows(const Sparse& A) {
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(A.cols()));
+  std::iota(rows.begin(), rows.end(), Eigen::Index(0));
   return rows;
 }
 
 /// Unknowns of the files that are left when `out` are taken away.
-std::vector<Index> without(Index n, const ConstraintRows& out) {
+std::vector<Eigen::Index> without(Eigen::Index n, const ConstraintRows& out) {
   std::vector<char> gone(static_cast<std::size_t>(n), 0);
   for (const auto* rows : {&out.decoupled, &out.penalties})
-    for (const Index i : *rows) gone[static_cast<std::size_t>(i)] = 1;
-  std::vector<Index> kept;
-  for (Index i = 0; i < n; ++i)
+    for (const Eigen::Index i : *rows) gone[static_cast<std::size_t>(i)] = 1;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < n; ++i)
     if (!gone[static_cast<std::size_t>(i)]) kept.push_back(i);
   return kept;
 }
@@ -156,18 +155,18 @@ struct Structure {
 std::vector<char> rows_without_mass(const Sparse& M) {
   std::vector<char> massless;
   const VectorXd diagonal = M.diagonal();
-  for (Index i = 0; i < diagonal.size(); ++i) massless.push_back(diagonal[i] == 0 ? 1 : 0);
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i) massless.push_back(diagonal[i] == 0 ? 1 : 0);
   return massless;
 }
 
 /// The unknowns of the model after a reduction that keeps some of them.
-void keep(MatrixModel& model, const std::vector<Index>& kept) {
-  std::vector<Index> rows;
-  for (const Index i : kept) rows.push_back(model.unknowns[static_cast<std::size_t>(i)]);
+void keep(MatrixModel& model, const std::vector<Eigen::Index>& kept) {
+  std::vector<Eigen::Index> rows;
+  for (const Eigen::Index i : kept) rows.push_back(model.unknowns[static_cast<std::size_t>(i)]);
   model.unknowns = std::move(rows);
 }
 
-std::string name_of_row(const MatrixModel& model, Index i) {
+std::string name_of_row(const MatrixModel& model, Eigen::Index i) {
   return model.name_of(model.unknowns[static_cast<std::size_t>(i)]);
 }
 
@@ -176,7 +175,7 @@ void leave_out_constraint_rows(MatrixModel& model, Structure& structure) {
   facts.constraints = constraint_rows(structure.K.at.front(), structure.C.at.front(), structure.M);
   facts.dropped = model.files.drop_constraints && !facts.constraints.none();
   if (!facts.dropped) return;
-  const std::vector<Index> kept = without(facts.rows, facts.constraints);
+  const std::vector<Eigen::Index> kept = without(facts.rows, facts.constraints);
   if (kept.empty())
     throw std::invalid_argument(
         "every row is a constraint row, so drop=constraints leaves nothing; remove it");
@@ -185,7 +184,7 @@ void leave_out_constraint_rows(MatrixModel& model, Structure& structure) {
 }
 
 /// @throws std::invalid_argument  unless the constraints are the same at all times
-void require_lasting_constraints(const MatrixSeries& K, const std::vector<Index>& multipliers) {
+void require_lasting_constraints(const MatrixSeries& K, const std::vector<Eigen::Index>& multipliers) {
   const Sparse first = block_of(K.at.front(), multipliers, all_rows(K.at.front()));
   for (std::size_t k = 1; k < K.at.size(); ++k)
     if (!(Sparse(block_of(K.at[k], multipliers, all_rows(first)) - first).norm() <= 1e-10 * first.norm()))
@@ -197,16 +196,16 @@ void require_lasting_constraints(const MatrixSeries& K, const std::vector<Index>
 void eliminate_multipliers(MatrixModel& model, Structure& structure) {
   const std::vector<char> massless = rows_without_mass(structure.M);
   const Sparse& K = structure.K.at.front();
-  const std::vector<Index> multipliers = multiplier_rows(K, massless);
-  model.facts.multipliers = static_cast<Index>(multipliers.size());
+  const std::vector<Eigen::Index> multipliers = multiplier_rows(K, massless);
+  model.facts.multipliers = static_cast<Eigen::Index>(multipliers.size());
   if (multipliers.empty()) return;
-  const auto name = [&](Index i) { return name_of_row(model, i); };
+  const auto name = [&](Eigen::Index i) { return name_of_row(model, i); };
   require_lasting_constraints(structure.K, multipliers);
   for (const Sparse& C : structure.C.at)
     for (const Sparse& half : {C, Sparse(C.transpose())})
       require_proportional_damping(half, K, multipliers, name);
   const ConstrainedMotions motions = constrained_motions(K, multipliers, massless, name);
-  for (const Index i : motions.redundant)
+  for (const Eigen::Index i : motions.redundant)
     model.facts.redundant.push_back(model.unknowns[static_cast<std::size_t>(i)]);
   structure.each([&](const Sparse& A) { return projected(A, motions.Z); });
   keep(model, motions.kept);
@@ -216,13 +215,13 @@ void condense_massless(MatrixModel& model, Structure& structure) {
   const std::vector<char> massless = rows_without_mass(structure.M);
   model.facts.massless = std::ranges::count(massless, 1);
   if (model.facts.massless == 0) return;
-  const auto name = [&](Index i) { return name_of_row(model, i); };
-  std::vector<Index> kept;
+  const auto name = [&](Eigen::Index i) { return name_of_row(model, i); };
+  std::vector<Eigen::Index> kept;
   if (structure.varies()) {
     const Sparse none(structure.M.rows(), structure.M.rows());
-    std::vector<Index> out;
+    std::vector<Eigen::Index> out;
     for (std::size_t i = 0; i < massless.size(); ++i)
-      if (massless[i]) out.push_back(static_cast<Index>(i));
+      if (massless[i]) out.push_back(static_cast<Eigen::Index>(i));
     for (const Sparse& C : structure.C.at) require_proportional_damping(C, none, out, name);
     for (Sparse& K : structure.K.at) {
       CondensedStructure rest = condensed(K, none, massless, name);
@@ -250,14 +249,14 @@ bool settle_symmetry(MatrixSeries& series) {
 
 bool has_entries(const Sparse& A) {
   bool found = false;
-  each_entry(A, [&](Index, Index, double value) { found = found || value != 0; });
+  each_entry(A, [&](Eigen::Index, Eigen::Index, double value) { found = found || value != 0; });
   return found;
 }
 
 /// @throws std::invalid_argument  where condensation or elimination has left the range of double
 void require_finite(const Structure& structure) {
   const auto check = [](const Sparse& A) {
-    each_entry(A, [](Index i, Index j, double value) {
+    each_entry(A, [](Eigen::Index i, Eigen::Index j, double value) {
       if (!std::isfinite(value))
         throw std::invalid_argument("without massless unknowns and multipliers row " + std::to_string(i + 1) +
                                     ", column " + std::to_string(j + 1) + " of the matrices is " +
@@ -278,7 +277,7 @@ void set_matrices_at(double t, MatrixModel& model) {
 void settle(MatrixModel& model, Structure structure) {
   MatrixFacts& facts = model.facts;
   require_finite(structure);
-  each_entry(structure.M, [&](Index i, Index j, double value) {
+  each_entry(structure.M, [&](Eigen::Index i, Eigen::Index j, double value) {
     facts.coupled_mass = facts.coupled_mass || (i != j && value != 0);
   });
   facts.symmetric_K = settle_symmetry(structure.K);
@@ -333,7 +332,7 @@ GivenFiles read_given(const std::string& name, bool series) {
 }
 
 /// The matrices of files of n rows. What was read is given up.
-MatrixSeries assembled_series(GivenFiles& given, Index n, bool one_triangle, const std::string& shape,
+MatrixSeries assembled_series(GivenFiles& given, Eigen::Index n, bool one_triangle, const std::string& shape,
                               std::size_t& repeated) {
   MatrixSeries series{.t = given.t, .at = {}};
   for (MatrixFile& file : given.files) {
@@ -356,7 +355,7 @@ void read_structure(MatrixModel& model) {
   if (first.rows != first.columns)
     fail(first.name, "the stiffness has the shape " + shape_of(first) + " but must be square; give K");
   // A format without a shape leaves out rows behind the last entry.
-  Index n = first.rows;
+  Eigen::Index n = first.rows;
   std::size_t entries = M.entries.size();
   for (const std::vector<MatrixFile>* each : {&K.files, &C.files})
     for (const MatrixFile& file : *each)
@@ -394,19 +393,19 @@ void read_first_order(MatrixModel& model) {
   if (J.rows != J.columns)
     fail(J.name, "the Jacobian has the shape " + shape_of(J) + " but must be square; give J");
   // A header alone must not ask for memory; rows without an entry are constants.
-  constexpr Index most_empty = 64;
-  if (J.rows > 1000 && J.rows / most_empty > static_cast<Index>(J.entries.size()))
+  constexpr Eigen::Index most_empty = 64;
+  if (J.rows > 1000 && J.rows / most_empty > static_cast<Eigen::Index>(J.entries.size()))
     fail(J.name, "the matrix has " + std::to_string(J.rows) + " rows and only " +
                      std::to_string(J.entries.size()) + " entries; check the number of rows");
   if (model.files.one_triangle) settle_triangle(J, true);
   model.facts.rows = J.rows;
   model.J = assembled(J, J.rows, J.columns, &model.facts.repeated);
   model.facts.symmetric_K = !first_asymmetry(model.J);
-  for (Index i = 0; i < J.rows; ++i) model.unknowns.push_back(i);
+  for (Eigen::Index i = 0; i < J.rows; ++i) model.unknowns.push_back(i);
 }
 
 /// Pseudo-random numbers of the same kind on every machine.
-VectorXd random_start(Index n) {
+VectorXd random_start(Eigen::Index n) {
   std::mt19937_64 random(1);
   VectorXd q(n);
   for (double& x : q) x = random_start_size * (2 * (static_cast<double>(random() >> 11) * 0x1p-53) - 1);
@@ -415,7 +414,7 @@ VectorXd random_start(Index n) {
 
 VectorXd start_of_file(const MatrixModel& model) {
   const MatrixFile file = read_matrix(model.files.initial);
-  const Index n = model.facts.rows;
+  const Eigen::Index n = model.facts.rows;
   const bool whole = file.rows == n || (!model.is_first_order() && file.rows == 2 * n);
   if (!whole || file.columns > 2 || (file.columns == 2 && (file.rows != n || model.is_first_order())))
     fail(file.name, "the initial state has the shape " + shape_of(file) + " but must have " +
@@ -450,7 +449,7 @@ std::vector<std::string> names_beside(const std::string& stiffness) {
 
 }  // namespace
 
-std::string MatrixModel::name_of(Index row) const {
+std::string MatrixModel::name_of(Eigen::Index row) const {
   const std::string number = "unknown " + std::to_string(row + 1);
   const auto i = static_cast<std::size_t>(row);
   return i < names.size() ? number + " (" + names[i] + ")" : number;
@@ -482,15 +481,15 @@ MatrixModel read_matrix_model(const MatrixFiles& files) {
 }
 
 VectorXd start_from(const MatrixModel& model, const VectorXd& values, const std::string& what) {
-  const Index n = model.facts.rows, kept = model.size();
+  const Eigen::Index n = model.facts.rows, kept = model.size();
   const bool with_velocities = !model.is_first_order() && values.size() == 2 * n;
   if (values.size() != n && !with_velocities)
     throw std::invalid_argument(what + ": " + std::to_string(values.size()) +
                                 " numbers are given, and the model has " + std::to_string(n) +
                                 (model.is_first_order() ? " states" : " unknowns") + "; give one for each");
   VectorXd start = VectorXd::Zero(model.is_first_order() ? kept : 2 * kept);
-  for (Index i = 0; i < kept; ++i) {
-    const Index row = model.unknowns[static_cast<std::size_t>(i)];
+  for (Eigen::Index i = 0; i < kept; ++i) {
+    const Eigen::Index row = model.unknowns[static_cast<std::size_t>(i)];
     start[i] = values[row];
     if (with_velocities) start[kept + i] = values[n + row];
   }
@@ -508,7 +507,7 @@ AnySystem system_of(const MatrixModel& model, double alpha, double beta) {
   const MassMatrix<double> M =
       model.coupled ? MassMatrix<double>(model.coupled) : MassMatrix<double>(model.mass);
   if (model.varying) return AnySystem(VaryingStructure(model.varying, M, alpha, beta));
-  const Index n = model.size();
+  const Eigen::Index n = model.size();
   Sparse C(n, n);
   if (model.facts.damped) C = model.C;
   if (beta != 0) C += Sparse(beta * model.K);

@@ -10,7 +10,7 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-bool is_symmetric(const Sparse& matrix) {
+bool is_exactly_symmetric(const Sparse& matrix) {
   if (matrix.rows() != matrix.cols()) return false;
   const Sparse difference = matrix - Sparse(matrix.transpose());
   bool equal = true;
@@ -28,7 +28,7 @@ void append(std::string& text, Number number, char behind) {
 }  // namespace
 
 std::string matrix_market_text(const Sparse& matrix, const std::string& comment) {
-  const bool symmetric = is_symmetric(matrix);
+  const bool symmetric = is_exactly_symmetric(matrix);
   const auto is_written = [&](Eigen::Index i, Eigen::Index j) { return !symmetric || i >= j; };
   Eigen::Index count = 0;
   each_entry(matrix, [&](Eigen::Index i, Eigen::Index j, double) { count += is_written(i, j) ? 1 : 0; });

@@ -13,10 +13,9 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
-using NameOf = std::function<std::string(Index)>;
+using NameOf = std::function<std::string(Eigen::Index)>;
 
 /// What of a sum is rounding, beside the largest of its terms.
 constexpr double rounding = 1e-10;
@@ -29,7 +28,7 @@ constexpr double most_products = 60e6;
 struct Coefficient {
   double value = 0, largest = 0;
 };
-using Row = std::map<Index, Coefficient>;
+using Row = std::map<Eigen::Index, Coefficient>;
 
 /// row += factor * other, without what is left of entries that cancel.
 void add(Row& row, double factor, const Row& other) {
@@ -45,7 +44,7 @@ void add(Row& row, double factor, const Row& other) {
 /// Constraints as rows q_p + sum_k r_k q_k = 0, in which no other p occurs.
 class Elimination {
  public:
-  Elimination(Index unknowns, const std::vector<char>& massless)
+  Elimination(Eigen::Index unknowns, const std::vector<char>& massless)
       : massless_(massless), followed_by_(static_cast<std::size_t>(unknowns)) {}
 
   /// Takes in one more constraint. False where it follows from those before.
@@ -58,14 +57,14 @@ class Elimination {
         add(row, -coefficient.value, known->second);
       }
     if (row.empty()) return false;
-    const Index p = pivot_of(row);
+    const Eigen::Index p = pivot_of(row);
     const double scale = 1 / row[p].value;
     row.erase(p);
     for (auto& [k, coefficient] : row)
       coefficient = {coefficient.value * scale, std::abs(coefficient.value * scale)};
     // The new pivot leaves the rows before.
-    const std::set<Index> with_p = std::move(followed_by_[static_cast<std::size_t>(p)]);
-    for (const Index other : with_p) {
+    const std::set<Eigen::Index> with_p = std::move(followed_by_[static_cast<std::size_t>(p)]);
+    for (const Eigen::Index other : with_p) {
       Row& changed = rows_[other];
       const double factor = changed[p].value;
       changed.erase(p);
@@ -84,15 +83,15 @@ class Elimination {
     return true;
   }
 
-  [[nodiscard]] const std::map<Index, Row>& rows() const { return rows_; }
+  [[nodiscard]] const std::map<Eigen::Index, Row>& rows() const { return rows_; }
 
  private:
   /// Of the entries that are large enough: one without mass, else one that few rows have.
-  [[nodiscard]] Index pivot_of(const Row& row) const {
+  [[nodiscard]] Eigen::Index pivot_of(const Row& row) const {
     double largest = 0;
     for (const auto& [j, coefficient] : row) largest = std::max(largest, std::abs(coefficient.value));
-    Index best = -1;
-    const auto rank = [&](Index j) {
+    Eigen::Index best = -1;
+    const auto rank = [&](Eigen::Index j) {
       const auto i = static_cast<std::size_t>(j);
       return std::pair(massless_[i] ? 0 : 1, followed_by_[i].size());
     };
@@ -103,32 +102,34 @@ class Elimination {
   }
 
   const std::vector<char>& massless_;
-  std::map<Index, Row> rows_;                 ///< by their p
-  std::vector<std::set<Index>> followed_by_;  ///< of each unknown, the p of the rows that it occurs in
+  std::map<Eigen::Index, Row> rows_;                 ///< by their p
+  std::vector<std::set<Eigen::Index>> followed_by_;  ///< of each unknown, the p of the rows that it occurs in
   double products_ = 0;
 };
 
 /// The rows of B in the order of their lengths, short ones first, with their multipliers.
-std::vector<std::pair<Index, Row>> constraints_of(const Sparse& K, const std::vector<Index>& multipliers) {
-  std::map<Index, Row> rows;
-  for (const Index i : multipliers) rows[i] = {};
-  each_entry(K, [&](Index i, Index j, double value) {
+std::vector<std::pair<Eigen::Index, Row>> constraints_of(const Sparse& K,
+                                                         const std::vector<Eigen::Index>& multipliers) {
+  std::map<Eigen::Index, Row> rows;
+  for (const Eigen::Index i : multipliers) rows[i] = {};
+  each_entry(K, [&](Eigen::Index i, Eigen::Index j, double value) {
     if (value == 0) return;
     if (const auto row = rows.find(i); row != rows.end()) row->second[j] = {value, std::abs(value)};
   });
-  std::vector<std::pair<Index, Row>> sorted(rows.begin(), rows.end());
+  std::vector<std::pair<Eigen::Index, Row>> sorted(rows.begin(), rows.end());
   std::ranges::stable_sort(sorted, {}, [](const auto& row) { return row.second.size(); });
   return sorted;
 }
 
 /// @throws std::invalid_argument  unless the multipliers act on what they hold
-void require_transposes(const Sparse& K, const std::vector<Index>& multipliers, const NameOf& name_of) {
-  std::vector<Index> all(static_cast<std::size_t>(K.rows()));
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+void require_transposes(const Sparse& K, const std::vector<Eigen::Index>& multipliers,
+                        const NameOf& name_of) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(K.rows()));
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Eigen::Index>(i);
   const Sparse B = block_of(K, multipliers, all);
   const Sparse difference = B - Sparse(block_of(K, all, multipliers).transpose());
   const double allowed = rounding * (B.nonZeros() > 0 ? B.coeffs().cwiseAbs().maxCoeff() : 0.0);
-  each_entry(difference, [&](Index i, Index, double value) {
+  each_entry(difference, [&](Eigen::Index i, Eigen::Index, double value) {
     if (std::abs(value) > allowed)
       throw std::invalid_argument(
           "the column of the Lagrange multiplier " + name_of(multipliers[static_cast<std::size_t>(i)]) +
@@ -138,25 +139,25 @@ void require_transposes(const Sparse& K, const std::vector<Index>& multipliers, 
 
 }  // namespace
 
-std::vector<Index> multiplier_rows(const Sparse& K, const std::vector<char>& massless) {
+std::vector<Eigen::Index> multiplier_rows(const Sparse& K, const std::vector<char>& massless) {
   const auto n = static_cast<std::size_t>(K.rows());
   const Eigen::VectorXd diagonal = K.diagonal();
   std::vector<char> candidate(n, 0), coupled(n, 0), filled(n, 0);
   for (std::size_t i = 0; i < n; ++i)
-    candidate[i] = massless[i] && diagonal[static_cast<Index>(i)] == 0 ? 1 : 0;
-  each_entry(K, [&](Index i, Index j, double value) {
+    candidate[i] = massless[i] && diagonal[static_cast<Eigen::Index>(i)] == 0 ? 1 : 0;
+  each_entry(K, [&](Eigen::Index i, Eigen::Index j, double value) {
     if (i == j || value == 0) return;
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
     filled[a] = 1;
     if (candidate[a] && candidate[b]) coupled[a] = coupled[b] = 1;
   });
-  std::vector<Index> rows;
+  std::vector<Eigen::Index> rows;
   for (std::size_t i = 0; i < n; ++i)
-    if (candidate[i] && filled[i] && !coupled[i]) rows.push_back(static_cast<Index>(i));
+    if (candidate[i] && filled[i] && !coupled[i]) rows.push_back(static_cast<Eigen::Index>(i));
   return rows;
 }
 
-ConstrainedMotions constrained_motions(const Sparse& K, const std::vector<Index>& multipliers,
+ConstrainedMotions constrained_motions(const Sparse& K, const std::vector<Eigen::Index>& multipliers,
                                        const std::vector<char>& massless, const NameOf& name_of) {
   require_transposes(K, multipliers, name_of);
   ConstrainedMotions motions;
@@ -164,13 +165,13 @@ ConstrainedMotions constrained_motions(const Sparse& K, const std::vector<Index>
   for (const auto& [multiplier, row] : constraints_of(K, multipliers))
     if (!elimination.take(row)) motions.redundant.push_back(multiplier);
   std::ranges::sort(motions.redundant);
-  std::vector<Index> place(static_cast<std::size_t>(K.rows()), 0);
-  for (const Index i : multipliers) place[static_cast<std::size_t>(i)] = -1;
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(K.rows()), 0);
+  for (const Eigen::Index i : multipliers) place[static_cast<std::size_t>(i)] = -1;
   for (const auto& [p, row] : elimination.rows()) place[static_cast<std::size_t>(p)] = -1;
   for (std::size_t i = 0; i < place.size(); ++i) {
     if (place[i] < 0) continue;
-    place[i] = static_cast<Index>(motions.kept.size());
-    motions.kept.push_back(static_cast<Index>(i));
+    place[i] = static_cast<Eigen::Index>(motions.kept.size());
+    motions.kept.push_back(static_cast<Eigen::Index>(i));
   }
   if (motions.kept.empty())
     throw std::invalid_argument(
@@ -182,7 +183,7 @@ ConstrainedMotions constrained_motions(const Sparse& K, const std::vector<Index>
     for (const auto& [k, coefficient] : row)
       entries.emplace_back(static_cast<int>(p), static_cast<int>(place[static_cast<std::size_t>(k)]),
                            -coefficient.value);
-  motions.Z.resize(K.rows(), static_cast<Index>(motions.kept.size()));
+  motions.Z.resize(K.rows(), static_cast<Eigen::Index>(motions.kept.size()));
   motions.Z.setFromTriplets(entries.begin(), entries.end());
   return motions;
 }

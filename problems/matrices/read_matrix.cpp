@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view what = "a matrix file";
+constexpr std::string_view a_matrix_file = "a matrix file";
 
 std::string lower_extension(const std::string& name) {
   std::string extension = fs::path(name).extension().string();
@@ -71,11 +71,11 @@ MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
 }
 
 MatrixFile read_matrix(const fs::path& file) {
-  return within_memory(file, [&] { return matrix_from(file.string(), read_whole(file, what)); });
+  return within_memory(file, [&] { return matrix_from(file.string(), read_whole(file, a_matrix_file)); });
 }
 
 std::vector<SeriesEntry> read_series(const fs::path& file) {
-  const std::string text = read_whole(file, what);
+  const std::string text = read_whole(file, a_matrix_file);
   MatrixLines lines(file.string(), text, '#');
   std::vector<SeriesEntry> series;
   while (lines.next()) {
@@ -99,7 +99,7 @@ std::vector<SeriesEntry> read_series(const fs::path& file) {
 }
 
 std::vector<std::string> read_unknown_names(const fs::path& file) {
-  const std::string text = read_whole(file, what);
+  const std::string text = read_whole(file, a_matrix_file);
   MatrixLines lines(file.string(), text, '#');
   std::vector<std::string> names;
   while (lines.next()) {

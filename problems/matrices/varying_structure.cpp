@@ -9,7 +9,6 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 using ConstVector = Eigen::Ref<const VectorXd>;
@@ -73,12 +72,12 @@ void VaryingMatrices::subtract(const Part& K, const Part& C, double beta, const 
                                const ConstVector& v, Eigen::Ref<VectorXd> f) const {
   const int* const begin = pattern_.outerIndexPtr();
   const int* const row = pattern_.innerIndexPtr();
-  for (Index j = 0; j < pattern_.cols(); ++j) {
+  for (Eigen::Index j = 0; j < pattern_.cols(); ++j) {
     const double x = q[j] + beta * v[j], w = v[j];
     if (C.first)
-      for (Index k = begin[j]; k < begin[j + 1]; ++k) f[row[k]] -= K(k) * x + C(k) * w;
+      for (Eigen::Index k = begin[j]; k < begin[j + 1]; ++k) f[row[k]] -= K(k) * x + C(k) * w;
     else if (K.first)
-      for (Index k = begin[j]; k < begin[j + 1]; ++k) f[row[k]] -= K(k) * x;
+      for (Eigen::Index k = begin[j]; k < begin[j + 1]; ++k) f[row[k]] -= K(k) * x;
   }
 }
 
@@ -95,7 +94,7 @@ void VaryingMatrices::subtract_force_rates(double t, double beta, const ConstVec
 void VaryingMatrices::combine(double t, double k, double c, double m, Sparse& A) const {
   if (A.rows() != pattern_.rows() || A.nonZeros() != pattern_.nonZeros()) A = pattern_;
   const Part K = value_of(K_, t), C = value_of(C_, t);
-  for (Index i = 0; i < M_.size(); ++i) A.valuePtr()[i] = k * K(i) + c * C(i) + m * M_[i];
+  for (Eigen::Index i = 0; i < M_.size(); ++i) A.valuePtr()[i] = k * K(i) + c * C(i) + m * M_[i];
 }
 
 VaryingStructure::VaryingStructure(std::shared_ptr<const VaryingMatrices> matrices, MassMatrix<double> mass,
@@ -110,7 +109,7 @@ void VaryingStructure::divide_by_mass(Eigen::Ref<VectorXd> f) const {
 }
 
 void VaryingStructure::rhs(double t, const State& y, State& dydt) const {
-  const Index n = dofs();
+  const Eigen::Index n = dofs();
   dydt.head(n) = y.tail(n);
   dydt.tail(n).setZero();
   matrices_->subtract_forces(t, beta_, y.head(n), y.tail(n), dydt.tail(n));
@@ -127,7 +126,7 @@ std::vector<double> VaryingStructure::breakpoints(double t0, double t1) const {
 }
 
 void VaryingStructure::time_derivative(double t, const State& y, State& dfdt) const {
-  const Index n = dofs();
+  const Eigen::Index n = dofs();
   dfdt.setZero();
   matrices_->subtract_force_rates(t, beta_, y.head(n), y.tail(n), dfdt.tail(n));
   divide_by_mass(dfdt.tail(n));

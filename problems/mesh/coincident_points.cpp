@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "problems/mesh/at.hpp"
 #include "problems/mesh/topology.hpp"
 
 namespace hmax {
@@ -11,8 +12,6 @@ namespace hmax {
 namespace {
 
 using Index = TetMesh::Index;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 /// The shortest edge at each point; infinite where there is none.
 std::vector<double> shortest_edges(const TetMesh& mesh) {

@@ -15,6 +15,7 @@
 
 #include <Eigen/Geometry>
 
+#include "problems/mesh/at.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -24,8 +25,6 @@ namespace {
 
 using Index = TetMesh::Index;
 using Eigen::Vector3d;
-
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 /// A point is moved where the least mean height around it grows by this share at least.
 constexpr double least_gain = 1e-3;

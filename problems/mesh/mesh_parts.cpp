@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/dense_solvers.hpp"
+#include "problems/mesh/at.hpp"
 #include "problems/mesh/faces.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -16,8 +17,6 @@ namespace hmax {
 namespace {
 
 using Index = TetMesh::Index;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 /// Sets that are joined one pair after the other; each is known by its least member.
 class DisjointSets {

@@ -11,6 +11,8 @@ namespace hmax {
 
 namespace {
 
+using Index = TetMesh::Index;
+
 using Part = std::array<int, 4>;
 
 /// Corners are 0 to 3, the middle of tetrahedron_edges[e] is 4 + e.
@@ -58,7 +60,6 @@ constexpr bool all_are_eighths() {
 static_assert(all_are_eighths(), "every part is an eighth and oriented as the whole");
 
 TetMesh refined_once(const TetMesh& mesh) {
-  using Index = TetMesh::Index;
   const EdgeTable table = edge_table(mesh);
   const Eigen::Index points = mesh.point_count(), edges = table.edges.cols();
   TetMesh fine;

@@ -9,14 +9,13 @@
 #include <Eigen/Dense>
 
 #include "problems/digits.hpp"
+#include "problems/mesh/at.hpp"
 #include "problems/tissue/spring_sets.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 double volume_of(const Eigen::Matrix3Xd& x, const TetMesh::Tetrahedra& tetrahedra, Eigen::Index t) {
   Eigen::Matrix3d edges;

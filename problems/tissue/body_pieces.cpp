@@ -5,14 +5,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "problems/mesh/at.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/renumber.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
 namespace {
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 /// Columns `first` to `last` of a symmetric matrix of a piece as rows of that of the body.
 /// @param columns  of the body, of each of the piece

@@ -6,13 +6,13 @@
 
 #include <Eigen/Dense>
 
+#include "problems/mesh/at.hpp"
+
 namespace hmax {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-std::size_t at(TetMesh::Index i) { return static_cast<std::size_t>(i); }
 
 /// The largest distance of neighbouring samples [m]. A sphere rests on a triangle of samples at a distance s
 /// s^2 / (6 radius) deeper than on a plane: a fiftieth of the depth here.

@@ -7,7 +7,7 @@
 namespace hmax {
 namespace {
 constexpr std::string_view prefix = "liver:";
-constexpr double poisson = 0.45;
+constexpr double usual_poisson = 0.45;
 }  // namespace
 
 std::vector<std::string> tissue_material_ids() {
@@ -24,7 +24,7 @@ TissueSettings with_tissue_material(TissueSettings base, std::string_view id) {
     throw std::invalid_argument("there is no tissue material '" + std::string(id) + "'; use one of " + known);
   }
   const OscillatorParameters published = with_material({}, id.substr(prefix.size()));
-  base.materials.assign(1, {1000 * published.k1, poisson, TissueMaterial{}.density});
+  base.materials.assign(1, {1000 * published.k1, usual_poisson, TissueMaterial{}.density});
   base.total_mass = published.m;
   base.alpha = published.c / published.m;
   return base;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "problems/digits.hpp"
+#include "problems/mesh/at.hpp"
 #include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
 #include "problems/mesh/refine.hpp"
@@ -17,8 +18,6 @@ namespace hmax {
 namespace {
 
 using Index = TetMesh::Index;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 Eigen::MatrixXd scattered(const Eigen::MatrixXd& now, const std::vector<Index>& order, Eigen::Index columns) {
   if (now.cols() != static_cast<Eigen::Index>(order.size()))

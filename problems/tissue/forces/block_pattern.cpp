@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
+#include "problems/mesh/at.hpp"
+
 namespace hmax {
-namespace {
-std::size_t at(BlockPattern::Index i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace {}  // namespace
 
 BlockPattern::BlockPattern(std::vector<Index> free, const MeshEdges& pairs)
     : free_(std::move(free)), stride_(free_.size(), 0) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
 namespace hmax {
@@ -18,8 +19,6 @@ constexpr std::size_t window = 16;        // blocks that are dealt to at once
 constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
 // Elements for a thread, some 50 us: parallel_for() takes 5 to 20.
 constexpr std::size_t least_forces = 4'000, least_stiffness = 800;
-
-std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
 std::array<TetMesh::Index, 4> corners(const TetMesh& mesh, Eigen::Index tetrahedron) {
   std::array<TetMesh::Index, 4> p;

@@ -31,14 +31,14 @@ class AdaptiveMethod : public testing::TestWithParam<std::string> {
   }
 };
 
-std::vector<std::string> adaptive_methods() {
+std::vector<std::string> started_methods() {
   std::vector<std::string> ids;
   for (const Method& method : methods())
     if (method.adaptive()) ids.push_back(method.id);
   return ids;
 }
 
-INSTANTIATE_TEST_SUITE_P(Catalogue, AdaptiveMethod, testing::ValuesIn(adaptive_methods()),
+INSTANTIATE_TEST_SUITE_P(Catalogue, AdaptiveMethod, testing::ValuesIn(started_methods()),
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(AdaptiveMethod, SeesForcesThatBeginAtZeroInEveryUnitOfTime) {

@@ -39,7 +39,7 @@ class File {
   std::filesystem::path path_;
 };
 
-std::string refusal(const std::string& problem_lines) {
+std::string refusal_of_problem(const std::string& problem_lines) {
   try {
     problem_from(parse_toml(
         "[problem]\n" + problem_lines + "\n[equations]\nx = \"v\"\nv = \"-x\"\n[initial]\nx = 1\nv = 0\n",
@@ -51,15 +51,15 @@ std::string refusal(const std::string& problem_lines) {
 }
 
 TEST(FormulaProblem, KeysOfTheFileAreChecked) {
-  EXPECT_EQ(refusal("t0 = 2\nt_end = 3\npositions = [\"x\"]\nvelocities = [\"v\"]"), "accepted");
-  EXPECT_NE(refusal("t0 = 2\nt_end = 1").find("t_end is 1 but must lie after the start, t0 = 2"),
+  EXPECT_EQ(refusal_of_problem("t0 = 2\nt_end = 3\npositions = [\"x\"]\nvelocities = [\"v\"]"), "accepted");
+  EXPECT_NE(refusal_of_problem("t0 = 2\nt_end = 1").find("t_end is 1 but must lie after the start, t0 = 2"),
             std::string::npos);
-  EXPECT_NE(refusal("t_end = -5").find("must lie after the start, t0 = 0"), std::string::npos);
-  EXPECT_NE(refusal("positions = \"x\"").find("positions must be a list of states in quotes"),
+  EXPECT_NE(refusal_of_problem("t_end = -5").find("must lie after the start, t0 = 0"), std::string::npos);
+  EXPECT_NE(refusal_of_problem("positions = \"x\"").find("positions must be a list of states in quotes"),
             std::string::npos);
-  EXPECT_NE(refusal("velocities = []").find("velocities must be a list of states in quotes"),
+  EXPECT_NE(refusal_of_problem("velocities = []").find("velocities must be a list of states in quotes"),
             std::string::npos);
-  EXPECT_NE(refusal("position = [\"x\"]").find("did you mean 'positions'?"), std::string::npos);
+  EXPECT_NE(refusal_of_problem("position = [\"x\"]").find("did you mean 'positions'?"), std::string::npos);
 }
 
 TEST(FormulaProblem, AFileStartsAHundredSecondsBeforeItsEnd) {
