@@ -122,7 +122,9 @@ struct Called {
   std::vector<std::string> known;
 
   Called(const MeshOrigin& origin, const std::string& id, std::optional<int> kind) {
-    const auto number = kind ? whole_number(id) : std::nullopt;
+    // Groups have no such number.
+    constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min();
+    const std::int64_t number = kind ? whole_number(id).value_or(none) : none;
     const auto is_called = [&](int dimension, std::int64_t its_number, const std::string& name) {
       if (kind && *kind != dimension) return false;
       known.push_back(!kind && !name.empty()

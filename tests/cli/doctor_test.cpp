@@ -25,7 +25,8 @@ TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
   }
   EXPECT_EQ(report.at("missing").size(), missing);
   const std::string text = shell.hmax("doctor").out;
-  for (const char* said : {"SUNDIALS", "Google Benchmark", "micro_explicit_rk, micro_tissue, micro_stability"})
+  for (const char* said :
+       {"SUNDIALS", "Google Benchmark", "micro_explicit_rk, micro_tissue, micro_stability"})
     EXPECT_NE(text.find(said), std::string::npos) << text;
 }
 

@@ -74,6 +74,7 @@ TEST(StepsFarBeyondTheModel, EndAtTheRootOfTheirEquationsOrSayThatTheyDoNot) {
   int solved = 0;
   for (const Method& method : methods()) {
     if (!method.fixed_step || !method.needs_jacobian || method.needs_second_order) continue;
+    if (method.family == "rosenbrock") continue;  // whose equations are linear
     const RunRecord record = method.bind(cubic).run({.t_end = 100, .h = 100}, {});
     if (record.outcome != Outcome::reached_end) continue;
     EXPECT_LE(std::abs(record.y[0]), 4.001) << method.id;
