@@ -93,6 +93,10 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
         "necessary: the smallest limit of the Jacobians frozen at states of the motion to t = {} s, no safe step{}\n",
         why_along(problem), short_number(problem.shown.time(question.end_of(problem))),
         question.run_steps > 0 ? "" : "; --along --verify runs the motion");
+  else if (!problem.body && !looked && linearity_of(problem) != Linearity::linear)
+    words +=
+        fmt::format("{}: h_max holds for small motions about this state{}\n", why_along(problem),
+                    question.path.empty() && !question.options ? "; --along motion looks at others" : "");
   else if (problem.body && !looked && model.value("state_kind", "") == name_of(StateKind::equilibrium) &&
            model.value("away_from_rest", false) && model.value("linearity", "") != name_of(Linearity::linear))
     words += "h_max holds for small motions about this state; for a sudden load add --along\n";

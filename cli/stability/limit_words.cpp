@@ -131,14 +131,16 @@ std::string words_of_safe(std::span<const LimitRow> rows) {
   for (const LimitRow& row : rows) {
     if (row.from_start_stride > longest) longest = row.from_start_stride;
     if (row.from_start < 0.99 * row.along_least)
-      below.push_back(fmt::format("{} from {} s on", row.method, short_number(row.from_start, 4)));
+      below.push_back(fmt::format("{} beyond {} s", row.method, short_number(row.from_start, 7)));
   }
   if (longest == 0) return {};
   return fmt::format(
-             "safe: at most what is necessary, and no run of the motion with this step or a shorter one fails, tried in strides "
-             "of at most {} %, between which narrower windows may lie\n",
+             "safe: at most what is necessary, and no run with this step or a shorter one gets farther from the motion than "
+             "three times its size, tried in strides of at most {} %, between which narrower windows may lie\n",
              short_number(100 * longest, 2)) +
-         (below.empty() ? "" : fmt::format("fails below what is necessary: {}\n", fmt::join(below, ", ")));
+         (below.empty()
+              ? ""
+              : fmt::format("leaves the motion below what is necessary: {}\n", fmt::join(below, ", ")));
 }
 
 }  // namespace hmax

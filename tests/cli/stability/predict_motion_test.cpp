@@ -125,8 +125,12 @@ TEST(StabilityPredict, TellsTheSafeStepFromTheNecessaryOneWithoutBeingAsked) {
   };
   EXPECT_EQ(ends(h), "reached_end");
   EXPECT_EQ(ends(1.2), "diverged");
-  EXPECT_NE(shell.hmax(line).out.find("fails below what is necessary: central_difference from "),
-            std::string::npos);
+  EXPECT_NE(
+      shell.hmax(line).out.find("leaves the motion below what is necessary: central_difference beyond "),
+      std::string::npos);
+  EXPECT_NE(
+      shell.hmax(line + " --along none").out.find("the model is not linear: h_max holds for small motions"),
+      std::string::npos);
   // No run tells of methods that choose their steps.
   const Json adaptive =
       shell.hmax("stability predict --problem liver_cubic --methods adams_pece --json").json();
