@@ -1,6 +1,7 @@
 #include "limits/query/query_limits.hpp"
 
 #include <atomic>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,8 @@ TEST(LimitQuestion, RefusesTheEndOfAMotionThatIsNotLookedAt) {
   const Problem linear = make_problem("liver_linear");
   EXPECT_THROW(with_path({.t_end = 2.0}, "", linear), InputError);
   EXPECT_THROW(with_path({.t_end = 2.0}, "none", linear), InputError);
+  for (const double t_end : {0.0, -3.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(with_path({.t_end = t_end}, "", make_problem("liver_cubic")), InputError) << t_end;
   EXPECT_EQ(with_path({.t_end = 2.0}, "motion", linear).end_of(linear), 2);
 }
 
