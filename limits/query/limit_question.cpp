@@ -1,13 +1,9 @@
 #include "limits/query/limit_question.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
 
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
-#include "core/numbers.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/problem_linearity.hpp"
 
@@ -43,10 +39,6 @@ LimitQuestion with_path(LimitQuestion question, const std::string& path, const P
   if (question.t_end && question.path != "motion")
     throw InputError(
         "--t-end ends the motion of --along, which is not asked for; add --along or leave it out");
-  if (question.t_end && !(question.end_of(problem) > 0 && std::isfinite(*question.t_end)))
-    throw InputError(
-        fmt::format("--t-end is {}: no number, or at or before the start, {} s; give a later one",
-                    to_text(*question.t_end), to_text(problem.shown.time(0))));
   const Eigen::Index states = problem.y0.size();
   const bool is_large = problem.body || states > soon;
   if (question.path != "motion" || (question.path_by_default && is_large)) return question;

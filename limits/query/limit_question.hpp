@@ -15,7 +15,7 @@ struct LimitQuestion {
   AskedState at = AskedState::equilibrium;
   bool verify = false;           ///< integrate on both sides of each limit
   std::string path = {};         ///< also along: motion | load; empty for one state alone
-  bool path_by_default = false;  ///< nobody asked for it
+  bool path_by_default = false;  ///< nobody named it
   double run_steps = 0;  ///< of the runs from the start of a motion that show which step is safe, for each
                          ///< method; 0: none are made
   std::optional<double> t_end = std::nullopt;  ///< of that motion, as users count time [s]; nothing:
@@ -25,6 +25,8 @@ struct LimitQuestion {
 
   /// The end of that motion, as runs count time.
   [[nodiscard]] double end_of(const Problem& problem) const;
+  /// Whether a path that is not found is an error: somebody named it, or an end of the motion.
+  [[nodiscard]] bool requires_path() const { return !path_by_default || t_end.has_value(); }
   /// Whether a limit may be sought in the steps of a method, which takes minutes on large models.
   [[nodiscard]] bool seeks_in_steps(const Method& method, const Problem& problem) const;
 };

@@ -110,7 +110,7 @@ class Query {
     const std::optional<OperatingPointRow> point = store_.store->operating_point(key);
     const bool has_motion = point && has_limits_along(Json::parse(point->document));
     // A motion that was not found is an error for those who ask for it.
-    if (!question_.path.empty() && !question_.path_by_default && !has_motion) return {};
+    if (!question_.path.empty() && question_.requires_path() && !has_motion) return {};
     std::vector<LimitRow> known = stored_limits(
         *store_.store, key,
         {.verified = question_.verify, .from_start = has_motion && question_.run_steps > 0, .details = true});
@@ -142,7 +142,7 @@ class Query {
         try {
           along = look_along(problem, *path, methods, limits.rows);
         } catch (const InputError& error) {
-          if (!question_.path_by_default) throw;
+          if (question_.requires_path()) throw;
           along = {{"status", error.what()}};
           limits.rows = of_state;
         }
@@ -192,7 +192,7 @@ class Query {
                                       : static_cast<int>(std::clamp(most_evaluations / states, 20.0, 400.0));
       return motion_path(problem, question_.end_of(problem), points, watch);
     } catch (const InputError& error) {
-      if (!question_.path_by_default) throw;
+      if (question_.requires_path()) throw;
       along = {{"status", error.what()}};
       return std::nullopt;
     }
@@ -316,12 +316,14 @@ class Query {
   void add_runs_from_start(const Problem& problem, const std::vector<Method>& methods,
                            std::vector<LimitRow>& rows, const Watcher& watch) const {
     const double t_end = question_.end_of(problem);
-    const MotionSize size = size_of_motion(problem, t_end, watch);
+    std::optional<MotionSize> size;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].from_start_stride = 0;
+      if (!methods[i].fixed_step || !suits(methods[i], problem)) continue;
+      if (!size) size = size_of_motion(problem, t_end, watch);
       const double guess = guess_from_start(rows[i].along_least, rows[i].h_max, t_end);
       if (const auto limit =
-              limit_from_start(methods[i], problem, t_end, guess, size, question_.run_steps, watch))
+              limit_from_start(methods[i], problem, t_end, guess, *size, question_.run_steps, watch))
         add_start(rows[i], *limit);
     }
   }
