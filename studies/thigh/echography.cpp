@@ -359,6 +359,8 @@ std::vector<std::uint8_t> chosen_slice(const SliceChoice& choice) {
   if (!(choice.depth > 0 && choice.depth <= 0.02))
     throw InputError(
         fmt::format("the probe presses by {:g} mm; give more than 0 and at most 20 mm", 1e3 * choice.depth));
+  if (!(std::isfinite(choice.angle) && std::isfinite(choice.tilt)))
+    throw InputError("the angles of the slice are not finite; give degrees");
   constexpr std::array<std::string_view, 4> rules{"rest", "linear", "bone", "elements"};
   if (std::ranges::find(rules, choice.rule) == rules.end())
     throw InputError(fmt::format("there is no rule '{}'; take rest, linear, bone or elements", choice.rule));

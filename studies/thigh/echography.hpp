@@ -124,7 +124,8 @@ struct SliceChoice {
   std::string rule = "rest";  ///< "rest", "linear", "bone" (linear to the bone) or "elements"
   double depth = 0.016;       ///< of the probe [m]
 };
-/// @throws InputError  for a place beyond the thigh, another rule, and a depth beyond 20 mm
+/// @throws InputError  for a place beyond the thigh, angles that are not finite, another rule, and a depth
+/// beyond 20 mm
 std::vector<std::uint8_t> chosen_slice(const SliceChoice& choice);
 
 }  // namespace hmax

@@ -211,6 +211,8 @@ TEST(FrameErrors, HalveWithTheStep) {
 TEST(ChosenSlice, RefusesWhatItDoesNotHave) {
   EXPECT_THROW(chosen_slice({.x = 0.3}), InputError);
   EXPECT_THROW(chosen_slice({.y = std::numeric_limits<double>::quiet_NaN()}), InputError);
+  EXPECT_THROW(chosen_slice({.angle = std::numeric_limits<double>::quiet_NaN()}), InputError);
+  EXPECT_THROW(chosen_slice({.tilt = std::numeric_limits<double>::infinity()}), InputError);
   EXPECT_THROW(chosen_slice({.rule = "cubic"}), InputError);
   EXPECT_THROW(chosen_slice({.rule = "elements", .depth = 0.05}), InputError);
 }
