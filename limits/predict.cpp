@@ -370,9 +370,8 @@ std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
       "the model itself grows as exp({:.4g} t){}, doubling in {:.4g} s: an eigenvalue has a positive real part, which no "
       "step changes; {}",
       rate, of_matrices ? "" : " here", twice,
-      of_matrices
-          ? "check whether the matrices are those of a stable state"
-          : "the limits that steps have are those along its motion, see `hmax stability predict --along motion`");
+      of_matrices ? "check whether the matrices are those of a stable state"
+                  : "the limits that steps have are those along its motion, of --along motion");
 }
 
 Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -99,11 +100,16 @@ MotionTolerances shares_of(const Sizes& sizes, Tolerances<double> shares, bool m
           .has_velocities = mechanical};
 }
 
+std::string_view words_of(Outcome outcome) {
+  if (outcome == Outcome::diverged) return "its state is not finite";
+  return outcome == Outcome::step_too_small ? "its steps become too short" : "it takes too many steps";
+}
+
 /// @throws InputError  because a motion does not reach its end
 [[noreturn]] void refuse(const Problem& problem, double t_end, const RunEnd<double>& end) {
   throw InputError(fmt::format(
-      "the motion of {} does not reach t = {} s ({} at {} s); take a shorter --t-end", problem.id,
-      to_text(problem.shown.time(t_end)), to_string(end.outcome), to_text(problem.shown.time(end.t))));
+      "the motion of {} does not reach t = {} s: {} at t = {} s; take a shorter --t-end", problem.id,
+      to_text(problem.shown.time(t_end)), words_of(end.outcome), short_number(problem.shown.time(end.t))));
 }
 
 /// The sizes that a crude run sees, as far as it comes, of a body until an element is turned inside out.
