@@ -9,16 +9,19 @@ namespace hmax {
 
 namespace {
 
-/// The limit of `count` modes, of which first_exit_of(i) tells the first exit and grows(i) whether it grows.
+/// The limit of `count` modes, of which first_exit_of(i, least) tells the first exit, where the least so far
+/// is known, and grows(i) whether it grows.
 template <class Grows, class FirstExit>
-StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& first_exit_of) {
+StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& first_exit_of,
+                     Exits wanted = Exits::all) {
   StepLimit limit{.h_max = infinity, .of_modes = std::vector<double>(count, infinity), .growing = {}};
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = wanted == Exits::all ? k : count - 1 - k;
     if (grows(i)) {
       limit.growing.push_back(i);
       continue;
     }
-    limit.of_modes[i] = first_exit_of(i);
+    limit.of_modes[i] = first_exit_of(i, wanted == Exits::all ? infinity : limit.h_max);
     if (limit.of_modes[i] < limit.h_max) {
       limit.h_max = limit.of_modes[i];
       limit.limiting = i;
@@ -50,7 +53,8 @@ Complex cleaned(Complex lambda) {
   return {undamped ? 0 : lambda.real(), std::abs(lambda.imag())};
 }
 
-double exit_of(const Amplification& amplification, Eigenmode mode, double noise) {
+/// @param most  [s], beyond which an exit is not sought where it is sampled
+double exit_of(const Amplification& amplification, Eigenmode mode, double noise, double most) {
   if (std::abs(mode.lambda) <= noise) return infinity;
   const Complex lambda = cleaned(mode.lambda);
   // What the method is told is turned with it.
@@ -64,7 +68,10 @@ double exit_of(const Amplification& amplification, Eigenmode mode, double noise)
     if (all_stiff) mode.stiff = lambda;
     if (exact) mode.frozen = lambda;
   }
-  return first_exit(amplification.of_eigenmode(mode));
+  Growth growth = amplification.of_eigenmode(mode);
+  // One stride of the samples, of 15 % at most, beyond it.
+  growth.farthest = std::min(growth.farthest, 1.2 * most / growth.scale);
+  return first_exit(growth);
 }
 
 }  // namespace
@@ -78,12 +85,13 @@ std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum) {
   return growing;
 }
 
-StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes) {
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes,
+                              Exits wanted) {
   const double noise =
       noise_of(modes.size(), radius_of(modes, [](const Eigenmode& mode) { return std::abs(mode.lambda); }));
   return over_modes(
       modes.size(), [&](std::size_t i) { return grows(modes[i].lambda, noise); },
-      [&](std::size_t i) { return exit_of(amplification, modes[i], noise); });
+      [&](std::size_t i, double least) { return exit_of(amplification, modes[i], noise, least); }, wanted);
 }
 
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Complex> spectrum) {
@@ -101,7 +109,7 @@ StepLimit largest_stable_step(const Amplification& amplification, std::span<cons
   const double noise = noise_of(modes.size(), radius);
   return over_modes(
       modes.size(), [&](std::size_t i) { return grows(eigenvalues_of(modes[i])[0], noise); },
-      [&](std::size_t i) {
+      [&](std::size_t i, double) {
         MechanicalMode mode = modes[i];
         mode.gamma = std::max(mode.gamma, 0.0);
         if (amplification.of_oscillation) return first_exit(amplification.of_oscillation(mode));
@@ -110,7 +118,7 @@ StepLimit largest_stable_step(const Amplification& amplification, std::span<cons
         for (const Complex lambda : {first, second}) {
           Eigenmode eigenmode(lambda);
           eigenmode.radius = radius;
-          exit = std::min(exit, exit_of(amplification, eigenmode, noise));
+          exit = std::min(exit, exit_of(amplification, eigenmode, noise, infinity));
           if (lambda.imag() != 0) break;  // the other is its conjugate
         }
         return exit;

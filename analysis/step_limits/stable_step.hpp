@@ -27,13 +27,21 @@ inline constexpr double eigenvalue_rounding = 1e-13;
 /// in all others.
 std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum);
 
+/// Which first exits are sought.
+enum class Exits {
+  all,   ///< of every mode
+  least  ///< from the last mode on those below the least so far; infinity stands for others: where exits are
+         ///< sampled, those far beyond the limit take nearly all of the time
+};
+
 /// The first exit of every mode from the origin, h' in (0, h]: what lies behind a gap is of no use to anybody
 /// who lowers a step. The smallest is the limit; with damping it is often not that of the largest eigenvalue.
 /// h_max = min over modes of first_exit(); growing modes take no part, nor do those with |lambda| below
 /// the rounding of the spectrum.
 /// @return  h_max infinity and limiting 0 where no mode has an exit
 /// @param modes  not empty
-StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes);
+StepLimit largest_stable_step(const Amplification& amplification, std::span<const Eigenmode> modes,
+                              Exits wanted = Exits::all);
 
 /// The same of eigenvalues that the method is told exactly.
 StepLimit largest_stable_step(const Amplification& amplification, std::span<const Complex> spectrum);

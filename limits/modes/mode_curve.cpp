@@ -114,17 +114,19 @@ bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
 
 LimitOnCurve limit_on_curve(const Amplification& amplification, const MechanicalPart& part,
                             const ModeSet& modes, double radius) {
-  const ExitsOf exits = [&](std::span<const MechanicalMode> of) {
+  const auto exits_of = [&](std::span<const MechanicalMode> of, Exits wanted) {
     if (amplification.of_oscillation) return largest_stable_step(amplification, of).of_modes;
     std::vector<Eigenmode> told;
     for (const MechanicalMode& mode : of)
       for (const Complex lambda : eigenvalues_of(mode)) told.emplace_back(lambda).radius = radius;
-    const StepLimit limit = largest_stable_step(amplification, told);
+    const StepLimit limit = largest_stable_step(amplification, told, wanted);
     std::vector<double> least;
     for (std::size_t i = 0; i < of.size(); ++i)
       least.push_back(std::min(limit.of_modes[2 * i], limit.of_modes[2 * i + 1]));
     return least;
   };
+  // The fastest modes come last, whose exits are the least as a rule.
+  const ExitsOf exits = [&](std::span<const MechanicalMode> of) { return exits_of(of, Exits::least); };
   DampingCurve curve = *modes.curve;
   CurveLimit least = smallest_exit(curve, exits);
   const bool is_of_fastest = least.kappa == curve.kappa_max;
@@ -137,7 +139,7 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Mechanical
   if (!modes.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
   shown.push_back(curve.at(curve.kappa_max));
   if (least.between) shown.push_back(curve.at(least.kappa));
-  const std::vector<double> margins = exits(shown);
+  const std::vector<double> margins = exits_of(shown, Exits::all);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const Mode mode = mode_of(shown[i]);
     limit.modes.push_back({mode, margins[i], Eigenmode(mode.lambda)});
