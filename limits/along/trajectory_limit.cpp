@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -19,6 +21,7 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/parallel_for.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "limits/predict.hpp"
@@ -382,6 +385,40 @@ void add_point(TrajectoryLimit& limit, const Prediction& here, const Path& path,
   limit.y_least = path.y[i];
 }
 
+/// Of each state, on a thread each, whose tangents are long and all different: the limits of the methods that
+/// have one along a path.
+/// @returns shape (states, methods)
+std::vector<std::vector<Prediction>> predicted_along_body(std::span<const Method> methods,
+                                                          const Problem& problem, const Path& path,
+                                                          const Watcher& watcher) {
+  std::vector<std::vector<Prediction>> rows(path.at.size(), std::vector<Prediction>(methods.size()));
+  std::exception_ptr end;
+  std::atomic<bool> ended = false;
+  parallel_for(
+      path.at.size(),
+      [&](std::size_t i, std::size_t) {
+        Linearised near{.point = operating_point(problem, path.at[i], path.y[i])};
+        near.modes = modes_along(problem, near.point);
+        for (std::size_t k = 0; k < methods.size(); ++k)
+          if (methods[k].amplification && suits(methods[k], problem)) rows[i][k] = predict(methods[k], near);
+      },
+      [&](std::size_t) {
+        try {
+          look(watcher);
+        } catch (...) {
+          if (!ended.exchange(true)) end = std::current_exception();
+        }
+      },
+      [&] { return ended.load(); });
+  if (end) std::rethrow_exception(end);
+  return rows;
+}
+
+void finish(std::vector<std::optional<TrajectoryLimit>>& limits, const Path& path) {
+  for (auto& limit : limits)
+    if (limit) limit->growing /= static_cast<double>(path.at.size());
+}
+
 }  // namespace
 
 std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method> methods,
@@ -397,6 +434,14 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
                                     .y_least = path.y.front(),
                                     .tolerances = path.tolerances};
   }
+  if (problem.body) {
+    const std::vector<std::vector<Prediction>> rows = predicted_along_body(methods, problem, path, watcher);
+    for (std::size_t i = 0; i < path.at.size(); ++i)
+      for (std::size_t k = 0; k < methods.size(); ++k)
+        if (limits[k]) add_point(*limits[k], rows[i][k], path, i);
+    finish(limits, path);
+    return limits;
+  }
   const bool asks_whether_constant = linearity_of(problem) == Linearity::unknown;
   std::optional<LinearModel> first;
   Linearised near;
@@ -406,8 +451,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
     OperatingPoint point = operating_point(problem, path.at[i], path.y[i]);
     const bool constant = !asks_whether_constant || !first || !jacobian_differs(*first, point.model);
     if (!first && asks_whether_constant) first = point.model;
-    // Modes of large bodies are long, and no two of their tangents are the same.
-    const bool same = i > 0 && !problem.body && is_same(near.point, point);
+    const bool same = i > 0 && is_same(near.point, point);
     if (!same) {
       near = {.point = std::move(point)};
       near.modes = modes_along(problem, near.point);
@@ -419,8 +463,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
       add_point(*limits[k], rows[k], path, i);
     }
   }
-  for (auto& limit : limits)
-    if (limit) limit->growing /= static_cast<double>(path.at.size());
+  finish(limits, path);
   return limits;
 }
 
