@@ -60,7 +60,8 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
            {{"p50", number_or_word(1e3 * row.frame.p50)},
             {"p99", number_or_word(1e3 * row.frame.p99)},
             {"max", number_or_word(1e3 * row.frame.max)},
-            {"first", number_or_word(1e3 * row.first_frame)}}},
+            {"first", number_or_word(1e3 * row.first_frame)},
+            {"expected", number_or_word(1e3 * row.expected_frame)}}},
           {"missed", row.missed},
           {"frames", row.frames},
           {"disturbed", row.disturbed},
@@ -139,11 +140,12 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"recommended", best ? to_json(*best, question, error_scale(problem), &advice.load_margin) : Json()},
       {"ties", std::move(ties)},
       {"remedies", std::move(remedies)},
-      {"all_tried", advice.all_tried}};
-  if (interrupted) {
-    document["interrupted"] = true;
-    document["stage"] = name_of(advice.stage);
-  }
+      {"all_tried", advice.all_tried},
+      {"within", number_or_word(question.within)},
+      {"seconds", advice.seconds},
+      {"out_of_time", advice.out_of_time}};
+  if (interrupted) document["interrupted"] = true;
+  if (interrupted || advice.out_of_time) document["stage"] = name_of(advice.stage);
   return document;
 }
 

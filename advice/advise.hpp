@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "advice/candidate.hpp"
 #include "advice/load_margin.hpp"
-#include "advice/motion_limits.hpp"
-#include "advice/motion_run.hpp"
-#include "advice/probing_motion.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/motion_limits.hpp"
+#include "advice/motion/motion_run.hpp"
+#include "advice/motion/probing_motion.hpp"
+#include "advice/motion/stable_step.hpp"
+#include "advice/motion/user_motion.hpp"
 #include "advice/proof.hpp"
-#include "advice/stable_step.hpp"
 #include "advice/uncertainty.hpp"
-#include "advice/user_motion.hpp"
 
 namespace hmax {
 
@@ -29,6 +29,7 @@ struct AdviceQuestion {
   std::optional<double> budget;  ///< CPU time of a frame [s]; the whole frame where there is none
   bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
   std::size_t frames = 1000;     ///< that the best methods are timed for
+  double within = std::numeric_limits<double>::infinity();  ///< elapsed time of the answer [s]
   double proof = 60;  ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
   std::vector<Method> methods;       ///< to choose from
   std::optional<UserMotion> motion;  ///< in place of the probing motion
@@ -46,7 +47,15 @@ enum class AdviceBound {
               ///< would
   rate        ///< the step is a whole frame
 };
-enum class AdviceVerdict { recommended, tie, suitable, unstable, inaccurate, too_slow };
+enum class AdviceVerdict {
+  recommended,
+  tie,
+  suitable,
+  unstable,
+  inaccurate,
+  too_slow,
+  predicted  ///< the motion was not run
+};
 std::string_view name_of(AdviceBound bound);
 std::string_view name_of(AdviceVerdict verdict);
 
@@ -64,8 +73,10 @@ struct AdviceRow {
   std::int64_t least_steps = 0;      ///< the fewest of them that were seen to suffice
   double h_max = none;           ///< predicted, the least along the motion [s]; infinity: no step is unstable
   bool h_max_of_start = false;   ///< that of the start alone: none is known along the motion
+  bool limit_pending = false;    ///< it was not sought along the motion; h_max may be that of the start
   double h_max_observed = none;  ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
   std::string unobserved;        ///< why runs beside a predicted limit show none
+  double expected_frame = none;  ///< CPU time of a frame as first_answer() (first_answer.hpp) has it [s]
   double h_accurate = none;      ///< the longest step tried that meets the tolerance [s]
   AdviceBound bound = AdviceBound::rate;
   double error = none;        ///< relative to the largest displacement, no less than that of the reference
@@ -82,6 +93,8 @@ struct AdviceRow {
   AdviceVerdict verdict = AdviceVerdict::unstable;
   std::string status;  ///< what the verdict rests on, or why a number is missing
 
+  /// CPU time of a frame [s]: the median, or what is expected of a row that was not run.
+  [[nodiscard]] double frame_time() const { return std::isnan(frame.p50) ? expected_frame : frame.p50; }
   /// Simulated time per CPU time.
   [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
 };
@@ -100,18 +113,21 @@ struct Remedy {
 
 /// How far a search is; each stage has what those before it find.
 enum class AdviceStage {
-  searching,  ///< the steps of the candidates
-  timing,     ///< frames of the best rows
-  proving,    ///< long runs of the best row
-  observing,  ///< runs beside the limits of the rows that suit
-  remedies,   ///< changes under which something would suit, where nothing does
+  predicting,  ///< limits near the initial state, and the time of single steps
+  searching,   ///< the steps of the candidates
+  timing,      ///< frames of the best rows
+  proving,     ///< long runs of the best row
+  observing,   ///< runs beside the limits of the rows that suit, and with larger loads
+  remedies,    ///< changes under which something would suit, where nothing does
   done
 };
-/// "searching", ...
+/// "predicting", ...
 std::string_view name_of(AdviceStage stage);
 
 struct Advice {
-  AdviceStage stage = AdviceStage::searching;
+  AdviceStage stage = AdviceStage::predicting;
+  bool out_of_time = false;                  ///< AdviceQuestion::within was over before the search was done
+  double seconds = 0;                        ///< that it took
   std::string motion;                        ///< in words: what the probing motion is
   double load_share = 1, gravity_share = 1;  ///< that the probing motion has, as ProbingMotion
   double scale = 0;                          ///< its largest displacement [m], or largest |y_i|
@@ -139,17 +155,21 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 
 /// Tries every candidate on the probing motion of a problem.
 ///
-/// The step of a candidate is a whole part of a frame. The search begins with the longest one below 0.95 of
-/// the predicted limit and takes shorter ones until the motion holds and meets the tolerance. The best rows
-/// are then timed over `frames` frames, in turn; the best must hold for `proof` simulated seconds, as far as
-/// they take no more than 20 s of CPU time. Rows within 10 % of the best are ties.
+/// First come the limits near the initial state and the time of single steps, which tell how the candidates
+/// are likely to rank and which are hopeless; Advice::rows has them from AdviceStage::searching on. The
+/// others follow, cheapest first. The step of a candidate is a whole part of a frame. The search begins with
+/// the longest one below 0.95 of the predicted limit and takes shorter ones until the motion holds and meets
+/// the tolerance. The best rows are then timed over `frames` frames, in turn; the best must hold for `proof`
+/// simulated seconds, as far as they take no more than 20 s of CPU time, or a third of the time that is left.
+/// Rows within 10 % of the best are ties. The search for steps ends when six tenths of
+/// AdviceQuestion::within are over, all else at its end: the answer is what is known by then.
 /// @throws InputError  as probing_motion() and reference_motion()
 /// @param make  for the bands of the limit; without it there are none
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},
               const ProblemWith& make = {});
 
-/// The same into `advice`. What the watcher throws leaves the rows that are finished, best first, none of
-/// them recommended, and says in Advice::stage what is missing.
+/// The same into `advice`. What the watcher throws leaves the rows as they are, best first; Advice::stage
+/// says what is missing.
 void advise(const Problem& problem, const AdviceQuestion& question, Advice& advice,
             const AdviceWatcher& watcher = {}, const ProblemWith& make = {});
 
@@ -161,13 +181,14 @@ struct Remaking {
   std::function<Problem(int count)> mended = {};
 };
 
-/// Of an advice that recommends nothing: changes one by one under which it would, each tried like the first,
-/// in this order: a larger budget, a coarser mesh, the tetrahedra mended that limit explicit steps most, more
-/// mass where elements are fast, a lower rate, and of a body more density or mass, a softer material, a
-/// softer or thinner skin, less damping by stiffness.
+/// Of an advice that recommends nothing, though it had the time: changes one by one under which it would,
+/// each tried like the first, in this order: a larger budget, a coarser mesh, the tetrahedra mended that
+/// limit explicit steps most, more mass where elements are fast, a lower rate, and of a body more density or
+/// mass, a softer material, a softer or thinner skin, less damping by stiffness.
 /// @param failed  what was found without a change. What helps goes into Advice::remedies, where it stays when
 /// the
-///                watcher throws. No change is tried after two minutes of CPU time.
+///                watcher throws. No change is tried after two minutes of CPU time, or beyond what the failed
+///                search has left of AdviceQuestion::within.
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed,
                    const Remaking& make, const AdviceWatcher& watcher = {});
 

@@ -13,16 +13,17 @@ namespace hmax {
 
 namespace {
 
-constexpr double largest = 8;    // times the loads
-constexpr double most_cpu = 10;  // [s]
+constexpr double largest = 8;  // times the loads
 
 /// The largest displacement of a run [m], or |y_i - y_i(0)|.
-double displacement_of(const Candidate& candidate, double h, const ProbingMotion& motion) {
+double displacement_of(const Candidate& candidate, double h, const ProbingMotion& motion,
+                       const Watcher& watcher) {
   double farthest = 0;
   const Eigen::VectorXd& y0 = motion.problem.y0;
   const bool of_body = motion.problem.body != nullptr;
   (void)candidate.method.bind(motion.problem)
       .run(candidate.spec(h, motion.t_end), [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        if (watcher) watcher();
         const Eigen::VectorXd moved = y - y0;
         farthest = std::max(farthest, of_body ? largest_displacement(moved.head(moved.size() / 2))
                                               : moved.cwiseAbs().maxCoeff());
@@ -56,7 +57,8 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
 }
 
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
-                       const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher) {
+                       const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher,
+                       double most_cpu) {
   LoadMargin margin;
   if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
   if ((margin.inversion = first_inversion(motion, reference))) {
@@ -91,7 +93,7 @@ LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion
     // What a shorter step does not invert, the step does.
     if (!quarter.inversion) margin.inversion.reset();
   }
-  margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make));
+  margin.displacement = displacement_of(candidate, h, larger_motion(motion, low, make), watcher);
   return margin;
 }
 

@@ -4,9 +4,9 @@
 #include <limits>
 #include <optional>
 
-#include "advice/candidate.hpp"
-#include "advice/probing_motion.hpp"
-#include "advice/stable_step.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/probing_motion.hpp"
+#include "advice/motion/stable_step.hpp"
 #include "advice/uncertainty.hpp"
 
 namespace hmax {
@@ -30,11 +30,11 @@ struct LoadMargin {
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make);
 
 /// Motions of 2, 4 and 8 times the loads, until one fails or inverts an element, then two between; none is
-/// begun after 10 s of CPU time, and `fails` is NaN where that ends the search before one has failed. All is
-/// NaN of bodies that a tool touches or that nothing but gravity loads.
+/// begun after most_cpu of CPU time [s], and `fails` is NaN where that ends the search before one has failed.
+/// All is NaN of bodies that a tool touches or that nothing but gravity loads.
 /// @param h  [s]
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
-                       const ReferenceMotion& reference, const ProblemWith& make,
-                       const Watcher& watcher = {});
+                       const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher = {},
+                       double most_cpu = 10);
 
 }  // namespace hmax

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "advice/motion_run.hpp"
-#include "advice/stable_step.hpp"
+#include "advice/motion/motion_run.hpp"
+#include "advice/motion/stable_step.hpp"
 
 namespace hmax {
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "advice/advise.hpp"
+#include "advice/time_limit.hpp"
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/body_summary.hpp"
 #include "core/errors.hpp"
@@ -24,7 +25,7 @@ std::vector<Method> nearest_methods(const Advice& failed, double tolerance) {
   for (const AdviceRow& row : failed.rows)
     if (row.h_max != 0) rows.push_back(&row);
   std::ranges::stable_sort(rows, {}, [&](const AdviceRow* row) {
-    if (!(row->frame.p50 > 0)) return std::numeric_limits<double>::infinity();
+    if (!(row->frame_time() > 0)) return std::numeric_limits<double>::infinity();
     const double slower = row->verdict == AdviceVerdict::unstable ? 100 : 1;
     return slower * time_to_meet(*row, tolerance);
   });
@@ -55,27 +56,34 @@ const std::vector<Scaling>& scalings() {
 class Trials {
  public:
   Trials(const AdviceQuestion& question, Advice& failed, const AdviceWatcher& watcher)
-      : question_(question), watcher_(watcher), found_(failed.remedies), all_tried_(failed.all_tried) {
+      : question_(question),
+        watcher_(watcher),
+        found_(failed.remedies),
+        all_tried_(failed.all_tried),
+        time_(question.within - failed.seconds) {
     question_.frames = std::min<std::size_t>(question.frames, 100);
     question_.methods = nearest_methods(failed, question.tolerance);
     question_.least_error = false;  // what suffices at all
   }
 
-  /// Whether there are methods to try, and less than two minutes of CPU time are over.
+  /// Whether there are methods to try, and less than two minutes of CPU time are over and not all of the
+  /// time of the answer.
   bool go_on() {
     if (question_.methods.empty()) return false;
-    if (clock_() - begun_ > most_cpu) all_tried_ = false;
+    if (clock_() - begun_ > most_cpu || time_.left() <= 0) all_tried_ = false;
     return all_tried_;
   }
 
   /// Keeps the change if something suits with it.
   /// @returns whether it does
-  bool helps(Remedy remedy, const AdviceQuestion& question, const std::function<Problem()>& changed) {
+  bool helps(Remedy remedy, AdviceQuestion question, const std::function<Problem()>& changed) {
     if (!go_on()) return false;
+    question.within = time_.left();
     try {
       const Advice advice = advise(changed(), question, watcher_);
+      if (advice.out_of_time && advice.proof.size() < 2) all_tried_ = false;
       const AdviceRow* row = advice.recommended();
-      if (!row) return false;
+      if (!row || advice.proof.size() < 2) return false;
       if (remedy.change == "budget_ms")
         remedy.to = 1.5e3 * std::ranges::max(advice.proof, {}, &ProofRun::frame_p999).frame_p999;
       remedy.method = row->candidate.words();
@@ -96,6 +104,7 @@ class Trials {
   const AdviceWatcher& watcher_;
   std::vector<Remedy>& found_;
   bool& all_tried_;
+  TimeLimit time_;
   CpuClock clock_ = cpu_clock();
   double begun_ = clock_();
 };
@@ -172,10 +181,10 @@ double step_in_time(const Advice& failed, const AdviceQuestion& question) {
   const AdviceRow* fastest = nullptr;
   for (const AdviceRow& row : failed.rows)
     if (row.verdict == AdviceVerdict::too_slow && std::isfinite(row.h_max) &&
-        row.error <= question.tolerance && (!fastest || row.frame.p50 < fastest->frame.p50))
+        !(row.error > question.tolerance) && (!fastest || row.frame_time() < fastest->frame_time()))
       fastest = &row;
   constexpr double spare = 1.1;  // of the time of a frame
-  return fastest ? spare * fastest->h * fastest->frame.p50 / question.frame_budget()
+  return fastest ? spare * fastest->h * fastest->frame_time() / question.frame_budget()
                  : std::numeric_limits<double>::infinity();
 }
 
@@ -236,7 +245,8 @@ void try_parameters(Trials& trials, const Problem& problem, const ProblemWith& m
 void find_remedies(const Problem& problem, const AdviceQuestion& question, Advice& failed,
                    const Remaking& make, const AdviceWatcher& watcher) {
   failed.remedies.clear();
-  failed.all_tried = true;
+  failed.all_tried = !failed.out_of_time;
+  if (failed.out_of_time) return;
   failed.stage = AdviceStage::remedies;
   Trials trials(question, failed, watcher);
   try_budget(trials, problem, question);

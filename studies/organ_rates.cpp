@@ -4,9 +4,9 @@
 #include <functional>
 #include <utility>
 
-#include "advice/candidate.hpp"
-#include "advice/motion_run.hpp"
-#include "advice/probing_motion.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/motion_run.hpp"
+#include "advice/motion/probing_motion.hpp"
 #include "analysis/statics/static_solution.hpp"
 #include "bench/micro/plain_tissue.hpp"
 #include "bench/timing/timing.hpp"

@@ -78,7 +78,7 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 /// spreads cross.
 void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, const AdviceQuestion& question) {
   const auto caution = [&](std::string words) {
-    facts.emplace_back(facts.empty() || facts.back().first != "caution" ? "caution" : "", std::move(words));
+    facts.emplace_back(facts.empty() ? "caution" : "", std::move(words));
   };
   const auto share = [](double of) { return of == 0 ? std::string("no") : short_number(of, 3) + " of"; };
   if (advice.gravity_share < 1)
@@ -217,7 +217,13 @@ std::vector<std::string> words_of_remedies(const Advice& advice) {
 std::string words_of_nearest(const Advice& advice, const AdviceQuestion& question) {
   if (advice.rows.empty()) return {};
   const AdviceRow& row = advice.rows.front();
-  if (std::isnan(row.h) || !std::isfinite(row.error) || std::isnan(row.frame.p50)) return {};
+  if (std::isnan(row.h)) return {};
+  if (std::isnan(row.frame.p50) && !std::isnan(row.expected_frame))
+    return fmt::format(
+        "Nearest: {} with h = {} ms, at least {} of {} ms per frame by the time of single steps. ",
+        row.candidate.words(), milliseconds(row.h, 4), milliseconds(row.expected_frame),
+        milliseconds(question.frame_budget()));
+  if (!std::isfinite(row.error) || std::isnan(row.frame.p50)) return {};
   return fmt::format("Nearest: {} with h = {} ms, error {}, {} ms of {} ms per frame (median). ",
                      row.candidate.words(), milliseconds(row.h, 4), percent(row.error),
                      milliseconds(row.frame.p50), milliseconds(question.frame_budget()));
@@ -235,31 +241,60 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
               : fmt::format("What helps, each tried{}:", part);
 }
 
-/// How far an interrupted search got.
-std::string words_of_interruption(const Advice& advice) {
+/// What a search that ended early has left to do; empty of one that has not.
+std::string words_of_missing(const Advice& advice, bool interrupted) {
+  if (!interrupted && !advice.out_of_time) return {};
+  const std::string ended = interrupted ? "interrupted" : "the time was over";
+  const auto not_run = std::ranges::count(advice.rows, AdviceVerdict::predicted, &AdviceRow::verdict);
+  const std::string others =
+      not_run == 0 ? "" : fmt::format("; {} of {} rows were not run", not_run, advice.rows.size());
   switch (advice.stage) {
+    case AdviceStage::predicting:
+      return ended + ": nothing was run";
     case AdviceStage::searching:
-      return "interrupted: rows so far; the best are not timed and not verified";
+      return ended + ": the best rows are not timed for long, and not verified" + others;
     case AdviceStage::timing:
-      return "interrupted: the best rows are not all timed, and not verified by long runs";
+      return ended + ": the best rows are not all timed for long, and not verified by long runs" + others;
     case AdviceStage::proving:
-      return "interrupted: the best rows are timed, but not verified by long runs";
+      return ended + ": the best rows are timed, but not verified by long runs" + others;
     case AdviceStage::observing:
+      return ended + ": not all limits are observed" + others;
     case AdviceStage::remedies:
     case AdviceStage::done:
       break;
   }
-  return fmt::format("interrupted: the best rows are timed{}, but not all limits are observed",
-                     advice.proof.empty() ? "" : ", the first is verified by long runs");
+  return ended + others;
 }
 
-std::vector<std::vector<std::string>> table_of(const std::vector<AdviceRecord>& rows) {
+/// What is likely to be the answer where nothing was run to its end.
+std::string words_of_prediction(const AdviceRow& row, const AdviceQuestion& question) {
+  if (row.verdict != AdviceVerdict::predicted) return {};
+  return fmt::format(
+      "Predicted, not run: {} with h = {} ms, {} step{} per frame{}. More time may tell: --within",
+      row.candidate.words(), milliseconds(row.h, 4), row.steps_per_frame, row.steps_per_frame == 1 ? "" : "s",
+      std::isnan(row.expected_frame)
+          ? ""
+          : fmt::format(", at least {} of {} ms per frame", milliseconds(row.expected_frame),
+                        milliseconds(question.frame_budget())));
+}
+
+/// The median; of a row that was not run what is expected at least.
+std::string words_of_frame(const AdviceRow& row) {
+  if (!std::isnan(row.frame.p50) || std::isnan(row.expected_frame)) return milliseconds(row.frame.p50);
+  return ">= " + milliseconds(row.expected_frame);
+}
+
+/// @param records  of the rows
+std::vector<std::vector<std::string>> table_of(const Advice& advice,
+                                               const std::vector<AdviceRecord>& records) {
   std::vector<std::vector<std::string>> table{{"method", "h [ms]", "steps", "h_max [ms]", "observed [ms]",
                                                "error", "frame [ms]", "p99 [ms]", "bound", "verdict"}};
-  for (const AdviceRecord& row : rows)
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const AdviceRecord& row = records[i];
     table.push_back({row.words(), milliseconds(row.h, 4), fmt::format("{:.0f}", row.steps_per_frame),
                      milliseconds(row.h_max, 4), milliseconds(row.h_max_observed), percent(row.error),
-                     milliseconds(row.frame_p50), milliseconds(row.frame_p99), row.bound, row.verdict});
+                     words_of_frame(advice.rows[i]), milliseconds(row.frame_p99), row.bound, row.verdict});
+  }
   return table;
 }
 
@@ -305,31 +340,52 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
   AdviceText text;
   text.model = fmt::format("{}{}{}", problem.id, problem.material.empty() ? "" : ", ", problem.material);
   if (problem.body) text.body = in_words(summary_of(*problem.body));
-  text.motion = advice.motion;
-  text.question = fmt::format(
-      "{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}", short_number(question.rate),
-      percent(question.tolerance), error_scale(problem),
-      problem.body ? fmt::format(" ({} mm from the start of the motion)", milliseconds(advice.scale)) : "",
-      milliseconds(question.frame_budget()),
-      question.least_error ? "the smallest error" : "the lowest CPU time");
+  text.motion = !advice.motion.empty() ? advice.motion
+                : advice.stage == AdviceStage::done
+                    ? "no motion was run: single steps are too slow or unstable"
+                    : "no motion was run";
+  text.question =
+      fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}",
+                  short_number(question.rate), percent(question.tolerance), error_scale(problem),
+                  problem.body && advice.scale > 0
+                      ? fmt::format(" ({} mm from the start of the motion)", milliseconds(advice.scale))
+                      : "",
+                  milliseconds(question.frame_budget()),
+                  question.least_error ? "the smallest error" : "the lowest CPU time");
+  const std::string missing = words_of_missing(advice, interrupted);
   if (const AdviceRow* best = advice.recommended()) {
     text.answer = words_of_step(*best);
+    if (!missing.empty()) text.facts.emplace_back("caution", missing);
     add_cautions(text.facts, advice, *best, question);
     add_measured(text.facts, problem, *best, advice, question);
     add_margins(text.facts, problem, *best, advice);
-  } else if (interrupted && advice.stage < AdviceStage::remedies) {
-    text.answer = words_of_interruption(advice);
+  } else if (!missing.empty() && advice.stage < AdviceStage::remedies) {
+    text.answer = missing;
+    if (!advice.rows.empty()) text.help = words_of_prediction(advice.rows.front(), question);
   } else {
     text.answer = "no method that was tried meets this";
     text.help = words_of_nearest(advice, question) + words_of_help(advice, interrupted);
     text.remedies = words_of_remedies(advice);
   }
   const std::vector<AdviceRecord> rows = advice_records(advice);
-  text.table = table_of(rows);
+  text.table = table_of(advice, rows);
   text.reasons = statuses_of(rows, [](const AdviceRecord& row) { return !row.suits(); });
   text.notes = notes_of(rows);
   text.machine = summary(fingerprint());
   return text;
+}
+
+std::string words_of_first_answer(const Problem& problem, const AdviceQuestion& question,
+                                  const Advice& advice, const Console& console) {
+  TextTable table({"method", "h [ms]", "steps", "h_max [ms]", "frame [ms]", "verdict"});
+  for (const AdviceRow& row : advice.rows)
+    table.add({row.candidate.words(), milliseconds(row.h, 4), fmt::format("{}", row.steps_per_frame),
+               milliseconds(row.h_max, 4), words_of_frame(row), std::string(name_of(row.verdict))});
+  return fmt::format(
+      "{}: first answer, predicted from the modes of the initial state and the time of single steps; accuracy may ask for "
+      "more steps\n{}\nThe answer of runs follows{}.\n\n",
+      problem.id, table.text(console),
+      std::isfinite(question.within) ? fmt::format(" within {} s", short_number(question.within)) : "");
 }
 
 std::string for_people(const AdviceText& text, const Console& console) {

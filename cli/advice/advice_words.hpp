@@ -16,7 +16,7 @@ struct AdviceText {
   std::string body;      ///< what a body is made of: E, nu, mass, size, supports; empty of what is none
   std::string motion;    ///< by which steps are judged
   std::string question;  ///< rate, tolerance and budget
-  std::string answer;    ///< what to take; that nothing suits; or how far an interrupted search got
+  std::string answer;    ///< what to take; that nothing suits; or how far a search got that ended early
   /// Of what is recommended: names and words; what has no name goes on with the last.
   std::vector<std::pair<std::string, std::string>> facts;
   std::string help;                             ///< what is said of remedies; empty where none are sought
@@ -29,9 +29,13 @@ struct AdviceText {
 };
 
 /// The words of an answer; AdviceText::left_out is left.
-/// @param interrupted  the search was: nothing is recommended, or not every remedy was tried
+/// @param interrupted  the search was: what is recommended is not verified, or not every remedy was tried
 AdviceText words_of(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
                     bool interrupted);
+
+/// The rows as they are before the motion is run, in words for people who wait.
+std::string words_of_first_answer(const Problem& problem, const AdviceQuestion& question,
+                                  const Advice& advice, const Console& console);
 
 /// The text of the command.
 std::string for_people(const AdviceText& text, const Console& console);

@@ -12,8 +12,9 @@
 
 #include "advice/advice_json.hpp"
 #include "advice/advice_records.hpp"
-#include "advice/candidate.hpp"
+#include "advice/motion/candidate.hpp"
 #include "advice/remaking.hpp"
+#include "bench/timing/timing.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/support_sets.hpp"
 #include "cli/advice/advice_page.hpp"
@@ -39,7 +40,7 @@ namespace {
 
 struct AdviseOptions {
   ProblemChoice problem;
-  std::optional<double> rate, tolerance, budget;
+  std::optional<double> rate, tolerance, budget, within;
   std::string methods, frames, out, output, motion;
   std::vector<std::string> motion_at;
 };
@@ -86,6 +87,7 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
   }
   if (options.budget) question.budget = positive("--budget", *options.budget, "5") / 1000;
   question.least_error = options.budget && !options.tolerance;
+  question.within = positive("--within", options.within.value_or(60), "60");
   if (!options.frames.empty()) {
     constexpr std::int64_t most = 1'000'000;
     const std::int64_t frames = parse_count("--frames", options.frames, 1);
@@ -139,11 +141,20 @@ void check_names(const AdviseOptions& options) {
 /// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
 /// @throws the same when nothing is, but after Ctrl-C, when JSON is told so too
 std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
-                          const AdviceQuestion& question, Advice& advice, const Console& console) {
+                          const AdviceQuestion& question, Advice& advice, Console& console) {
+  constexpr double soon = 2;  // [s]
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
+  const double begun = elapsed_seconds();
+  bool waits = !console.json;  // whether people may still wait for a first answer
   const AdviceWatcher watcher = [&](double share, const std::string& what) {
     if (interrupted) throw Interrupted{"no method was finished"};
+    if (waits && advice.stage == AdviceStage::searching && elapsed_seconds() - begun > soon) {
+      progress.clear();
+      console.print(words_of_first_answer(problem, question, advice, console));
+      console.flush();
+      waits = false;
+    }
     progress.update(share, what);
   };
   try {
@@ -188,7 +199,7 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   console.flush();
   const AdviceKey key = advice_key(problem, question, advice);
   const std::vector<AdviceRecord> rows = advice_records(advice);
-  const std::string scene = problem.body ? body_scene_text(*advice.model) : "";
+  const std::string scene = problem.body && advice.model ? body_scene_text(*advice.model) : "";
   std::exception_ptr page_failure;  // the store is written all the same
   try {
     if (!options.output.empty()) {
@@ -234,11 +245,13 @@ void advise_on(const AdviseOptions& options, Console& console) {
     console.print(for_people(text, console));
   }
   if (!finished && !was_interrupted(end)) return;
-  if (finished || !advice.rows.empty()) keep(options, problem, question, advice, text, console);
+  const bool any_is_finished = !std::ranges::all_of(
+      advice.rows, [](const AdviceRow& row) { return row.verdict == AdviceVerdict::predicted; });
+  if (any_is_finished) keep(options, problem, question, advice, text, console);
   if (finished) return;
   console.flush();
-  console.note(advice.rows.empty() ? "interrupted; no method was finished"
-                                   : "interrupted; the rows so far are printed");
+  console.note(any_is_finished ? "interrupted; the rows so far are printed"
+                               : "interrupted; no method was finished");
   console.exit_code = Exit::interrupted;
 }
 
@@ -263,6 +276,8 @@ void add_advise(CLI::App& app, Console& console) {
       command, "--budget", options->budget,
       "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
       "default");
+  add_number(command, "--within", options->within,
+             "Elapsed time of the answer [s]: what is known by then; 60 by default");
   add_text(command, "--methods", options->methods,
            fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
                        fmt::join(simulator_methods(), ", ")),

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "advice/motion_limits.hpp"
+#include "advice/motion/motion_limits.hpp"
 #include "plots/pages/body_scene.hpp"
 
 namespace hmax {

@@ -160,8 +160,11 @@ std::string Console::alarming(std::string_view text) const { return painted(colo
 Progress::Progress(const Console& console, std::string task)
     : task_(std::move(task)), active_(console.shows_progress()), start_(Clock::now()), last_(start_) {}
 
-Progress::~Progress() {
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
   if (drawn_) write_error("\r\x1b[K");
+  drawn_ = false;
 }
 
 void Progress::update(double share, std::string_view detail) {

@@ -66,6 +66,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Wipes the line, for text to take its place.
+  void clear();
   /// @param share   of the work that is done, 0 to 1
   /// @param detail  what is being done now
   void update(double share, std::string_view detail = {});

@@ -116,10 +116,12 @@ Facts facts_of(const AdviceRecord* best, const AnswerWords* words) {
 }
 
 std::string words_of_answer(std::span<const AdviceRecord> rows, const AdviceRecord* best) {
-  if (best) return "Take " + step_of(*best) + ".";
-  return rows.front().is_of_unfinished_search()
-             ? "The search was interrupted: the rows that were finished, and no recommendation."
-             : "No method that was tried meets this.";
+  const bool ended_early = rows.front().is_of_unfinished_search();
+  if (best)
+    return "Take " + step_of(*best) +
+           (ended_early ? ", the best that was known when the search ended early." : ".");
+  return ended_early ? "The search ended early: the rows that were finished, and no recommendation."
+                     : "No method that was tried meets this.";
 }
 
 std::string html_of(const Answer& answer, std::span<const ReportedStore> stores) {

@@ -133,6 +133,7 @@ struct Asked {
   bool least_error;
   std::vector<std::string> methods;
   std::size_t frames;
+  double within;
 };
 
 AdviceQuestion question_of(const Problem& problem, const Asked& asked) {
@@ -142,6 +143,7 @@ AdviceQuestion question_of(const Problem& problem, const Asked& asked) {
   if (asked.budget_ms) question.budget = *asked.budget_ms / 1000;
   question.least_error = asked.least_error;
   question.frames = asked.frames;
+  question.within = asked.within;
   question.methods = choose_methods(asked.methods.empty() ? simulator_methods() : asked.methods, {problem});
   return question;
 }
@@ -173,23 +175,25 @@ py::object advise_recipe(const Recipe& recipe, const Asked& asked) {
 py::object advise_named(const std::string& id, const std::string& material, const Values& parameters,
                         const std::vector<double>& y0, double rate, double tolerance,
                         std::optional<double> budget_ms, bool least_error, std::vector<std::string> methods,
-                        std::size_t frames) {
+                        std::size_t frames, double within) {
   return advise_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
-                       {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+                       {rate, tolerance, budget_ms, least_error, std::move(methods), frames, within});
 }
 
 py::object advise_structure(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C,
                             VectorXd y0, double t_end, double rate, double tolerance,
                             std::optional<double> budget_ms, bool least_error,
-                            std::vector<std::string> methods, std::size_t frames) {
+                            std::vector<std::string> methods, std::size_t frames, double within) {
   const Problem problem = structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end);
   return advise_on([problem] { return problem; }, [] { return Remaking(); },
-                   {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+                   {rate, tolerance, budget_ms, least_error, std::move(methods), frames, within});
 }
 
 py::object advise_body(const Body& body, double rate, double tolerance, std::optional<double> budget_ms,
-                       bool least_error, std::vector<std::string> methods, std::size_t frames) {
-  return advise_recipe(body.recipe, {rate, tolerance, budget_ms, least_error, std::move(methods), frames});
+                       bool least_error, std::vector<std::string> methods, std::size_t frames,
+                       double within) {
+  return advise_recipe(body.recipe,
+                       {rate, tolerance, budget_ms, least_error, std::move(methods), frames, within});
 }
 
 /// What is asked about the step limits of a model.

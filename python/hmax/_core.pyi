@@ -43,6 +43,7 @@ def advise(
     least_error: bool,
     methods: List[str],
     frames: int,
+    within: float,
 ) -> Dict[str, Any]: ...
 def advise_structure(
     K: Any,
@@ -56,6 +57,7 @@ def advise_structure(
     least_error: bool,
     methods: List[str],
     frames: int,
+    within: float,
 ) -> Dict[str, Any]: ...
 def predict(
     id: str, material: str, parameters: Any, y0: Any, methods: List[str], at: str, along: str, verify: bool, t_end: Any
@@ -74,6 +76,6 @@ class Body:
     def force(self, q: Any, v: Any, t: float) -> Any: ...
     def run(self, method: str, y0: Any, t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> Dict[str, Any]: ...
     def advise(
-        self, rate: float, tolerance: float, budget: Any, least_error: bool, methods: List[str], frames: int
+        self, rate: float, tolerance: float, budget: Any, least_error: bool, methods: List[str], frames: int, within: float
     ) -> Dict[str, Any]: ...
     def predict(self, methods: List[str], at: str, along: str, verify: bool, t_end: Any) -> Dict[str, Any]: ...

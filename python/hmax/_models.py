@@ -164,11 +164,12 @@ def advise(
     M: Optional[Matrix] = None,
     C: Optional[Matrix] = None,
     t_end: float = 1,
+    within: Optional[float] = 60,
     **parameters: float,
 ) -> Answer:
     """Which integrator, and how large a step, for a model and a frame rate, as `hmax advise --json`.
 
-    It takes some seconds to minutes: candidates are run and timed.
+    It takes some seconds to `within`: candidates are run and timed.
 
     Parameters
     ----------
@@ -179,6 +180,7 @@ def advise(
     budget : CPU time of a frame [ms]; given without tolerance, methods are ranked by error; the whole frame by default
     methods : to choose from; by default those that simulators use
     frames : number of frames that the best methods are timed for
+    within : elapsed time of the answer [s], which is what is known by then; None: no limit
     material, y0, parameters : of a problem by id, as of `hmax list problems`
     K, M, C : as of largest_stable_step(), instead of a model; their motion is that from y0 to t_end [s]
     t_end : as above
@@ -196,7 +198,8 @@ def advise(
     allowed = 0.01 if tolerance is None else _within("tolerance", tolerance, 1e-10, 1)
     milliseconds = None if budget is None else _within("budget", budget, 1e-6, 1e9)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
-    question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6))
+    seconds = float("inf") if within is None else _within("within", within, 1e-3, 1e9)
+    question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6), seconds)
     if model is None:
         return _advise_matrices(structure(K, M, C), y0, _within("t_end", t_end, 1e-9, 1e9), question)
     if K is not None or M is not None or C is not None:

@@ -14,23 +14,10 @@
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
+#include "tests/advice/cube.hpp"
 
 namespace hmax {
 namespace {
-
-Problem cube(const std::string& load, std::vector<std::pair<std::string, double>> parameters = {}) {
-  return make_problem("fem_green/" + load + "@cube:n=2",
-                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
-}
-
-AdviceQuestion question(double rate, const std::vector<std::string>& names, const Problem& problem) {
-  AdviceQuestion asked;
-  asked.rate = rate;
-  asked.frames = 50;
-  asked.proof = 5;
-  asked.methods = choose_methods(names, {problem});
-  return asked;
-}
 
 TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
   AdviceRow row;
@@ -130,19 +117,43 @@ TEST(ReferenceMotion, IsAsCloseAsItSays) {
   EXPECT_GT(away, 0);
 }
 
-TEST(ReferenceMotion, IsTheSameByBothMethods) {
+TEST(ReferenceMotion, IsTheSameByEachMethod) {
   const ProbingMotion motion = probing_motion(cube("press"));
-  const double limit = *predict(find_method("rk4"), linearised(motion.problem, 0, motion.problem.y0)).h_max;
-  ASSERT_GT(limit, 1e-4);
-  const ReferenceMotion implicit = reference_motion(motion, 0.01, 1e-3),
-                        explicit_one = reference_motion(motion, 0.01, 1e-3, {}, limit);
-  ASSERT_EQ(implicit.t, explicit_one.t);
-  EXPECT_LE(explicit_one.error_bound, 1e-4);
-  double away = 0;
-  for (std::size_t i = 0; i < implicit.y.size(); ++i)
-    away = std::max(away, relative_error(motion, implicit, i, explicit_one.y[i]));
-  EXPECT_LE(away, 2e-4);
-  EXPECT_GT(away, 0);  // they are not one and the same
+  const Linearised near = linearised(motion.problem, 0, motion.problem.y0);
+  const double rk4 = *predict(find_method("rk4"), near).h_max,
+               central = *predict(find_method("central_difference"), near).h_max;
+  ASSERT_GT(rk4, 1e-4);
+  const ReferenceMotion implicit = reference_motion(motion, 0.01, 1e-3);
+  const auto away_from_it = [&](double tolerance, const ExplicitLimits& limits) {
+    const ReferenceMotion reference = reference_motion(motion, 0.01, tolerance, {}, limits);
+    EXPECT_EQ(implicit.t, reference.t);
+    EXPECT_LE(reference.error_bound, tolerance / 10);
+    double away = 0;
+    for (std::size_t i = 0; i < implicit.y.size(); ++i)
+      away = std::max(away, relative_error(motion, implicit, i, reference.y[i]));
+    return away;
+  };
+  const double of_rk4 = away_from_it(1e-3, {.rk4 = rk4}),
+               of_central = away_from_it(0.05, {.central = central, .rk4 = rk4}),
+               of_newmark = away_from_it(1e-3, {.central = central});
+  EXPECT_LE(of_rk4, 2e-4);
+  EXPECT_LE(of_central, 6e-3);
+  // They are not one and the same, but where central differences do not suffice.
+  EXPECT_GT(of_rk4, 0);
+  EXPECT_GT(of_central, 2 * of_rk4);
+  EXPECT_EQ(of_newmark, 0);
+}
+
+// Three halvings of a method of second order gain a factor of 64, and a tolerance of 1e-8 takes more.
+TEST(ReferenceMotion, IsOfTheMethodThatReachesItsTolerance) {
+  const ProbingMotion motion = probing_motion(cube("press"));
+  const Linearised near = linearised(motion.problem, 0, motion.problem.y0);
+  const ExplicitLimits limits{.central = *predict(find_method("central_difference"), near).h_max,
+                              .rk4 = *predict(find_method("rk4"), near).h_max};
+  const ReferenceMotion close = reference_motion(motion, 0.01, 1e-8, {}, limits),
+                        by_rk4 = reference_motion(motion, 0.01, 1e-8, {}, {.rk4 = limits.rk4});
+  EXPECT_LE(close.error_bound, 1e-9);
+  EXPECT_EQ(close.y, by_rk4.y);
 }
 
 TEST(MotionRun, EndsWhereItsFramesTakeTooLong) {
@@ -225,40 +236,6 @@ TEST(Advise, ProvesTheBestRowOnItsMotionAndOnAnother) {
     EXPECT_NEAR(run.seconds, static_cast<double>(run.frames) * 0.01, 1e-9);
   }
   EXPECT_NE(advice.proof[0].motion, advice.proof[1].motion);
-}
-
-TEST(Advise, KeepsTheRowsThatAreFinishedWhenItIsInterrupted) {
-  struct Enough {};
-  const Problem problem = cube("press");
-  const AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
-  const auto interrupted_at = [&](std::string_view task) {
-    Advice advice;
-    const AdviceWatcher stop = [&](double, const std::string& what) {
-      if (what.starts_with(task)) throw Enough{};
-    };
-    EXPECT_THROW(advise(problem, asked, advice, stop), Enough) << task;
-    EXPECT_EQ(advice.recommended(), nullptr) << task;
-    for (const AdviceRow& row : advice.rows) EXPECT_NE(row.verdict, AdviceVerdict::tie) << task;
-    return advice;
-  };
-  EXPECT_TRUE(interrupted_at("finding the reference").rows.empty());
-  const Advice searched = interrupted_at("steps of newmark");
-  EXPECT_EQ(searched.stage, AdviceStage::searching);
-  ASSERT_EQ(searched.rows.size(), 2U);
-  if (searched.rows[1].verdict == AdviceVerdict::suitable) {
-    EXPECT_LE(searched.rows[0].frame.p50, searched.rows[1].frame.p50);
-  }
-  EXPECT_GT(searched.scale, 0);
-  EXPECT_FALSE(searched.motion.empty());
-  for (const auto& [task, stage] : {std::pair("timing", AdviceStage::timing),
-                                    {"long runs", AdviceStage::proving},
-                                    {"runs beside", AdviceStage::observing},
-                                    {"how sure", AdviceStage::observing}}) {
-    const Advice advice = interrupted_at(task);
-    EXPECT_EQ(advice.stage, stage) << task;
-    EXPECT_EQ(advice.rows.size(), 3U) << task;
-    EXPECT_EQ(advice.proof.empty(), stage != AdviceStage::observing) << task;
-  }
 }
 
 TEST(Advise, TellsItsProgressAndForgetsAnEarlierAnswer) {

@@ -70,9 +70,9 @@ TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
   const Json document = told.json();
   EXPECT_EQ(document.at("interrupted"), true);
   EXPECT_EQ(document.at("stage"), "timing");
-  EXPECT_TRUE(document.at("recommended").is_null());
+  EXPECT_EQ(document.at("recommended").at("method"), "newmark");
   ASSERT_EQ(document.at("rows").size(), 1U);
-  EXPECT_EQ(document.at("rows")[0].at("verdict"), "suitable");
+  EXPECT_EQ(document.at("rows")[0].at("verdict"), "recommended");
 }
 
 /// timeout(1) signals the process and its group: two signals at once are one wish.
@@ -97,9 +97,10 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
   };
   ASSERT_EQ(stored().size(), 1U);
   EXPECT_EQ(stored()[0].at("stage"), "timing");
-  EXPECT_EQ(stored()[0].at("verdict"), "suitable");
+  EXPECT_EQ(stored()[0].at("verdict"), "recommended");
   ASSERT_EQ(shell.hmax("report kept.sqlite --output report.html").exit_code, 0);
-  EXPECT_NE(read_text(shell / "report.html").find("The search was interrupted"), std::string::npos);
+  EXPECT_NE(read_text(shell / "report.html").find("the best that was known when the search ended early"),
+            std::string::npos);
   // A whole answer takes its place, and stays where a later search is interrupted.
   ASSERT_EQ(shell.hmax(question + "--frames 20").exit_code, 0);
   ASSERT_EQ(stored().size(), 1U);
@@ -115,19 +116,44 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
 
 TEST(AdviseCommand, SaysWhereNothingIsFinishedWhenItIsInterrupted) {
   const Shell shell;
-  // The motion of a body of 3,000 points and its reference take longer than that.
+  // The motion of a body of 10,000 points and its reference take longer than that.
   const std::string line = "timeout -s INT 1 '" HMAX_PROGRAM
                            "' advise --mesh ball:n=14 --rate 100 --methods newmark --out kept.sqlite ";
   const Told told = shell.line(line);
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
-  EXPECT_EQ(told.out, "");
-  EXPECT_NE(told.err.find("hmax: interrupted; no method was finished\n"), std::string::npos) << told.err;
+  EXPECT_NE(told.out.find("Predicted, not run: newmark with h = 10 ms, 1 step per frame"), std::string::npos)
+      << told.out;
+  EXPECT_NE(told.err.find("hmax: note: interrupted; no method was finished\n"), std::string::npos)
+      << told.err;
   const Told json = shell.line(line + "--json");
   EXPECT_EQ(json.json().at("interrupted"), true);
-  EXPECT_EQ(json.json().at("rows").size(), 0U);
+  ASSERT_EQ(json.json().at("rows").size(), 1U);
+  EXPECT_EQ(json.json().at("rows")[0].at("verdict"), "predicted");
+  EXPECT_TRUE(json.json().at("recommended").is_null());
   EXPECT_NE(json.err.find("hmax: note: interrupted; no method was finished\n"), std::string::npos)
       << json.err;
   EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
+}
+
+TEST(AdviseCommand, AnswersWithinATime) {
+  const Shell shell;
+  const std::string question =
+      "advise --mesh ball:n=14 --rate 100 --methods symplectic_euler,newmark --within ";
+  const Told told = shell.hmax(question + "0.01 --json --out kept.sqlite");
+  EXPECT_EQ(told.exit_code, 1) << told.err;
+  const Json document = told.json();
+  EXPECT_EQ(document.at("out_of_time"), true);
+  EXPECT_EQ(document.at("within"), 0.01);
+  EXPECT_TRUE(document.at("recommended").is_null());
+  EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
+  // Frames of this body take some milliseconds: the answer takes longer than three seconds, the best row
+  // less.
+  const Json longer = shell.hmax(question + "12 --json").json();
+  EXPECT_LT(longer.at("seconds"), 14);
+  for (const Json& row : longer.at("rows")) EXPECT_FALSE(row.at("h").is_null());
+  for (const char* wrong : {"0", "-1", "nan", "inf"})
+    expect_refused(shell.hmax(question + wrong), "--within");
+  expect_refused(shell.hmax(question + "soon"), "--within");
 }
 
 TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
@@ -297,8 +323,8 @@ TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
   EXPECT_EQ(told.exit_code, 1) << told.err;
   const std::string text = seen(read_text(shell / "page.html"));
   for (const char* words : {"no method that was tried meets this Nearest: ",
-                            " ms of 1e-06 ms per frame (median). What helps, each tried: ", " budget_ms ",
-                            "Methods that do not suit"})
+                            " of 1e-06 ms per frame by the time of single steps. What helps, each tried: ",
+                            " budget_ms ", "Methods that do not suit"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << told.out;
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "advice/probing_motion.hpp"
+#include "advice/motion/probing_motion.hpp"
 #include "problems/tissue/loads.hpp"
 
 namespace hmax {

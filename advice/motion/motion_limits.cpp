@@ -1,4 +1,4 @@
-#include "advice/motion_limits.hpp"
+#include "advice/motion/motion_limits.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,8 +108,9 @@ CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_sta
   const bool is_of_modes = !is_frozen(candidate) && !is_truncated(candidate) &&
                            !(candidate.method.needs_split && std::isnan(along.h_max));
   if (is_of_modes) return along;
-  if (model.motion.problem.y0.size() <= most_states_stepped)
-    return limit_by_steps(candidate, at_start, model, watcher);
+  const Eigen::Index states = model.motion.problem.y0.size();
+  if (states <= small) return limit_by_steps(candidate, at_start, model, watcher);
+  if (states <= most_states_stepped) return {.status = {}, .pending = true};
   return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model)
                                                           : CandidateLimit{};
 }
@@ -133,34 +134,58 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
   return places;
 }
 
+/// The least limit of the method as it is: at the start, and along the motion.
+CandidateLimit limit_of_modes(const Prediction& start, const std::optional<TrajectoryLimit>& along) {
+  CandidateLimit limit{.h_max = lesser(start.h_max.value_or(unknown), along ? along->least : unknown),
+                       .status = {}};
+  if (std::isnan(limit.h_max)) limit.status = start.note;
+  limit.of_start = start.h_max && !(along && !std::isnan(along->least));
+  if (limit.of_start)
+    limit.status = fmt::format("h_max is that of the start; along the motion no limit is known{}{}",
+                               along && !along->note.empty() ? ": " : "", along ? along->note : "");
+  return limit;
+}
+
+/// Whether the limit of modes takes a second for each state of a body.
+bool is_costly(const Method& method, const Problem& problem) {
+  return problem.body && method.stages_by_radius;
+}
+
 }  // namespace
 
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
                     const std::function<void(std::size_t)>& progress) {
   const Problem& problem = model.motion.problem;
-  const Path path = path_of(model, watcher);
+  model.path = path_of(model, watcher);
   std::vector<Method> asked;
-  for (const Candidate& candidate : all) asked.push_back(candidate.method);
+  for (const Candidate& candidate : all)
+    if (!is_costly(candidate.method, problem)) asked.push_back(candidate.method);
   asked.push_back(find_method("central_difference"));
-  const auto along = limits_along(asked, problem, path, watcher);
+  const auto along = limits_along(asked, problem, model.path, watcher);
   if (problem.body && along.back()) model.stiffened = stiffening_along(*along.back());
   for (const MechanicalMode& mode : model.near.modes.spectrum.mechanical)
     model.fastest = std::max(model.fastest, std::sqrt(std::max(mode.kappa, 0.0)));
-  model.elsewhere = places_of(model, path, along.back());
+  model.elsewhere = places_of(model, model.path, along.back());
+  std::size_t k = 0;  // of `asked`
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (progress) progress(i);
+    if (is_costly(all[i].method, problem)) {
+      model.limits.push_back({.status = {}, .pending = true});
+      continue;
+    }
     const Prediction start = predict(all[i].method, model.near);
-    CandidateLimit of_modes{
-        .h_max = lesser(start.h_max.value_or(unknown), along[i] ? along[i]->least : unknown), .status = {}};
-    if (std::isnan(of_modes.h_max)) of_modes.status = start.note;
-    of_modes.of_start = start.h_max && !(along[i] && !std::isnan(along[i]->least));
-    if (of_modes.of_start)
-      of_modes.status =
-          fmt::format("h_max is that of the start; along the motion no limit is known{}{}",
-                      along[i] && !along[i]->note.empty() ? ": " : "", along[i] ? along[i]->note : "");
-    model.limits.push_back(
-        limit_of(all[i], {start.h_max.value_or(unknown), start.note}, of_modes, model, watcher));
+    model.limits.push_back(limit_of(all[i], {start.h_max.value_or(unknown), start.note},
+                                    limit_of_modes(start, along[k++]), model, watcher));
   }
+}
+
+CandidateLimit pending_limit(const Candidate& candidate, const AnalysedModel& model, const Watcher& watcher) {
+  const Prediction start = predict(candidate.method, model.near);
+  if (is_costly(candidate.method, model.motion.problem))
+    return limit_of_modes(
+        start, limits_along({&candidate.method, 1}, model.motion.problem, model.path, watcher).front());
+  return limit_by_steps(candidate, {.h_max = start.h_max.value_or(unknown), .status = start.note}, model,
+                        watcher);
 }
 
 double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,

@@ -1,5 +1,5 @@
 /// Steps are judged by what neighbours of a motion do, beside those of a shorter step.
-#include "advice/stable_step.hpp"
+#include "advice/motion/stable_step.hpp"
 
 #include <array>
 #include <cmath>

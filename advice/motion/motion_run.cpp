@@ -1,4 +1,4 @@
-#include "advice/motion_run.hpp"
+#include "advice/motion/motion_run.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ struct TooSlow {};
 /// @param most_per_frame  as RunLength has it
 void run_once(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
               const ReferenceMotion& reference, double frame, std::int64_t steps_per_frame,
-              double most_per_frame, MotionRun& result) {
+              double most_per_frame, const Watcher& watcher, MotionRun& result) {
   constexpr double least_run = 1, least_first_frame = 20;  // [s]
   constexpr std::int64_t least_frames = 5, looked_every = 256;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
@@ -53,8 +53,10 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));
-    if (std::isfinite(most_per_frame) && (step % steps_per_frame == 0 || step % looked_every == 0))
-      look_at_the_clock();
+    if (step % steps_per_frame == 0 || step % looked_every == 0) {
+      if (watcher) watcher();
+      if (std::isfinite(most_per_frame)) look_at_the_clock();
+    }
     if (step % steps_per_frame == 0) last = thread_cpu_seconds();
   };
   RunSpec spec = candidate.spec(h, frames * frame);
@@ -110,9 +112,9 @@ MotionRun repeated(const Candidate& candidate, const Runner& runner, const Probi
                    const RunLength& length, const Watcher& watcher) {
   MotionRun result;
   do {
-    if (watcher) watcher();
     const std::size_t before = result.frames_s.size();
-    run_once(candidate, runner, motion, reference, frame, steps_per_frame, length.most_per_frame, result);
+    run_once(candidate, runner, motion, reference, frame, steps_per_frame, length.most_per_frame, watcher,
+             result);
     if (result.frames_s.size() == before) break;  // a motion of one frame
   } while (result.reached_end() && result.frames_s.size() < length.frames);
   return result;

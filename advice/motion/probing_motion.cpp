@@ -1,4 +1,4 @@
-#include "advice/probing_motion.hpp"
+#include "advice/motion/probing_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -186,29 +186,43 @@ double scale_of(const std::vector<Eigen::VectorXd>& y) {
   return scale;
 }
 
-/// What integrates the reference of a body, and its first step, which divides a frame [s].
+/// What integrates the reference of a body, from which step on, which divides a frame [s], and how often that
+/// is halved at most.
 struct ReferenceMethod {
   const char* method;
   double h;
+  int halvings;
 };
 
-/// Newmark from a step that simulators take; rk4 from half of its limit where that costs less. A step of
-/// newmark takes as long as hundreds of evaluations of the force of a body, and needs some dozen times
-/// shorter steps than this.
-ReferenceMethod reference_method(double frame, double rk4_limit) {
+/// In the order in which they are tried. Central differences near their limit, of one force a step, where few
+/// halvings suffice; then rk4 from half of its limit. Where explicit steps are much shorter than those that
+/// simulators take, newmark from one of those: its step takes as long as hundreds of evaluations of the force
+/// of a body.
+std::vector<ReferenceMethod> reference_methods(double frame, const ExplicitLimits& limits) {
   constexpr double longest = 0.01, most_explicit_steps = 200;
-  const auto part_of_frame = [&](double most) { return frame / std::ceil(frame / most); };
-  const double h = std::min(longest, rk4_limit / 2);
-  if (h >= longest / most_explicit_steps) return {"rk4", part_of_frame(h)};
-  return {"newmark", part_of_frame(longest)};
+  constexpr int few = 3, most = 12;
+  const auto part_of_frame = [&](double h) { return frame / std::ceil(frame / h); };
+  std::vector<ReferenceMethod> methods;
+  const auto add = [&](const char* method, double h, int halvings) {
+    if (h >= longest / most_explicit_steps)
+      methods.push_back({method, part_of_frame(std::min(longest, h)), halvings});
+  };
+  add("central_difference", 0.8 * limits.central, few);
+  add("rk4", limits.rk4 / 2, most);
+  if (methods.empty() || methods.back().halvings < most)
+    methods.push_back({"newmark", part_of_frame(longest), most});
+  return methods;
 }
 
-ReferenceMotion halved_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
-                                    ReferenceMotion reference, const Watcher& watcher) {
-  constexpr int most_halvings = 12;
+/// Fills states, scale and bound of `reference`.
+/// @returns whether the last halving changes little enough; false as soon as a method of second order is seen
+/// to need more of them than `by` has
+bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
+                        ReferenceMotion& reference, const Watcher& watcher) {
+  const double goal = tolerance / 10;
   std::optional<std::vector<Eigen::VectorXd>> coarse;
   double h = by.h;
-  for (int halving = 0; halving <= most_halvings; ++halving, h /= 2) {
+  for (int halving = 0; halving <= by.halvings; ++halving, h /= 2) {
     auto fine = sampled(motion, by.method, h, reference.t, watcher);
     if (fine && coarse) {
       reference.scale = scale_of(*fine);
@@ -216,17 +230,28 @@ ReferenceMotion halved_until_steady(const ProbingMotion& motion, const Reference
       for (std::size_t i = 0; i < fine->size(); ++i)
         change = std::max(change, distance((*fine)[i], (*coarse)[i]));
       reference.error_bound = reference.scale > 0 ? change / reference.scale : 0;
-      if (reference.error_bound <= tolerance / 10) {
+      if (reference.error_bound <= goal) {
         reference.y = std::move(*fine);
-        return reference;
+        return true;
       }
+      if (std::log2(reference.error_bound / goal) / 2 > by.halvings - halving) return false;
     }
     coarse = std::move(fine);
   }
+  return false;
+}
+
+/// @throws InputError  where no method is steady
+ReferenceMotion steady_reference(const ProbingMotion& motion, double frame, double tolerance,
+                                 const ExplicitLimits& limits, ReferenceMotion reference,
+                                 const Watcher& watcher) {
+  const std::vector<ReferenceMethod> methods = reference_methods(frame, limits);
+  for (const ReferenceMethod& by : methods)
+    if (halve_until_steady(motion, by, tolerance, reference, watcher)) return reference;
   throw InputError(fmt::format(
-      "no reference of {} to {:.2g} is found: {} still changes by {:.2g} at h = {:.3g} s; give a larger --tolerance, "
-      "a smaller load or a model that holds it",
-      motion.problem.id, tolerance, by.method, reference.error_bound, 2 * h));
+      "no reference of {} to {:.2g} is found: {} still changes by {:.2g} where its step is halved; give a larger "
+      "--tolerance, a smaller load or a model that holds it",
+      motion.problem.id, tolerance, methods.back().method, reference.error_bound));
 }
 
 }  // namespace
@@ -308,15 +333,14 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
 }
 
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
-                                 const Watcher& watcher, double rk4_limit) {
+                                 const Watcher& watcher, const ExplicitLimits& limits) {
   constexpr double most_instants = 50;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double stride = std::ceil(frames / most_instants);
   ReferenceMotion reference;
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
   if (motion.problem.body)
-    return halved_until_steady(motion, reference_method(frame, rk4_limit), tolerance, std::move(reference),
-                               watcher);
+    return steady_reference(motion, frame, tolerance, limits, std::move(reference), watcher);
   const Reference exact = make_reference(motion.problem, motion.t_end);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
   for (const double t : reference.t) {

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "advice/candidate.hpp"
-#include "advice/probing_motion.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/probing_motion.hpp"
 #include "limits/linearised_problem.hpp"
 
 namespace hmax {
@@ -21,12 +21,14 @@ struct CandidateLimit {
       std::numeric_limits<double>::quiet_NaN();  ///< [s]; infinity: no step is unstable, NaN: not known
   std::string status;                            ///< why it is not known
   bool of_start = false;                         ///< of the start alone: none is known along the motion
+  bool pending = false;                          ///< not sought yet: pending_limit() does
 };
 
 struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
   Linearised near;                     ///< at the start of the motion
+  Path path;                           ///< where limits are looked for
   std::vector<Linearised> elsewhere;   ///< of bodies where the motion makes them stiffest, of small problems
                                        ///< along it; may be empty
   std::vector<CandidateLimit> limits;  ///< of each candidate
@@ -42,11 +44,15 @@ struct AnalysedModel {
 /// motion. Limits that no mode tells, of Jacobians that are frozen, of truncated iterations and of
 /// implicit-explicit steps, come from the maps of their steps, of models up to 2000 states: at the start and
 /// where the body is stiffest, or of small problems at ten states and where the central difference has its
-/// least limit. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as much as
-/// the fastest mode.
+/// least limit. Of more than 20 states these take seconds each and are left pending, as are bodies' limits of
+/// methods that choose their stages by a spectral radius. Of larger bodies frozen
+/// Jacobians have that of an undamped spring which stiffens as much as the fastest mode.
 /// @param progress  called with the number of each candidate before its turn
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
                     const std::function<void(std::size_t)>& progress = {});
+
+/// The limit of a candidate that predict_limits() left pending.
+CandidateLimit pending_limit(const Candidate& candidate, const AnalysedModel& model, const Watcher& watcher);
 
 /// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen
 /// Jacobians from the maps of their steps where the motion makes the model stiffest, infinity from 64 on, or

@@ -58,15 +58,21 @@ struct ReferenceMotion {
   double error_bound = 0;  ///< of the instants, relative as relative_error()
 };
 
+/// The largest stable steps at the start of a motion [s]; 0: not known.
+struct ExplicitLimits {
+  double central = 0;  ///< of central differences
+  double rk4 = 0;
+};
+
 /// At most 50 instants. A body: a part of a frame of at most 10 ms, a half, a quarter, ... of it, until the
-/// last halving changes nothing by more than `tolerance` / 10; the change bounds the error. By rk4 from half
-/// of its limit where that is 50 us or more, else by newmark. Others: the reference of the catalogue.
+/// last halving changes nothing by more than `tolerance` / 10; the change bounds the error. By central
+/// differences from 0.8 of their limit where three halvings suffice, or by rk4 from half of its limit, both
+/// only from steps of 50 us or more; else by newmark. Others: the reference of the catalogue.
 /// @param frame      [s]
 /// @param tolerance  relative to the scale
-/// @param rk4_limit  the largest stable step of rk4 at the start [s]; 0: not known
 /// @throws InputError  where no step is solved, or 12 halvings do not suffice
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
-                                 const Watcher& watcher = {}, double rk4_limit = 0);
+                                 const Watcher& watcher = {}, const ExplicitLimits& limits = {});
 
 /// The distance of a state from the reference: of a body the largest distance of a point, relative to the
 /// scale; of others the largest of the states, each relative to its own range.

@@ -1,4 +1,4 @@
-#include "advice/candidate.hpp"
+#include "advice/motion/candidate.hpp"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "advice/candidate.hpp"
-#include "advice/probing_motion.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/probing_motion.hpp"
 #include "results/advice_record.hpp"
 
 namespace hmax {

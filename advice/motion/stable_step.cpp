@@ -1,14 +1,21 @@
-#include "advice/stable_step.hpp"
+#include "advice/motion/stable_step.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <limits>
+#include <mutex>
+#include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "core/parallel_for.hpp"
 
 namespace hmax {
 
@@ -33,8 +40,9 @@ Eigen::Index moved_numbers(const Problem& problem) {
   return problem.body ? problem.y0.size() / 2 : problem.y0.size();
 }
 
+/// @param watcher  called some hundred times
 WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, double h, double t_end,
-                          double most_seconds) {
+                          double most_seconds, const Watcher& watcher) {
   WatchedMotion run;
   const Eigen::Index n = moved_numbers(problem);
   const Eigen::VectorXd start = problem.y0.head(n);
@@ -48,6 +56,7 @@ WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, do
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     ++step;
     if (step % often != 0) return;
+    if (watcher) watcher();
     if (clock() - begun > most_seconds) throw TooLong{};
     const Eigen::VectorXd moved = y.head(n) - start;
     if (problem.body)
@@ -74,20 +83,54 @@ struct Pair {
   }
 };
 
+/// The end of a run whose neighbour ended by an exception.
+struct NeighbourEnded {};
+
+/// first(watch) and second(watch), of bodies on two threads. What a watcher throws, which the calling thread
+/// alone asks, ends both.
+void side_by_side(const Problem& problem, const Watcher& watcher,
+                  const std::array<std::function<void(const Watcher& watch)>, 2>& runs) {
+  if (!problem.body) {
+    for (const auto& run : runs) run(watcher);
+    return;
+  }
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> ended = false;
+  std::exception_ptr why;
+  const Watcher watch = [&] {
+    if (ended) throw NeighbourEnded{};
+    if (std::this_thread::get_id() == caller && watcher) watcher();
+  };
+  std::mutex guard;
+  parallel_for(runs.size(), [&](std::size_t i, std::size_t) {
+    try {
+      runs[i](watch);
+    } catch (...) {
+      const std::scoped_lock lock(guard);
+      if (!ended.exchange(true)) why = std::current_exception();
+    }
+  });
+  if (why) std::rethrow_exception(why);
+}
+
 Pair neighbours(const Candidate& candidate, const Problem& problem, double scale, double h, double t_end,
                 double most_seconds, const Watcher& watcher) {
-  Pair pair;
-  if (watcher) watcher();
-  pair.run = watched_run(candidate, problem, h, t_end, most_seconds);
-  if (pair.run.end.outcome != Outcome::reached_end) return pair;
   // Another direction for each number, so that every mode has a part.
   Problem beside = problem;
   const Eigen::Index n = moved_numbers(problem);
   for (Eigen::Index i = 0; i < n; ++i)
     beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
-  if (watcher) watcher();
-  pair.beside = watched_run(candidate, beside, h, t_end, most_seconds);
-  if (pair.beside.end.outcome != Outcome::reached_end) return pair;
+  Pair pair;
+  side_by_side(problem, watcher,
+               {[&](const Watcher& watch) {
+                  pair.run = watched_run(candidate, problem, h, t_end, most_seconds, watch);
+                },
+                [&](const Watcher& watch) {
+                  // On two threads nobody waits for the other.
+                  if (!problem.body && pair.run.end.outcome != Outcome::reached_end) return;
+                  pair.beside = watched_run(candidate, beside, h, t_end, most_seconds, watch);
+                }});
+  if (!pair.ended()) return pair;
   const auto distance = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return (a - b).head(n).cwiseAbs().maxCoeff() / scale;
   };

@@ -1,4 +1,4 @@
-#include "advice/user_motion.hpp"
+#include "advice/motion/user_motion.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "advice/candidate.hpp"
-#include "advice/probing_motion.hpp"
+#include "advice/motion/candidate.hpp"
+#include "advice/motion/probing_motion.hpp"
 #include "catalogue/models/equilibria/inversion.hpp"
 
 namespace hmax {
@@ -26,7 +26,8 @@ struct StepVerdict {
 /// stay together.
 /// @param reference  its scale is read
 /// @param h          [s]
-/// @param watcher    called before each run
+/// @param watcher    called by the calling thread all along the runs, of which those of a body have a thread
+/// each
 StepVerdict judged_step(const Candidate& candidate, const ProbingMotion& motion,
                         const ReferenceMotion& reference, double h, const Watcher& watcher = {});
 
