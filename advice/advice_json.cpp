@@ -20,6 +20,15 @@ Json to_json(const std::optional<Inversion>& inversion) {
   return {{"tetrahedron", inversion->tetrahedron}, {"t", inversion->t}, {"volume", inversion->volume}};
 }
 
+Json to_json(const std::optional<OtherModel>& other) {
+  if (!other) return nullptr;
+  return {{"model", other->id},
+          {"load_share", other->load_share},
+          {"gravity_share", other->gravity_share},
+          {"scale", other->scale},
+          {"inverted", to_json(other->inversion)}};
+}
+
 /// @param load  of the recommended row; else empty
 Json margin_json(double stiffening, const LoadMargin* load) {
   Json margin{{"stiffening", number_or_word(stiffening)}};
@@ -128,6 +137,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"scale", advice.scale},
       {"reference_error", advice.reference_error},
       {"inverted", to_json(advice.inversion)},
+      {"other_model", to_json(advice.other_model)},
       {"modes", advice.modes},
       {"rate", question.rate},
       {"tolerance", question.tolerance},

@@ -12,6 +12,7 @@
 #include "advice/step_search.hpp"
 #include "advice/time_limit.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "limits/linearised_problem.hpp"
@@ -198,6 +199,14 @@ void recommend(std::vector<AdviceRow>& rows, const AdviceQuestion& question) {
       rows[i].verdict = AdviceVerdict::tie;
 }
 
+/// Of a body; none of other problems.
+ExplicitLimits explicit_limits(const Linearised& near) {
+  const auto limit = [&](const char* method) {
+    return near.point.is_body ? predict(find_method(method), near).h_max.value_or(0) : 0;
+  };
+  return {.central = limit("central_difference"), .rk4 = limit("rk4")};
+}
+
 /// One search for an answer.
 class Search {
  public:
@@ -217,6 +226,8 @@ class Search {
         analyse();
         search_steps();
         if (is_suitable(advice_.rows.front())) verify_best();
+        look_at_other_model();
+        if (is_suitable(advice_.rows.front())) compare_others();
       }
       advice_.stage = AdviceStage::done;
     } catch (const OutOfTime&) {
@@ -270,13 +281,9 @@ class Search {
       model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
     model.slow = slowest_modes(model.near.modes);
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
-    const auto limit = [&](const char* method) {
-      return problem_.body ? predict(find_method(method), model.near).h_max.value_or(0) : 0;
-    };
-    model.reference = reference_motion(
-        model.motion, question_.frame(), question_.tolerance, watch_,
-        // Errors that are ranked must be seen apart.
-        {.central = question_.least_error ? 0 : limit("central_difference"), .rk4 = limit("rk4")});
+    ExplicitLimits limits = explicit_limits(model.near);
+    if (question_.least_error) limits.central = 0;  // errors that are ranked must be seen apart
+    model.reference = reference_motion(model.motion, question_.frame(), question_.tolerance, watch_, limits);
     advice_.scale = model.reference.scale;
     advice_.reference_error = model.reference.error_bound;
     advice_.inversion = first_inversion(model.motion, model.reference);
@@ -329,8 +336,34 @@ class Search {
     enter(AdviceStage::observing, 0.88, "how sure the limit is");
     if (make_ && std::isfinite(rows.front().h_max))
       advice_.bands = limit_bands(rows.front().candidate.method, problem_, model.motion.problem.y0, make_);
+  }
+
+  /// Where elements are inverted, or loads are too large for this model: what one does that resists.
+  void look_at_other_model() {
+    const bool fails = advice_.inversion || advice_.load_share < 1 || advice_.gravity_share < 1;
+    const std::optional<Problem> other =
+        problem_.body && fails ? with_resisting_model(problem_) : std::nullopt;
+    if (!other) return;
+    enter(advice_.stage, 0.89, "a model that resists inversion");
+    try {
+      const ProbingMotion motion = question_.motion ? probing_motion(*other, *question_.motion, watch_)
+                                                    : probing_motion(*other, watch_);
+      const ReferenceMotion reference =
+          reference_motion(motion, question_.frame(), question_.tolerance, watch_,
+                           explicit_limits(linearised(motion.problem, 0, motion.problem.y0)));
+      advice_.other_model = {.id = other->body->settings().model.id,
+                             .load_share = motion.load_share,
+                             .gravity_share = motion.gravity_share,
+                             .scale = reference.scale,
+                             .inversion = first_inversion(motion, reference)};
+    } catch (const InputError&) {  // no reference with that model either
+    }
+  }
+
+  void compare_others() {
+    std::vector<AdviceRow>& rows = advice_.rows;
     enter(AdviceStage::observing, 0.9, "timing other methods");
-    time_rows(Timed::others, rows, question_, model, watch_);
+    time_rows(Timed::others, rows, question_, *model_, watch_);
     for (std::size_t i = 1; i < rows.size(); ++i)
       observe(rows[i], 0.9 + 0.1 * static_cast<double>(i) / static_cast<double>(rows.size()));
   }

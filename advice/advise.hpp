@@ -124,6 +124,14 @@ enum class AdviceStage {
 /// "predicting", ...
 std::string_view name_of(AdviceStage stage);
 
+/// The body of a question with the first model whose elements resist inversion, on the same motion.
+struct OtherModel {
+  std::string_view id;
+  double load_share = 1, gravity_share = 1;  ///< as Advice has them
+  double scale = 0;                          ///< the largest displacement of the motion [m]
+  std::optional<Inversion> inversion;        ///< the first element that the motion inverts
+};
+
 struct Advice {
   AdviceStage stage = AdviceStage::predicting;
   bool out_of_time = false;                  ///< AdviceQuestion::within was over before the search was done
@@ -133,7 +141,9 @@ struct Advice {
   double scale = 0;                          ///< its largest displacement [m], or largest |y_i|
   double reference_error = 0;                ///< bound, relative to the scale
   std::optional<Inversion> inversion;        ///< the first element that the motion itself inverts
-  double t_end = 0;                          ///< of the motion [s]
+  /// Sought where the motion inverts elements, or has only a part of the loads.
+  std::optional<OtherModel> other_model;
+  double t_end = 0;              ///< of the motion [s]
   double stiffened = 1;          ///< how many times stiffer than at its start the motion makes the body
   std::vector<double> modes;     ///< the slowest oscillations at the start, at most 3 [rad/s]
   std::vector<AdviceRow> rows;   ///< best first

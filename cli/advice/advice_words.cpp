@@ -74,6 +74,20 @@ std::string words_of_step(const AdviceRow& row) {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
+/// How a model that resists inversion stands the same motion; empty where it was not tried, or does no
+/// better.
+std::string words_of_other_model(const Advice& advice) {
+  if (!advice.other_model) return {};
+  const OtherModel& other = *advice.other_model;
+  const bool bears_more = other.gravity_share > advice.gravity_share || other.load_share > advice.load_share;
+  const bool is_whole = !other.inversion && other.gravity_share == 1 && other.load_share == 1;
+  if (!is_whole && !bears_more && (other.inversion || !advice.inversion)) return {};
+  const auto share = [](double of) { return of == 1 ? std::string("all") : short_number(of, 3); };
+  return fmt::format("--model {} moves by {} mm under {} of gravity and {} of the load, and {}", other.id,
+                     milliseconds(other.scale), share(other.gravity_share), share(other.load_share),
+                     other.inversion ? in_words(*other.inversion) : "inverts no element");
+}
+
 /// What the user must know before trusting the answer: loads that were reduced, and a limit that published
 /// spreads cross.
 void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, const AdviceQuestion& question) {
@@ -92,6 +106,7 @@ void add_cautions(Facts& facts, const Advice& advice, const AdviceRow& row, cons
         "{}, in the reference motion too: the load causes it, not the step; reduce the load or take a "
         "stiffer material",
         in_words(*advice.inversion)));
+  if (const std::string other = words_of_other_model(advice); !other.empty()) caution(other);
   const auto band = std::ranges::min_element(advice.bands, {}, &LimitBand::low);
   if (band == advice.bands.end() || band->low * row.h_max >= row.h) return;
   constexpr double safety = 0.95;  // below a limit, as steps are chosen

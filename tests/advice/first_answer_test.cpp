@@ -44,6 +44,22 @@ TEST(FirstAnswer, TimesStepsAndLeavesOutWhatIsHopeless) {
   EXPECT_GE(hopeless, 3U);
 }
 
+// A load that crushes elements has no equilibrium with Green's strain, and has one with a model that resists.
+TEST(OtherModel, BearsWhatAModelDoesNotThatCollapses) {
+  const auto pressed = [](double force) {
+    return cube("press", {{"E", 200}, {"force", force}, {"support", 0.2}, {"alpha", 10}});
+  };
+  AdviceQuestion asked = question(100, {"symplectic_euler"}, pressed(1));
+  const Advice crushed = advise(pressed(1), asked);
+  EXPECT_LT(crushed.load_share, 1);
+  ASSERT_TRUE(crushed.other_model);
+  EXPECT_EQ(crushed.other_model->id, "fem_neo_hookean");
+  EXPECT_GT(crushed.other_model->load_share, crushed.load_share);
+  EXPECT_GT(crushed.other_model->scale, 0);
+  EXPECT_FALSE(crushed.other_model->inversion);
+  EXPECT_FALSE(advise(pressed(1e-3), asked).other_model);
+}
+
 // Without damping steps of explicit Euler grow however short they are.
 TEST(FirstAnswer, KnowsThatNoStepIsStable) {
   const Problem problem = cube("press");

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
@@ -224,9 +225,8 @@ namespace {
 
 /// What else may help where an element collapses: for a model that does not resist it, one that does.
 std::string remedy_of_collapse(const TissueModel& model) {
-  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_inversion);
-  if (model.resists_inversion || other == tissue_models().end())
-    return ", a smaller load or a stiffer material";
+  const TissueModel* other = resisting_model(model);
+  if (!other) return ", a smaller load or a stiffer material";
   return fmt::format(", a smaller load, a stiffer material, or {}, which resists being crushed", other->id);
 }
 

@@ -9,6 +9,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/tissue_parameters.hpp"
 #include "catalogue/models/tissue_problem.hpp"
@@ -123,6 +124,17 @@ SupportAdvice advice_without_equilibrium(const Problem& problem) {
       true};
 }
 
+/// What the body would do with a model that resists inversion, in words; empty where there is no other.
+std::string words_of_resisting_model(const Problem& problem) {
+  const auto other = with_resisting_model(problem);
+  if (!other) return {};
+  const StaticSolution solution = found_equilibrium(*other, 1, {.tolerance = 1e-9}, [] { return 0.0; });
+  const std::string_view id = other->body->settings().model.id;
+  if (outcome_of(*other, solution) != "converged") return fmt::format("; {} has no equilibrium either", id);
+  return fmt::format("; {} has an equilibrium, at {}, and inverts no element", id,
+                     millimetres(largest_displacement(solution.q)));
+}
+
 }  // namespace
 
 std::string remedy_without_equilibrium(const Problem& problem) {
@@ -134,8 +146,9 @@ std::string status_without_equilibrium(const Problem& problem, const StaticSolut
   if (solution.converged || !(solution.remedy.empty() || solution.unstable || solution.barred))
     return status_of(problem, solution);
   const SupportAdvice advice = advice_without_equilibrium(problem);
-  return advice.is_the_cause ? cause_of(problem, solution) + "; " + advice.words
-                             : status_of(problem, solution);
+  if (advice.is_the_cause) return cause_of(problem, solution) + "; " + advice.words;
+  const bool by_elements = solution.barred || outcome_of(problem, solution) == "inverted";
+  return status_of(problem, solution) + (by_elements ? words_of_resisting_model(problem) : "");
 }
 
 }  // namespace hmax

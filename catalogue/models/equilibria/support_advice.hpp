@@ -22,8 +22,9 @@ std::optional<double> linear_sag(const TissueBody& body);
 std::string remedy_without_equilibrium(const Problem& problem);
 
 /// status_of() a search under the whole load; where the support is the cause that it has no equilibrium, that
-/// in place of a smaller load.
-/// @cost  as remedy_without_equilibrium() where the search has found nothing
+/// in place of a smaller load; where elements are crushed or inverted, what the same search finds with a
+/// model that resists it.
+/// @cost  as remedy_without_equilibrium() where the search has found nothing, and a search
 std::string status_without_equilibrium(const Problem& problem, const StaticSolution& solution);
 
 }  // namespace hmax

@@ -1,10 +1,13 @@
 #include "catalogue/models/equilibria/support_advice.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
+#include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -44,6 +47,25 @@ TEST(StatusWithoutEquilibrium, NamesTheSupportWhereItIsTheCause) {
   const std::string status = status_without_equilibrium(problem, solution);
   EXPECT_NE(status.find("the support is the cause"), std::string::npos) << status;
   EXPECT_EQ(status.find("a smaller load"), std::string::npos) << status;
+}
+
+// The same search with the other model is the oracle.
+TEST(StatusWithoutEquilibrium, SaysWhatAModelDoesThatResistsInversion) {
+  const Problem green = block("fem_green/press@cube:n=3", {{"E", 800}, {"force", 1}, {"support", 0.2}}),
+                neo = block("fem_neo_hookean/press@cube:n=3", {{"E", 800}, {"force", 1}, {"support", 0.2}});
+  const auto searched = [](const Problem& problem) {
+    return found_equilibrium(problem, 1, {.tolerance = 1e-9}, [] { return 0.0; });
+  };
+  const StaticSolution crushed = searched(green), held = searched(neo);
+  ASSERT_TRUE(crushed.barred);
+  ASSERT_TRUE(held.converged);
+  const std::string status = status_without_equilibrium(green, crushed);
+  EXPECT_NE(status.find(fmt::format("; fem_neo_hookean has an equilibrium, at {}, and inverts no element",
+                                    millimetres(largest_displacement(held.q)))),
+            std::string::npos)
+      << status;
+  // It resists already.
+  EXPECT_FALSE(with_resisting_model(neo));
 }
 
 TEST(RemedyWithoutEquilibrium, IsALoadOrAMaterialWhereNoSupportHelps) {
