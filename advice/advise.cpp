@@ -268,7 +268,7 @@ class Search {
   /// The motion, its reference and the limits along it of the rows that have hope.
   void analyse() {
     AnalysedModel& model = *model_;
-    enter(AdviceStage::searching, 0.02, "finding a load with an equilibrium", time_of_search);
+    enter(AdviceStage::searching, 0.02, "finding a load with an equilibrium");
     model.motion = question_.motion ? probing_motion(problem_, *question_.motion, watch_)
                                     : probing_motion(problem_, watch_);
     lengthen(model.motion, question_);
@@ -276,7 +276,7 @@ class Search {
     advice_.t_end = model.motion.t_end;
     advice_.load_share = model.motion.load_share;
     advice_.gravity_share = model.motion.gravity_share;
-    enter(AdviceStage::searching, 0.05, "finding the reference motion", time_of_search);
+    enter(AdviceStage::searching, 0.05, "finding the reference motion");
     if (problem_.body || question_.motion)
       model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
     model.slow = slowest_modes(model.near.modes);
@@ -287,13 +287,13 @@ class Search {
     advice_.scale = model.reference.scale;
     advice_.reference_error = model.reference.error_bound;
     advice_.inversion = first_inversion(model.motion, model.reference);
-    enter(AdviceStage::searching, 0.15, "limits along the motion", time_of_search);
+    enter(AdviceStage::searching, 0.15, "limits along the motion");
     std::vector<Candidate> all;
     for (const AdviceRow& row : advice_.rows)
       if (row.verdict == AdviceVerdict::predicted) all.push_back(row.candidate);
     predict_limits(model, all, watch_, [&](std::size_t i) {
       enter(AdviceStage::searching, 0.15 + 0.15 * static_cast<double>(i) / static_cast<double>(all.size()),
-            "limit of " + all[i].words(), time_of_search);
+            "limit of " + all[i].words());
     });
     advice_.stiffened = model.stiffened;
     advice_.model = model_;
@@ -307,7 +307,7 @@ class Search {
       const std::string words = rows[i].candidate.words();
       try {
         enter(AdviceStage::searching, 0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(rows.size()),
-              "steps of " + words, time_of_search);
+              "steps of " + words, is_suitable(advice_.rows.front()) ? time_of_search : 1);
         search_step(rows[i], model_->limits[i], question_, *model_, watch_);
       } catch (const OutOfTime&) {
         // What was found so far is verified in the time that is left.
@@ -386,7 +386,8 @@ class Search {
     advice_.seconds = time_.elapsed();
   }
 
-  static constexpr double time_of_search = 0.6;  // of all
+  /// Of all, from the first row that suits on.
+  static constexpr double time_of_search = 0.6;
 
   const Problem& problem_;
   const AdviceQuestion& question_;

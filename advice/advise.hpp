@@ -171,8 +171,8 @@ using AdviceWatcher = std::function<void(double share, const std::string& what)>
 /// the longest one below 0.95 of the predicted limit and takes shorter ones until the motion holds and meets
 /// the tolerance. The best rows are then timed over `frames` frames, in turn; the best must hold for `proof`
 /// simulated seconds, as far as they take no more than 20 s of CPU time, or a third of the time that is left.
-/// Rows within 10 % of the best are ties. The search for steps ends when six tenths of
-/// AdviceQuestion::within are over, all else at its end: the answer is what is known by then.
+/// Rows within 10 % of the best are ties. Once a row suits, the search for steps ends when six
+/// tenths of AdviceQuestion::within are over, all else at its end: the answer is what is known by then.
 /// @throws InputError  as probing_motion() and reference_motion()
 /// @param make  for the bands of the limit; without it there are none
 Advice advise(const Problem& problem, const AdviceQuestion& question, const AdviceWatcher& watcher = {},
