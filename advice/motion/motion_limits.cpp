@@ -35,14 +35,16 @@ Path thinned(const Path& path, std::size_t most) {
   return few;
 }
 
-/// Of so many of its states the modes of a model without a mesh are found: all eigenvalues of n take n^3.
+/// Of so many states of the reference the modes are found: of models without a mesh all eigenvalues, which
+/// take n^3, of bodies the fastest and what may be negative, a second or two for 40,000 degrees of freedom.
 std::size_t affordable_states(const Problem& problem) {
+  if (problem.body) return problem.body->dofs() > most_cheaply_factored ? 5 : 10;
   const auto n = static_cast<double>(problem.y0.size());
   return static_cast<std::size_t>(std::clamp(4e9 / (n * n * n), 3.0, 50.0));
 }
 
-/// The states at which limits are looked for: of bodies ten of the reference, of other large problems up to
-/// fifty, of small ones four hundred of the motion, which may be fast between two instants of the reference.
+/// The states at which limits are looked for: some of the reference, of small problems without a mesh four
+/// hundred of the motion, which may be fast between two instants of the reference.
 Path path_of(const AnalysedModel& model, const Watcher& watcher) {
   const Problem& problem = model.motion.problem;
   const ReferenceMotion& reference = model.reference;
@@ -51,8 +53,7 @@ Path path_of(const AnalysedModel& model, const Watcher& watcher) {
       return motion_path(problem, model.motion.t_end, 400, watcher);
     } catch (const InputError&) {  // what the explicit method of the path does not follow
     }
-  return thinned({.at = reference.t, .y = reference.y, .note = {}},
-                 problem.body ? 10 : affordable_states(problem));
+  return thinned({.at = reference.t, .y = reference.y, .note = {}}, affordable_states(problem));
 }
 
 /// The smaller of two limits of which either may be missing.

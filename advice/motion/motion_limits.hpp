@@ -40,14 +40,14 @@ struct AnalysedModel {
 };
 
 /// Fills AnalysedModel::limits, and what the motion makes of the model: the least limits at the start and at
-/// ten states of the reference, of models without a mesh at 3 to 50 of them, the fewer the larger they are,
-/// and of up to 20 states that are not stiff at 400 states of the motion. Limits that no mode tells, of
-/// Jacobians that are frozen, of truncated iterations and of implicit-explicit steps, come from the maps of
-/// their steps, of models up to 2000 states: at the start and where the body is stiffest, or of small
-/// problems at ten states and where the central difference has its least limit. Of more than 20 states these
-/// take seconds each and are left pending, as are bodies' limits of methods that choose their stages by a
-/// spectral radius. Of larger bodies frozen Jacobians have that of an undamped spring which stiffens as much
-/// as the fastest mode.
+/// ten states of the reference, five of the largest bodies, of models without a mesh at 3 to 50 of them, the
+/// fewer the larger they are, and of up to 20 states that are not stiff at 400 states of the motion. Limits
+/// that no mode tells, of Jacobians that are frozen, of truncated iterations and of implicit-explicit steps,
+/// come from the maps of their steps, of models up to 2000 states: at the start and where the body is
+/// stiffest, or of small problems at ten states and where the central difference has its least limit. Of more
+/// than 20 states these take seconds each and are left pending, as are bodies' limits of methods that choose
+/// their stages by a spectral radius. Of larger bodies frozen Jacobians have that of an undamped spring which
+/// stiffens as much as the fastest mode.
 /// @param progress  called with the number of each candidate before its turn
 void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, const Watcher& watcher,
                     const std::function<void(std::size_t)>& progress = {});
