@@ -13,7 +13,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/region_shape.hpp"
-#include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
 #include "studies/organ_rates.hpp"
@@ -86,10 +85,9 @@ Curve eigenvalues_of(const ParticleBody& body, double h) {
   Curve curve{.label = "eigenvalues", .style = {.colour = 6}, .line = false};
   curve.style.marker = 7;
   curve.style.size = 0.5;
-  const Linearised near = linearised(particle_problem(body));
-  for (const auto lambda : near.modes.spectrum.lambda) {
-    curve.x.push_back(h * lambda.real());
-    curve.y.push_back(h * lambda.imag());
+  for (const auto z : scaled_eigenvalues(body, h)) {
+    curve.x.push_back(z.real());
+    curve.y.push_back(z.imag());
   }
   return curve;
 }
@@ -98,7 +96,7 @@ Curve eigenvalues_of(const ParticleBody& body, double h) {
 /// predicted.
 void euler_by_eigenvalues(TissuePage& tissue, const ParticleBody& body, double rate) {
   double h = INFINITY;
-  for (const auto lambda : linearised(particle_problem(body)).modes.spectrum.lambda)
+  for (const auto lambda : scaled_eigenvalues(body, 1))
     h = std::min(h, -2 * lambda.real() / std::norm(lambda));
   tissue.judge("one_plus_z", judged(std::abs(h * rate - 1) < 1e-6), {{"h", h}, {"predicted", 1 / rate}});
 }
