@@ -23,21 +23,21 @@ namespace {
 /// / sqrt(k / m) of rk4; it ends at rest at -m g / k.
 constexpr double gravity = 9.81, floor_k = 1e6, ball_m = 1;
 
-Problem ball(const Scratch& scratch, double height, double t_end = 2) {
+/// @param floor  where it is [m]; `height` counts from it
+Problem ball(const Scratch& scratch, double height, double t_end = 2, double floor = 0) {
   const std::filesystem::path file = scratch / "ball.toml";
-  std::ofstream(file)
-      << "[problem]\nt_end = " << t_end
-      << "\n[equations]\nx = \"v\"\nv = \"-9.81 + (x < 0 ? (-k*x - c*v)/m : 0)\"\n[parameters]\nk = 1e6\n"
-         "c = 10\nm = 1\n[initial]\nx = "
-      << height << "\nv = 0\n";
+  std::ofstream(file) << "[problem]\nt_end = " << t_end
+                      << "\n[equations]\nx = \"v\"\nv = \"-9.81 + (x < F ? (-k*(x - F) - c*v)/m : 0)\"\n"
+                         "[parameters]\nk = 1e6\nc = 10\nm = 1\nF = "
+                      << floor << "\n[initial]\nx = " << floor + height << "\nv = 0\n";
   return make_problem(file.string());
 }
 
 Candidate rk4() { return {find_method("rk4"), {}, {}}; }
 
-StepVerdict judged(const Problem& problem, double h, double t_end) {
+StepVerdict judged(const Problem& problem, double h, double t_end, double scale = 0) {
   ReferenceMotion reference;
-  reference.scale = problem.y0.cwiseAbs().maxCoeff();
+  reference.scale = scale > 0 ? scale : problem.y0.cwiseAbs().maxCoeff();
   return judged_step(rk4(), {.problem = problem, .t_end = t_end, .words = ""}, reference, h);
 }
 
@@ -65,6 +65,10 @@ TEST(StableStep, IsNoneBeyondTheLimitOfContact) {
     EXPECT_FALSE(verdict.stable) << factor;
     EXPECT_NE(verdict.why.find("as large as with a quarter of the step"), std::string::npos) << verdict.why;
   }
+  // Wherever the floor is.
+  const StepVerdict above = judged(ball(scratch, 0.5, 2, 3000), 1.2 * limit, 20, 0.5);
+  EXPECT_FALSE(above.stable);
+  EXPECT_NE(above.why.find("as large as with a quarter of the step"), std::string::npos) << above.why;
 }
 
 TEST(StableStep, OfALinearOscillatorIsDecidedByGrowthAlone) {
