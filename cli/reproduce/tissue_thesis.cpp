@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -175,12 +174,10 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
   };
   const double modified = slower(StaticMethod::modified_newton), newton = slower(StaticMethod::newton);
   const AccurateSolution cost = accurate_solution(rows);
-  const double best = std::ranges::min(rows | std::views::filter([](const InnerTolerance& row) {
-                                         return row.method == StaticMethod::newton;
-                                       }),
-                                       {}, &InnerTolerance::seconds)
-                          .seconds /
-                      row_of(StaticMethod::newton, rough).seconds;
+  double shortest = INFINITY;
+  for (const InnerTolerance& row : rows)
+    if (row.method == StaticMethod::newton) shortest = std::min(shortest, row.seconds);
+  const double best = shortest / row_of(StaticMethod::newton, rough).seconds;
   const std::vector<LoadedIterations> loads =
       loaded_iterations(tissue.options.mesh(), study_material, {0.05, 0.1, 0.2, 0.4});
   tissue.page.values["inner_systems"] = {{"ways", ways},          {"modified", modified},
