@@ -136,7 +136,7 @@ std::optional<std::string> first_difference(const std::vector<RunFact>& checkpoi
   if (has_theirs && has_ours && theirs->name == ours->name)
     return ours->name + " is " + theirs->value + " in the checkpoint and " + ours->value + " in this run";
   if (has_ours && std::none_of(checkpoint.begin(), checkpoint.end(),
-                               [&](const RunFact& fact) { return fact.name == ours->name; }))
+                               [&name = ours->name](const RunFact& fact) { return fact.name == name; }))
     return ours->name + " is " + ours->value + " in this run and not given in the checkpoint";
   if (has_theirs)
     return theirs->name + " is " + theirs->value + " in the checkpoint and not given in this run";

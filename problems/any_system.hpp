@@ -201,8 +201,10 @@ class BasicAnySystem {
   class Model final : public Interface {
     using Own = typename S::State;
     using OwnReal = typename Eigen::NumTraits<typename Own::Scalar>::Real;
-    static constexpr bool differentiable = requires(const S& s, const Own& y, typename S::Jacobian& J) {
-      s.jacobian(OwnReal{}, y, J);
+    // Matrices that S may lack are named in the bodies: Clang 14 takes an unknown type of a parameter for an
+    // error where GCC takes it for no.
+    static constexpr bool differentiable = requires(const S& s, const Own& y) {
+      s.jacobian(OwnReal{}, y, std::declval<typename S::Jacobian&>());
     };
     static constexpr bool time_differentiable = requires(const S& s, Own& out) {
       s.time_derivative(OwnReal{}, out, out);
@@ -214,8 +216,8 @@ class BasicAnySystem {
     static constexpr bool with_offset = requires(const S& s, Own& X) { s.offset(X); };
     static constexpr bool second_order = requires { typename S::Dofs; };
     static constexpr bool split = requires(const S& s, Own& out) { s.rhs_stiff(OwnReal{}, out, out); };
-    static constexpr bool split_structure = requires(const S& s, typename S::DofMatrix& K) {
-      s.stiffness_stiff(K);
+    static constexpr bool split_structure = requires(const S& s) {
+      s.stiffness_stiff(std::declval<typename S::DofMatrix&>());
     };
 
    public:

@@ -278,8 +278,8 @@ struct FormulaSystem::Compiled {
       }
     jacobian = FormulaProgram(graph, entries, n);
     time_derivative = FormulaProgram(graph, time_slopes, n);
-    autonomous =
-        std::ranges::none_of(roots, [&](FormulaNodeId root) { return graph.dependence(root).on_time; });
+    autonomous = std::ranges::none_of(
+        roots, [&](FormulaNodeId root) { return formulas.graph.dependence(root).on_time; });
     linearity = linearity_of(formulas);
     switches = FormulaSwitches(formulas.graph, roots, n);
   }

@@ -10,6 +10,7 @@
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
+#include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/topology.hpp"
@@ -52,6 +53,20 @@ double last_that(const Holds& holds, double low, double high, double factor) {
 }  // namespace
 
 Problem particle_problem(const ParticleBody& body) { return weighing(body, 0); }
+
+std::vector<std::complex<double>> scaled_eigenvalues(const ParticleBody& body, double h) {
+  std::vector<std::complex<double>> scaled;
+  for (const auto lambda : linearised(particle_problem(body)).modes.spectrum.lambda)
+    scaled.push_back(h * lambda);
+  return scaled;
+}
+
+std::vector<double> logarithmic_places(double low, double high, int points) {
+  std::vector<double> places;
+  for (int i = 0; i < points; ++i)
+    places.push_back(low * std::pow(high / low, static_cast<double>(i) / (points - 1)));
+  return places;
+}
 
 double mean_spring_stiffness(const ParticleBody& body) {
   const TetMesh mesh = mesh_by_name(body.mesh);

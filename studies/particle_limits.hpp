@@ -2,6 +2,7 @@
 /// its springs.
 #pragma once
 
+#include <complex>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,14 @@ std::vector<double> stable_step_rates(std::span<const Method> methods, const Par
 /// The stiffest of such bodies, by its E [Pa], on which a method is stable with `rate` steps a second, to one
 /// part in a thousand: looked for between `softest` and `stiffest`, one of which it is when all or none are.
 double stiffest_stable(const Method& method, ParticleBody body, double rate, double softest, double stiffest);
+
+/// h lambda of every mode of the body.
+/// @param h  [s]
+std::vector<std::complex<double>> scaled_eigenvalues(const ParticleBody& body, double h);
+
+/// Numbers from `low` to `high`, each the same factor above the one before: places of a curve over a
+/// logarithmic axis. Shape (points), at least 2.
+std::vector<double> logarithmic_places(double low, double high, int points);
 
 /// The heaviest particle [kg] with which the body still has an equilibrium, hanging in its weight, without an
 /// element turned inside out, to one part in a hundred. Springs are linear in their length, so that the

@@ -15,6 +15,7 @@
 
 #include "bench/micro/plain_tissue.hpp"
 #include "bench/micro/start.hpp"
+#include "bench/micro/tissue_costs.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/renumber.hpp"
 #include "problems/mesh/topology.hpp"
@@ -26,6 +27,7 @@ namespace {
 
 using Index = TetMesh::Index;
 using Eigen::Vector3d;
+using micro::BodyCounts, micro::Cost;
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
@@ -124,19 +126,14 @@ void evaluate(Case& c, Task task, bool plain) {
   }
 }
 
-/// What one element costs at least: operations, and bytes when its record and its share of the points are
-/// read and written once.
-struct Cost {
-  double operations, bytes;
-};
 Cost cost_of(const Case& c, Task task) {
-  const double points = static_cast<double>(c.mesh.point_count());
-  const double tetrahedra = static_cast<double>(c.mesh.tetrahedron_count()),
-               edges = static_cast<double>(c.edges.cols());
-  if (task == Task::force) return {210, 104 + 96 * points / tetrahedra};
-  if (task == Task::springs) return {31, 20 + 96 * points / edges};
-  return {588, 128 + 32 * points / tetrahedra + 2 * 96 * edges / tetrahedra +
-                   8 * static_cast<double>(c.K.nonZeros()) / tetrahedra};
+  const BodyCounts body{.points = static_cast<double>(c.mesh.point_count()),
+                        .edges = static_cast<double>(c.edges.cols()),
+                        .tetrahedra = static_cast<double>(c.mesh.tetrahedron_count()),
+                        .entries = static_cast<double>(c.K.nonZeros())};
+  return task == Task::force     ? cost_of_force(body)
+         : task == Task::springs ? cost_of_springs(body)
+                                 : cost_of_stiffness(body);
 }
 
 struct Measurement {
@@ -185,9 +182,9 @@ class Collector : public benchmark::ConsoleReporter {
   }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs)
-      if (const auto found = measurements_.find(run.run_name.function_name);
-          found != measurements_.end() && run.run_type == Run::RT_Iteration)
-        found->second.seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
+      if (run.run_type == Run::RT_Iteration)
+        measurements_.at(run.run_name.function_name)
+            .seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
     if (!quiet_) ConsoleReporter::ReportRuns(runs);
   }
 

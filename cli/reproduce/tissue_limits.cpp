@@ -25,12 +25,6 @@ constexpr double study_damper = 6;      // [N s/m]
 
 constexpr std::array particle_methods{"explicit_euler", "rk4", "symplectic_euler"};
 
-std::vector<double> logarithmic(double low, double high, int points) {
-  std::vector<double> values;
-  for (int i = 0; i < points; ++i) values.push_back(low * std::pow(high / low, double(i) / (points - 1)));
-  return values;
-}
-
 /// One panel: a curve for each method over one of the numbers of a body.
 struct RatePanel {
   std::string title, note;
@@ -52,7 +46,7 @@ Panel drawn(const RatePanel& wanted, std::span<const Method> methods, const Rang
   for (const Method& method : methods)
     panel.curves.push_back({.label = method.id, .style = family_style(k++)});
   ParticleBody body = wanted.body;
-  for (const double at : logarithmic(wanted.range.low, wanted.range.high, wanted.points)) {
+  for (const double at : logarithmic_places(wanted.range.low, wanted.range.high, wanted.points)) {
     body.*wanted.over = wanted.unit * at;
     const std::vector<double> found = stable_step_rates(methods, body);
     for (std::size_t i = 0; i < methods.size(); ++i) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ranges>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -13,7 +12,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/region_shape.hpp"
-#include "limits/linearised_problem.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
 #include "studies/organ_rates.hpp"
@@ -86,10 +84,9 @@ Curve eigenvalues_of(const ParticleBody& body, double h) {
   Curve curve{.label = "eigenvalues", .style = {.colour = 6}, .line = false};
   curve.style.marker = 7;
   curve.style.size = 0.5;
-  const Linearised near = linearised(particle_problem(body));
-  for (const auto lambda : near.modes.spectrum.lambda) {
-    curve.x.push_back(h * lambda.real());
-    curve.y.push_back(h * lambda.imag());
+  for (const auto z : scaled_eigenvalues(body, h)) {
+    curve.x.push_back(z.real());
+    curve.y.push_back(z.imag());
   }
   return curve;
 }
@@ -98,7 +95,7 @@ Curve eigenvalues_of(const ParticleBody& body, double h) {
 /// predicted.
 void euler_by_eigenvalues(TissuePage& tissue, const ParticleBody& body, double rate) {
   double h = INFINITY;
-  for (const auto lambda : linearised(particle_problem(body)).modes.spectrum.lambda)
+  for (const auto lambda : scaled_eigenvalues(body, 1))
     h = std::min(h, -2 * lambda.real() / std::norm(lambda));
   tissue.judge("one_plus_z", judged(std::abs(h * rate - 1) < 1e-6), {{"h", h}, {"predicted", 1 / rate}});
 }
@@ -177,12 +174,10 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
   };
   const double modified = slower(StaticMethod::modified_newton), newton = slower(StaticMethod::newton);
   const AccurateSolution cost = accurate_solution(rows);
-  const double best = std::ranges::min(rows | std::views::filter([](const InnerTolerance& row) {
-                                         return row.method == StaticMethod::newton;
-                                       }),
-                                       {}, &InnerTolerance::seconds)
-                          .seconds /
-                      row_of(StaticMethod::newton, rough).seconds;
+  double shortest = INFINITY;
+  for (const InnerTolerance& row : rows)
+    if (row.method == StaticMethod::newton) shortest = std::min(shortest, row.seconds);
+  const double best = shortest / row_of(StaticMethod::newton, rough).seconds;
   const std::vector<LoadedIterations> loads =
       loaded_iterations(tissue.options.mesh(), study_material, {0.05, 0.1, 0.2, 0.4});
   tissue.page.values["inner_systems"] = {{"ways", ways},          {"modified", modified},

@@ -314,7 +314,7 @@ void Planner::gather_panels() {
   // Counts to places, then each vertex into its place.
   std::partial_sum(members_first_.begin(), members_first_.end(), members_first_.begin());
   members_.resize(n);
-  Indices next(members_first_.begin(), members_first_.end() - 1);
+  Indices next = members_first_;
   for (Index v = 0; v < n; ++v) members_[next[panel_[v]]++] = v;
 }
 

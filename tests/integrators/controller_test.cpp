@@ -124,6 +124,21 @@ TEST(MatlabRules, BoundTheStepByATenthOfTheSpan) {
   EXPECT_DOUBLE_EQ(first_matlab_step(0.2, 1e-5, 1e-6, 0).h, 0.02) << "a slope of zero";
 }
 
+TEST(FirstStep, DoesNotDependOnWhereTimeBegins) {
+  // From rest at 0, where a millionth of the span is the first guess: y' = 4 whatever t.
+  const auto steady = system_of<One>([](double, const One&, One& dydt) { dydt[0] = 4; });
+  const auto first = [&](double t0, double length) {
+    Adaptive<double, IntegralController, RmsNorm> control({1e-5, 1e-6}, 5);
+    int no_stepper = 0;
+    control.start(no_stepper, steady, Span<double>{t0, t0 + length}, One(0.0));
+    return control.propose(t0).h;
+  };
+  for (const double t0 : {-8.0, -4.0, 16.0}) {
+    EXPECT_EQ(first(t0, 8), first(0, 8)) << t0;
+    EXPECT_EQ(first(t0, -8), -first(0, 8)) << t0;
+  }
+}
+
 TEST(MatlabRules, StretchTheLastStepByATenth) {
   Adaptive<double, MatlabController, MatlabNorm> control({1e-5, 1e-6}, 5);
   int no_stepper = 0;

@@ -74,6 +74,16 @@ TEST(Kepler, ExactSolutionKeepsEnergyAndAngularMomentum) {
   }
 }
 
+TEST(Kepler, ExactSolutionAfterManyTurnsOfALargeOrbitIsThatOfOne) {
+  // A circle of radius 64: its period is 2 pi 64^(3/2), and after an odd number of halves the planet is
+  // opposite.
+  using Problem = Kepler<Quad>;
+  const Problem::State start(64, 0, 0, 0.125L);
+  const Quad half = 512 * std::numbers::pi_v<Quad>;
+  for (const int turns : {1, 101, 10001})
+    EXPECT_LT((Problem().exact(turns * half, start) + start).norm(), 1e-18L * turns * start.norm()) << turns;
+}
+
 TEST(Kepler, HasNoExactSolutionForStartsThatAreNoEllipse) {
   const Kepler<double> problem;
   EXPECT_TRUE(std::isnan(problem.exact(1, {1, 0, 0, 2})[0]));  // flies away
@@ -162,6 +172,22 @@ TEST(Brusselator, RestsWhereReactionAndDiffusionVanish) {
   problem.rhs(0, y, dydt);
   EXPECT_EQ(dydt, Eigen::VectorXd::Zero(8));
 }
+
+/// Of vectors that are longer than the state the rest is left alone.
+template <class Problem>
+void expect_to_touch_its_states_alone(const Problem& problem) {
+  const Eigen::Index n = problem.dim();
+  Eigen::VectorXd y = Eigen::VectorXd::LinSpaced(n + 4, 1, 2), dydt = Eigen::VectorXd::Constant(n + 4, 7);
+  problem.rhs(0, y, dydt);
+  EXPECT_EQ(dydt.tail(4), Eigen::VectorXd::Constant(4, 7));
+  EXPECT_NE(dydt[n - 1], 7);
+  if constexpr (requires { problem.rhs_nonstiff(0, y, dydt); }) {
+    problem.rhs_nonstiff(0, y, dydt);
+    EXPECT_EQ(dydt.tail(4), Eigen::VectorXd::Constant(4, 7));
+  }
+}
+
+TEST(Brusselator, TouchesItsStatesAlone) { expect_to_touch_its_states_alone(Brusselator<double>({.n = 4})); }
 
 /// d/dt of a function of the state along the flow, by central differences.
 template <class Problem, class Function>

@@ -98,5 +98,27 @@ TEST(TheHeaviestParticle, HasAnEquilibriumAndALittleMoreOverturnsAnElement) {
   EXPECT_NEAR(heaviest_hanging(stiff) / heaviest, 10, 0.2);
 }
 
+TEST(ScaledEigenvalues, OfOscillationsLieOnALineAndReachTheLimitOfSymplecticEuler) {
+  // q'' + alpha q' + kappa q = 0 has Re lambda = -alpha / 2; without damping omega h = 2 at the limit.
+  const std::vector<Method> symplectic{find_method("symplectic_euler")};
+  const double h = 1 / stable_step_rates(symplectic, phantom).front();
+  double largest = 0;
+  for (const auto z : scaled_eigenvalues(phantom, h)) largest = std::max(largest, std::abs(z));
+  EXPECT_NEAR(largest, 2, 1e-6);
+  ParticleBody damped = phantom;
+  damped.damper = 0.01;
+  const double alpha =
+      damped.damper /
+      (damped.particle_mass * static_cast<double>(particle_problem(phantom).body->point_mass().size()));
+  for (const auto z : scaled_eigenvalues(damped, h)) EXPECT_NEAR(z.real(), -h * alpha / 2, 1e-9 * largest);
+}
+
+TEST(LogarithmicPlaces, AreDecadesWhereTheyAreAskedForDecades) {
+  const std::vector<double> places = logarithmic_places(0.01, 1000, 6);
+  ASSERT_EQ(places.size(), 6U);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    EXPECT_NEAR(places[i] / std::pow(10, static_cast<double>(i) - 2), 1, 1e-14) << i;
+}
+
 }  // namespace
 }  // namespace hmax

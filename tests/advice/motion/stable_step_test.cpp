@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -23,21 +24,21 @@ namespace {
 /// / sqrt(k / m) of rk4; it ends at rest at -m g / k.
 constexpr double gravity = 9.81, floor_k = 1e6, ball_m = 1;
 
-Problem ball(const Scratch& scratch, double height, double t_end = 2) {
+/// @param floor  where it is [m]; `height` counts from it
+Problem ball(const Scratch& scratch, double height, double t_end = 2, double floor = 0) {
   const std::filesystem::path file = scratch / "ball.toml";
-  std::ofstream(file)
-      << "[problem]\nt_end = " << t_end
-      << "\n[equations]\nx = \"v\"\nv = \"-9.81 + (x < 0 ? (-k*x - c*v)/m : 0)\"\n[parameters]\nk = 1e6\n"
-         "c = 10\nm = 1\n[initial]\nx = "
-      << height << "\nv = 0\n";
+  std::ofstream(file) << "[problem]\nt_end = " << t_end
+                      << "\n[equations]\nx = \"v\"\nv = \"-9.81 + (x < F ? (-k*(x - F) - c*v)/m : 0)\"\n"
+                         "[parameters]\nk = 1e6\nc = 10\nm = 1\nF = "
+                      << floor << "\n[initial]\nx = " << floor + height << "\nv = 0\n";
   return make_problem(file.string());
 }
 
 Candidate rk4() { return {find_method("rk4"), {}, {}}; }
 
-StepVerdict judged(const Problem& problem, double h, double t_end) {
+StepVerdict judged(const Problem& problem, double h, double t_end, double scale = 0) {
   ReferenceMotion reference;
-  reference.scale = problem.y0.cwiseAbs().maxCoeff();
+  reference.scale = scale > 0 ? scale : problem.y0.cwiseAbs().maxCoeff();
   return judged_step(rk4(), {.problem = problem, .t_end = t_end, .words = ""}, reference, h);
 }
 
@@ -65,6 +66,23 @@ TEST(StableStep, IsNoneBeyondTheLimitOfContact) {
     EXPECT_FALSE(verdict.stable) << factor;
     EXPECT_NE(verdict.why.find("as large as with a quarter of the step"), std::string::npos) << verdict.why;
   }
+  // By how much further than with a quarter of the step it goes, wherever the floor is.
+  const double h = 1.2 * limit;
+  const Problem problem = ball(scratch, 0.5, 2, 3000);
+  const auto way = [&](double step) {
+    double farthest = 0;
+    (void)rk4().method.bind(problem).run(rk4().spec(step, 20),
+                                         [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                           farthest = std::max(farthest, std::abs(y[0] - problem.y0[0]));
+                                         });
+    return farthest;
+  };
+  const StepVerdict verdict = judged(problem, h, 20, 0.5);
+  EXPECT_FALSE(verdict.stable);
+  double times = 0;
+  EXPECT_EQ(std::sscanf(verdict.why.c_str(), "the motion becomes %lf times as large", &times), 1)
+      << verdict.why;
+  EXPECT_NEAR(times * way(h / 4) / way(h), 1, 0.2);
 }
 
 TEST(StableStep, OfALinearOscillatorIsDecidedByGrowthAlone) {

@@ -49,6 +49,42 @@ TEST(CurveLimit, RayleighCoefficientsAreFoundAgainAndNoOthers) {
   EXPECT_FALSE(rayleigh_coefficients(part));
 }
 
+/// The places that smallest_exit() asks for, round after round, without the two ends after them.
+std::vector<std::vector<double>> rounds_of(const DampingCurve& curve,
+                                           const std::function<double(double)>& exit) {
+  std::vector<std::vector<double>> rounds;
+  smallest_exit(
+      curve,
+      [&](std::span<const MechanicalMode> modes) {
+        std::vector<double> places, exits;
+        for (const MechanicalMode& mode : modes) exits.push_back(exit(mode.kappa));
+        for (const MechanicalMode& mode : modes.first(modes.size() - 2)) places.push_back(mode.kappa);
+        rounds.push_back(places);
+        return exits;
+      },
+      8);
+  return rounds;
+}
+
+TEST(CurveLimit, IsSoughtBetweenTheNeighboursOfTheSmallestAndNotBeyondTheCurve) {
+  // Shorter at every larger kappa: the second round ends where the curve does.
+  const auto falling = rounds_of({.kappa_min = 1, .kappa_max = 100}, [](double kappa) { return 1 / kappa; });
+  ASSERT_EQ(falling.size(), 2U);
+  EXPECT_EQ(falling[0].front(), 1);
+  EXPECT_EQ(falling[0].back(), 100);
+  EXPECT_EQ(falling[1].front(), falling[0][falling[0].size() - 2]);
+  EXPECT_EQ(falling[1].back(), 100);
+  const auto rising = rounds_of({.kappa_min = 1, .kappa_max = 100}, [](double kappa) { return kappa; });
+  ASSERT_EQ(rising.size(), 2U);
+  EXPECT_EQ(rising[1].front(), 1);
+  EXPECT_EQ(rising[1].back(), rising[0][1]);
+}
+
+TEST(CurveLimit, OfACurveThatIsAPointWithoutStiffnessHasNoOtherPlace) {
+  for (const std::vector<double>& round : rounds_of({.alpha = 3}, [](double) { return 2.0 / 3; }))
+    EXPECT_EQ(round, std::vector<double>{0});
+}
+
 TEST(CurveLimit, OfABodyIsThatOfItsModesWhereAnEndLimits) {
   TissueSettings settings{.alpha = 20, .beta = 1e-4};
   settings.supports = {{.points = {0, 1, 2, 3}}};

@@ -175,6 +175,17 @@ TEST(DiscreteMap, PassesOverPlacesWhereTheStepDiverges) {
   EXPECT_TRUE(find_period_two_of_line(nowhere, line).empty());
 }
 
+TEST(DiscreteMap, APointThatIsZeroBesideALargeBoxIsZero) {
+  // A double point: Newton's steps halve the way to it, and end at the root of rounding.
+  const VectorFunction map = [](const VectorXd& y) -> VectorXd {
+    return Vector2d(y(0) + 1e-6 * y(0) * y(0), 0.5 * y(1));
+  };
+  const Box box{Vector2d(-1e6, -1e6), Vector2d(1.1e6, 1.2e6)};
+  const auto found = newton_fixed_point(map, box, Vector2d(2e4, 1e4));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(*found, Vector2d(0, 0));
+}
+
 TEST(DiscreteMap, RefusesAnEmptyBox) {
   EXPECT_THROW(find_fixed_points(euler(1), {one(1), one(1)}), std::invalid_argument);
   EXPECT_THROW(find_period_two_of_line(euler(1), {one(1), one(std::nan(""))}), std::invalid_argument);

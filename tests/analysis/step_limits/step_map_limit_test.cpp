@@ -129,6 +129,16 @@ TEST(StepMapLimit, OfAStepThatAlwaysGrowsIsZero) {
   EXPECT_EQ(first_growing_step(maps_of(explicit_euler), 2 * springs, between(0.1, 10)).h_max, 0);
 }
 
+TEST(StepMapLimit, OfAJumpOfTheGrowthIsWhereItJumps) {
+  // As fast on all steps beyond it: a line through two of them crosses nothing.
+  const auto jump = [](double h) {
+    return MatrixXd((h < 0.3 ? 0.5 : 2.0) * MatrixXd::Identity(2 * springs, 2 * springs));
+  };
+  for (const Eigen::Index dense_to : {by_matrix, by_arnoldi})
+    EXPECT_NEAR(first_growing_step(maps_of(jump), 2 * springs, between(0.1, 10, dense_to)).h_max, 0.3, 1e-3)
+        << dense_to;
+}
+
 TEST(StepMapLimit, OfAHomogeneousMapIsWhereItsOrbitsGrow) {
   // A step by the sign of a component: homogeneous, not linear. Both halves grow from h = 1 on.
   const StepMapAt maps = [](double h) -> StepMap {

@@ -137,5 +137,12 @@ TEST(Catalogue, JacobianPoliciesReadBackAsWritten) {
     EXPECT_THROW(jacobian_update_from(word), InputError) << word;
 }
 
+TEST(Catalogue, LinearSolversReadBackAsWritten) {
+  for (const char* word : {"auto", "direct", "cg:0.001", "cg:1e-06,20"})
+    EXPECT_EQ(to_string(linear_solve_from(word)), word);
+  for (const char* word : {"cg:1", "cg:0", "cg:1e-6,", "cg:1e-6,0", "cg:1e-6,2.5", "cg:,20", "chol"})
+    EXPECT_THROW(linear_solve_from(word), InputError) << word;
+}
+
 }  // namespace
 }  // namespace hmax

@@ -263,7 +263,10 @@ TEST(Phase, TellsChaosFromRepetition) {
   for (const Json& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
   EXPECT_EQ(chaos.at("settling"), "chaotic");
   EXPECT_EQ(chaos.at("figure"), "figure/poincare.svg");
-  EXPECT_EQ(phase(shell, ueda + "--set P=5.75 --poincare --periods 100").at("period"), 3);
+  EXPECT_EQ(phase(shell, ueda + "--set P=5.75 --poincare --periods 100 --output three").at("period"), 3);
+  // The way of a motion that repeats is drawn as a line, that of chaos is not.
+  EXPECT_NE(read_text(shell / "three/poincare.gp").find("'motion'"), std::string::npos);
+  EXPECT_EQ(read_text(shell / "figure/poincare.gp").find("'motion'"), std::string::npos);
   EXPECT_EQ(phase(shell, "liver_forced --poincare --periods 100").at("period"), 1);
 }
 

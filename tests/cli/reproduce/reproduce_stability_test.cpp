@@ -1,9 +1,6 @@
 #include "cli/reproduce/reproduce_stability.hpp"
 
-#include <algorithm>
-#include <atomic>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <string>
 
@@ -12,7 +9,6 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/rows_page.hpp"
 #include "plots/gnuplot.hpp"
-#include "results/merge/merge_stores.hpp"
 #include "tests/cli/html_links.hpp"
 #include "tests/results/scratch.hpp"
 
@@ -80,57 +76,6 @@ TEST(StabilityReport, ShowsPredictedBesideObservedAndAgrees) {
   EXPECT_NE(text_of(scratch / "limits.csv").find("male_slim:light"), std::string::npos);
   EXPECT_NE(text_of(scratch / "nonlinear.csv").find("rk4"), std::string::npos);
   EXPECT_EQ(fs::exists(scratch / "hmax_predicted_vs_observed.svg"), gnuplot_available());
-}
-
-TEST(StabilityReport, HasOneNameForEachCase) {
-  std::set<std::string> names;
-  for (const LimitCase& each : limit_cases()) EXPECT_TRUE(names.insert(each.label).second) << each.label;
-}
-
-TEST(StabilityReport, IsMadeFromTheMergedStoresOfShards) {
-  std::vector<LimitCase> cases = limit_cases();
-  cases.resize(2);
-  const std::vector<Method> chosen =
-      choose_methods({"rk4", "newmark", "implicit_euler", "rk2_heun", "central_difference"}, {});
-  const Scratch scratch;
-  const auto study = [&](Store* store, Shard shard) {
-    return limit_study(
-        cases, CaseKind::linear, chosen, store, [](double) {}, [] { return false; }, shard);
-  };
-  Store whole = Store::open_or_create(scratch / "whole.sqlite");
-  Merger merger(whole);
-  std::size_t most = 0, all = 0;
-  for (int i = 1; i <= 3; ++i) {
-    Store store = Store::open_or_create(scratch / (std::to_string(i) + ".sqlite"));
-    const std::size_t rows = study(&store, {i, 3}).size();
-    most = std::max(most, rows);
-    all += rows;
-    merger.add(store.file());
-  }
-  const auto serial = study(nullptr, {});
-  EXPECT_EQ(all, serial.size());
-  EXPECT_LE(3 * most, all + 2) << "shards are of one size";
-  const auto merged = limit_study(
-      cases, CaseKind::linear, chosen, &whole, [](double) { ADD_FAILURE() << "computed again"; },
-      [] { return false; });
-  ASSERT_EQ(merged.size(), serial.size());
-  for (std::size_t i = 0; i < serial.size(); ++i) {
-    EXPECT_EQ(merged[i].limit.method, serial[i].limit.method);
-    EXPECT_EQ(merged[i].limit.h_max, serial[i].limit.h_max);
-    EXPECT_EQ(merged[i].limit.observed, serial[i].limit.observed);
-  }
-}
-
-TEST(StabilityReport, StopsWhenInterruptedAndKeepsWhatIsFinished) {
-  std::vector<LimitCase> cases = limit_cases();
-  cases.resize(1);
-  const std::vector<Method> chosen = choose_methods({"explicit_runge_kutta"}, {cases.front().problem});
-  std::atomic<int> asked = 0;
-  const auto rows = limit_study(
-      cases, CaseKind::linear, chosen, nullptr, [](double) {}, [&] { return ++asked > 3; });
-  EXPECT_EQ(rows.size(), 3u);
-  EXPECT_GT(chosen.size(), 3u);
-  for (const StudyRow& row : rows) EXPECT_EQ(row.limit.verdict, "confirmed");
 }
 
 }  // namespace

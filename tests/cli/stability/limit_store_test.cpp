@@ -72,6 +72,13 @@ TEST(LimitStore, IsExportedAndCompared) {
   const Told same = shell.hmax("compare a b");
   EXPECT_EQ(same.exit_code, 0) << same.err;
   EXPECT_NE(same.out.find("2 limits in both: 2 the same, 0 changed\n"), std::string::npos) << same.out;
+  // Stores that share no limit are not the same.
+  ASSERT_EQ(
+      shell.hmax("stability predict --problem liver_forced --along none --methods bdf_2 --out c").exit_code,
+      0);
+  const Told others = shell.hmax("compare a c");
+  EXPECT_EQ(others.exit_code, 1) << others.out;
+  EXPECT_NE(others.out.find("limits only in A: 2, only in B: 1\n"), std::string::npos) << others.out;
   const Told csv = shell.hmax("export a --of limits");
   EXPECT_EQ(csv.exit_code, 0);
   EXPECT_EQ(csv.out.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U)

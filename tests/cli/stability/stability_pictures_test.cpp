@@ -30,6 +30,18 @@ TEST(StabilityPictures, OneMethodIsDrawnFilledSeveralAsOutlines) {
   EXPECT_TRUE(std::filesystem::exists(shell / "pictures/regions.dat"));
 }
 
+TEST(StabilityPictures, SayWhatIsLeftAtInfinityOfMethodsThatKeepSomethingAlone) {
+  const Shell shell;
+  for (const auto& [method, words] : {std::pair{"trapezoidal", "order 2, A-stable, 1 at infinity'"},
+                                      {"bdf_3", "order 3, A(86.03°)-stable, 0 at infinity'"},
+                                      {"implicit_euler", "order 1, A- and L-stable'"},
+                                      {"rk4", "order 4'"}}) {
+    region(shell, std::string(method) + " --output pictures");
+    const std::string told = read_text(shell / ("pictures/region_" + std::string(method) + ".gp"));
+    EXPECT_NE(told.find(words), std::string::npos) << method;
+  }
+}
+
 TEST(StabilityPictures, AFileOfPointsIsStillWritten) {
   const Shell shell;
   region(shell, "rk4 --output points.csv");

@@ -132,5 +132,16 @@ TEST(StabilityModes, NameSpringsByTheirPoints) {
             std::string::npos);
 }
 
+/// Three translations and three rotations strain nothing: they have no frequency and no element.
+TEST(StabilityModes, OfABodyThatNothingHoldsBeginWithSixRigidMotions) {
+  const Json modes =
+      Shell{}.hmax("stability modes --mesh cube:n=2 --set support=0 --count 8 --json").json().at("modes");
+  ASSERT_EQ(modes.size(), 8U);
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(modes[i].at("frequency") == 0.0, i < 6) << modes[i];
+    EXPECT_EQ(modes[i].at("element").is_null(), i < 6) << modes[i];
+  }
+}
+
 }  // namespace
 }  // namespace hmax

@@ -40,6 +40,7 @@ std::vector<int> stage_numbers(int most) {
   for (int s = 2; s <= most; ++s)
     if (Polynomials::template stages<double>(0.999 * Polynomials::template reach<double>(s)) == s)
       numbers.push_back(s);
+  EXPECT_GT(numbers.size(), static_cast<std::size_t>(most / 3));
   return numbers;
 }
 

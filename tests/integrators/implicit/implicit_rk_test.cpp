@@ -196,6 +196,31 @@ TEST(TrBdf2, InterpolantHasNoKinkAtItsInnerPoint) {
   EXPECT_LT((after - 2 * at + before).norm() / d, 1e-4);
 }
 
+TEST(Midpoint, StartsItsIterationOnTheLineThroughTheLastMeanSlopes) {
+  // y' = 2 t has the mean slope 2 (t + h / 2) over every step: a line, on which the next one lies too.
+  double middle = 0;
+  std::vector<double> seen;
+  const auto system = system_of<State>([&](double t, const State& y, State& dydt) {
+    if (t == middle) seen.push_back(y[0]);
+    dydt << 2 * t, 1;
+  });
+  ImplicitMidpoint::Stepper<State> stepper;
+  State y(0.25, 0), y_new;
+  stepper.init(system, 0.5, y);
+  double t = 0.5;
+  for (const double h : {0.5, 0.25, 0.5, 0.125}) {
+    middle = t + h / 2;
+    seen.clear();
+    ASSERT_EQ(stepper.attempt(system, t, y, h, y_new), StepStatus::ok);
+    if (t > 1) {
+      EXPECT_NEAR(seen.at(0), y[0] + h * middle, 1e-12) << t;
+    }
+    stepper.accept(y_new);
+    y = y_new;
+    t += h;
+  }
+}
+
 TYPED_TEST(ImplicitRk, TakesOneJacobianAndOneMatrixOfALinearSystem) {
   Stats stats;
   const Counted<Oscillator> system(Oscillator({.k3 = 0}), stats);

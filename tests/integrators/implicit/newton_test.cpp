@@ -91,6 +91,15 @@ TEST(Newton, EndsWhereCorrectionsAreRounding) {
   EXPECT_EQ(iterate({3, 4}, {}, 2).end, NewtonEnd::diverged);
 }
 
+TEST(Newton, TakesTheRateDownToRoundingForABoundOfTheRate) {
+  // 20, then 4, which is rounding: at a rate of 1/5 the rest is 1/4 of the last correction.
+  const Iteration run = iterate({20, 4}, {}, 5);
+  EXPECT_EQ(run.end, NewtonEnd::converged);
+  EXPECT_EQ(run.corrections, 2);
+  EXPECT_NEAR(run.memory.eta, 0.25, 1e-15);
+  EXPECT_NEAR(run.memory.error, 1, 1e-15);
+}
+
 TEST(Newton, TakesRatesBelowRoundingForNoConvergence) {
   // Corrections that hover at 400 after 1e9: neither convergence nor divergence, whatever their ratio.
   for (const double hovering : {380.0, 400.0, 410.0}) {

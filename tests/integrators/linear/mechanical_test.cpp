@@ -100,6 +100,23 @@ Sparse blocks_in_space(int side, double shift, unsigned seed) {
   return A;
 }
 
+TEST(SparseCombination, AddsACoupledMassInPlaceWhereItsEntriesAre) {
+  // M has every second entry of the pattern of K and C; then one that is outside of it.
+  const Sparse K = blocks_in_space(3, 0.05, 4), C = 0.25 * K;
+  Sparse M = 0.5 * K;
+  M.prune([](Index i, Index j, double) { return i == j || (i + j) % 2 == 1; });
+  Sparse A = K;
+  const double* const place = A.valuePtr();
+  set_sparse_combination<double, double>(M, 2.0, C, 3.0, K, A);
+  EXPECT_EQ(A.valuePtr(), place);
+  EXPECT_LT((A - (Sparse(M + 2 * C) + 3 * K)).norm(), 1e-14 * A.norm());
+  ASSERT_EQ(K.coeff(0, K.rows() - 1), 0);
+  M.coeffRef(0, K.rows() - 1) = 7;
+  set_sparse_combination<double, double>(M, 2.0, C, 3.0, K, A);
+  EXPECT_EQ(A.coeff(0, K.rows() - 1), 7);
+  EXPECT_LT((A - (Sparse(M + 2 * C) + 3 * K)).norm(), 1e-14 * A.norm());
+}
+
 TEST(SparseSolver, SolvesSymmetricEquationsByEveryWay) {
   const Sparse A = blocks_in_space(6, 0.05, 1);
   const VectorXd x = VectorXd::LinSpaced(A.rows(), -1, 2), b = A * x;

@@ -160,6 +160,28 @@ TEST(PanelFactor, HasTheSameBitsForAnyNumberOfThreads) {
   EXPECT_LT((A * solutions.front() - b).norm(), 1e-12 * b.norm());
 }
 
+TEST(PanelFactor, SharesWhatAPanelSubtractsFromOthersAmongThreads) {
+  // Two panels of 150 columns, each coupled with the last 300 unknowns and not with the other.
+  constexpr Index arm = 150, n = 600;
+  Couples couples;
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < i; ++j)
+      if (i >= 2 * arm || i / arm == j / arm) couples.emplace_back(i, j);
+  const auto A = symmetric<double>(n, couples, 10);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(n, -1, 2);
+  std::vector<Eigen::VectorXd> solutions;
+  for (const std::size_t threads : {5, 2, 1}) {
+    const Jobs jobs(threads);
+    PanelFactor<double> factor;  // a new one: what threads leave out is not there from before
+    factor.analyse(A);
+    ASSERT_TRUE(factor.factor(A));
+    solutions.push_back(b);
+    factor.solve(solutions.back());
+    EXPECT_EQ(solutions.back(), solutions.front()) << threads << " threads";
+    EXPECT_LT((A * solutions.back() - b).norm(), 1e-12 * b.norm()) << threads << " threads";
+  }
+}
+
 TEST(PanelFactor, RefusesAPivotThatIsZeroOrNotFinite) {
   auto A = symmetric<double>(30, grid(3, 1), 6);
   PanelFactor<double> factor;

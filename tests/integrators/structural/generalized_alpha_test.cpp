@@ -377,6 +377,24 @@ TEST(GeneralizedAlpha, SolvesStiffHardeningSpringsAtStepsOfManyPeriods) {
   }
 }
 
+TEST(GeneralizedAlpha, TakesTheSameStepsInEveryUnitOfLength) {
+  // A power of two changes no digit: every number is that of the other unit to the last bit.
+  const auto run = [](double unit) {
+    const Oscillator system(
+        {.m = 1.45, .c = 0.1, .k1 = 0.7, .k3 = 4 / (unit * unit), .P = 0.3 * unit, .w = 0.5});
+    Plane y(0.5 * unit, unit);
+    const auto end = integrate(Step(generalized_alpha_parameters(0.5L)), system, Span<double>{0, 50}, y,
+                               FixedStep<double>(0.5));
+    EXPECT_EQ(end.outcome, Outcome::reached_end);
+    return std::pair(Plane(y / unit), end.stats.newton);
+  };
+  const auto [y, iterations] = run(1);
+  for (const double unit : {0x1p-40, 0x1p-20, 0x1p20, 0x1p40}) {
+    EXPECT_EQ(run(unit).first, y) << unit;
+    EXPECT_EQ(run(unit).second, iterations) << unit;
+  }
+}
+
 TEST(GeneralizedAlpha, RestsWhereStiffSpringsRest) {
   // Positions of 1 carry rounding that is large beside velocities of 0.
   const Oscillator stiff({.m = 1, .c = 0.1, .k1 = 1e12, .k3 = 0, .P = 1e12, .w = 0});

@@ -331,6 +331,17 @@ TEST(StepDefect, ShowsAMillionthInTheCodeOfStructuralMethods) {
     EXPECT_GT(step_defect(with(find_method(code), *claimed->amplification)), rounding_of_steps) << code;
 }
 
+TEST(StepDefect, IsNothingWhereNoStepOfAGivenLengthCanBeTaken) {
+  // A claim as wrong as can be, of code that takes no such steps or that is not there.
+  Method rk4 = with(find_method("rk4"), *find_method("explicit_euler").amplification);
+  EXPECT_GT(step_defect(rk4), 0.01);
+  rk4.fixed_step = false;
+  EXPECT_EQ(step_defect(rk4), 0);
+  rk4.fixed_step = true;
+  rk4.bind = {};
+  EXPECT_EQ(step_defect(rk4), 0);
+}
+
 TEST(StepDefect, MakesAVerificationFailWhoseLimitIsNotMoved) {
   const Problem problem =
       make_problem("liver_linear", {.material = {}, .parameters = {{"c", 1.5}}, .y0 = {}});

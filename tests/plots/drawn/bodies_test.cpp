@@ -381,6 +381,10 @@ TEST(Bodies, IncludeTheirToolsOfFiveRadii) {
   const auto line = numbers_from(svg, svg.find(" d=", bar), 4);
   EXPECT_NEAR(line[2] - line[0], 4.1 * radius, 0.1);
   EXPECT_NEAR(line[3], line[1], 0.1);
+  // The bar is 0.72 radii wide, the light on it 0.4.
+  EXPECT_NEAR(numbers_from(svg, svg.find("width=", bar), 1)[0], 0.72 * radius, 0.1);
+  const std::size_t light = svg.find("<path stroke=\"#aab1b8\"", bar);
+  EXPECT_NEAR(numbers_from(svg, svg.find("width=", light), 1)[0], 0.4 * radius, 0.1);
   view.tools[0].shaft = {0.001, 0, 0};
   EXPECT_EQ(bodies_svg({.towards = front, .views = {view}}), svg) << "of any length";
 }

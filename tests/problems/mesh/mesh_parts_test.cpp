@@ -80,5 +80,13 @@ TEST(MeshParts, SupportsLeaveRigidMotions) {
     }
 }
 
+TEST(MeshParts, SupportsHoldAPartAsWellFarFromTheOrigin) {
+  TetMesh cube = cube_mesh(2.0, 1);
+  cube.points.array() += 1 << 21;  // in millimetres of a survey, say
+  EXPECT_TRUE(free_parts(cube, {0, 1, 2}).empty());
+  EXPECT_EQ(free_parts(cube, {0, 1}).front().motions.cols(), 1);
+  EXPECT_EQ(free_parts(cube, {3}).front().motions.cols(), 3);
+}
+
 }  // namespace
 }  // namespace hmax

@@ -1,0 +1,55 @@
+#include "limits/verification.hpp"
+
+#include <gtest/gtest.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "limits/linearised_problem.hpp"
+#include "limits/predict.hpp"
+
+namespace hmax {
+namespace {
+
+/// The states that a run from rest shows after a displacement of the liver model without its cubic spring.
+std::vector<Eigen::VectorXd> shown(const char* method, double force, double h, std::int64_t steps) {
+  const Problem problem =
+      make_problem("liver_forced", {.material = {}, .parameters = {{"k3", 0}, {"P", force}}, .y0 = {}});
+  std::vector<Eigen::VectorXd> states;
+  const auto outcome = std::make_shared<Outcome>();
+  const ShowSteps run =
+      steps_of(find_method(method), problem, Eigen::Vector2d(0, 0), Eigen::Vector2d(1, -0.5), outcome);
+  EXPECT_TRUE(run(h, steps, [&](const auto& y) { states.emplace_back(y); }));
+  return states;
+}
+
+/// The force adds the same motion to every start: what is left of a linear model is its free motion, to the
+/// last step.
+TEST(StepsOf, OfADrivenModelShowItsFreeMotionToTheEnd) {
+  for (const char* method : {"rk4", "newmark"}) {
+    const auto driven = shown(method, 3, 0.01, 40), free = shown(method, 0, 0.01, 40);
+    ASSERT_EQ(driven.size(), 41U);
+    ASSERT_EQ(free.size(), 41U);
+    for (std::size_t i = 0; i < free.size(); ++i)
+      EXPECT_LT((driven[i] - free[i]).norm(), 1e-9 * free[0].norm()) << method << " " << i;
+  }
+}
+
+/// Runs of one method beside the limit of another: both sides must be as predicted.
+TEST(Verify, DisagreesWhereOneSideOfALimitAloneIsAsPredicted) {
+  const Problem problem =
+      make_problem("liver_linear", {.material = {}, .parameters = {{"c", 1.5}}, .y0 = {}});
+  const Linearised near = linearised(problem);
+  const auto agrees = [&](const char* code, const char* claim) {
+    Method method = find_method(code);
+    method.amplification = find_method(claim).amplification;
+    Prediction row = predict(method, near);
+    verify(row, method, problem, near);
+    return row.observed.value().agrees;
+  };
+  EXPECT_TRUE(agrees("rk4", "rk4"));
+  EXPECT_FALSE(agrees("rk4", "explicit_euler")) << "nothing grows above";
+  EXPECT_FALSE(agrees("explicit_euler", "rk4")) << "the motion grows below already";
+}
+
+}  // namespace
+}  // namespace hmax
