@@ -5,24 +5,20 @@
 #include <limits>
 #include <numeric>
 
-#include <Eigen/QR>
-
 namespace Eigen {
-template class EigenSolver<MatrixXd>;
 template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
-template class SelfAdjointEigenSolver<MatrixXd>;
 template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
     const EigenBase<MatrixXd>&, int);
-template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
-template class FullPivLU<MatrixXd>;
-template class LLT<MatrixXd>;
+template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::computeFromTridiagonal(
+    const VectorXd&, const VectorXd&, int);
+template GeneralizedSelfAdjointEigenSolver<MatrixXd>& GeneralizedSelfAdjointEigenSolver<MatrixXd>::compute(
+    const MatrixXd&, const MatrixXd&, int);
+template void FullPivLU<MatrixXd>::computeInPlace();
 template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
-template class PartialPivLU<MatrixXd>;
-template PartialPivLU<MatrixXd>::PartialPivLU(const EigenBase<MatrixXd>&);
-template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);
-template class PartialPivLU<MatrixXcd>;
-template PartialPivLU<MatrixXcd>::PartialPivLU(const EigenBase<MatrixXcd>&);
-template PartialPivLU<MatrixXcd>& PartialPivLU<MatrixXcd>::compute(const EigenBase<MatrixXcd>&);
+template void PartialPivLU<MatrixXd>::compute();
+template void PartialPivLU<MatrixXcd>::compute();
+template void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
+template void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd&, VectorXd&) const;
 }  // namespace Eigen
 
 namespace hmax {

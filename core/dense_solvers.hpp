@@ -8,24 +8,24 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
-// Arguments of type MatrixXd use these instances; an expression instantiates its own.
+// The decompositions themselves, and no more of their classes: members that nobody calls take as long to
+// compile. Arguments of type MatrixXd use these instances; an expression instantiates its own.
 namespace Eigen {
-extern template class EigenSolver<MatrixXd>;
 extern template EigenSolver<MatrixXd>& EigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, bool);
-extern template class SelfAdjointEigenSolver<MatrixXd>;
 extern template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(
     const EigenBase<MatrixXd>&, int);
-extern template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
-extern template class FullPivLU<MatrixXd>;
-extern template class LLT<MatrixXd>;
+extern template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::computeFromTridiagonal(
+    const VectorXd&, const VectorXd&, int);
+extern template GeneralizedSelfAdjointEigenSolver<MatrixXd>&
+GeneralizedSelfAdjointEigenSolver<MatrixXd>::compute(const MatrixXd&, const MatrixXd&, int);
+extern template void FullPivLU<MatrixXd>::computeInPlace();
 extern template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
-extern template class PartialPivLU<MatrixXd>;
-extern template PartialPivLU<MatrixXd>::PartialPivLU(const EigenBase<MatrixXd>&);
-extern template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);
-extern template class PartialPivLU<MatrixXcd>;
-extern template PartialPivLU<MatrixXcd>::PartialPivLU(const EigenBase<MatrixXcd>&);
-extern template PartialPivLU<MatrixXcd>& PartialPivLU<MatrixXcd>::compute(const EigenBase<MatrixXcd>&);
+extern template void PartialPivLU<MatrixXd>::compute();
+extern template void PartialPivLU<MatrixXcd>::compute();
+extern template void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
+extern template void CompleteOrthogonalDecomposition<MatrixXd>::_solve_impl(const VectorXd&, VectorXd&) const;
 }  // namespace Eigen
 
 namespace hmax {

@@ -197,16 +197,13 @@ typename Sys::DofMatrix > struct EquationsType<Sys> {
   using type = MechanicalJacobian<real_of<typename Sys::State>>;
 };
 /// The type of K and C of systems that decide at run time; their equations are dense, sparse, in parts or by
-/// operators.
-template <class Real>
-using DenseOrSparse =
-    std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>>;
+/// operators. Those of long double, in which orders are measured alone, stay as the system writes them.
+using DenseOrSparse = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>;
 template <SecondOrderSystem Sys>
-requires std::is_same_v<typename Sys::DofMatrix, DenseOrSparse<real_of<typename Sys::State>>>
+requires std::is_same_v<typename Sys::DofMatrix, DenseOrSparse>
 struct EquationsType<Sys> {
-  using Real = real_of<typename Sys::State>;
-  using type = std::variant<Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>, Eigen::SparseMatrix<Real>,
-                            MechanicalJacobian<Real>, OperatorJacobian>;
+  using type = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>, MechanicalJacobian<double>,
+                            OperatorJacobian>;
 };
 
 /// How a method of second order keeps K and C.
@@ -215,7 +212,7 @@ struct StructureType {
   using type = Matrix;
 };
 template <>
-struct StructureType<DenseOrSparse<double>> {
+struct StructureType<DenseOrSparse> {
   using type = std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>, OperatorSum>;
 };
 }  // namespace detail

@@ -5,8 +5,9 @@
 #include <array>
 #include <cstddef>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
+#include "core/dense_solvers.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {
@@ -52,7 +53,10 @@ class AndersonMixing {
     has_last_ = true;
     now_w += now_d;
     if (const Eigen::Index used = std::min(known_, most); used > 0) {
-      const Column c = D_.leftCols(used).colPivHouseholderQr().solve(now_d);
+      // Digits of c are digits of the rate alone: those of double are enough.
+      const Column c =
+          minimum_norm_solution(D_.leftCols(used).template cast<double>(), now_d.template cast<double>())
+              .template cast<Real>();
       now_w -= (W_.leftCols(used) + D_.leftCols(used)) * c;
     }
     for (std::size_t i = 0; i < parts; ++i) w[i] = now_w.segment(static_cast<Eigen::Index>(i) * n, n);

@@ -44,8 +44,6 @@ void BlockedLu<Scalar>::solve(Eigen::Ref<Vector> x) {
 }
 
 template class BlockedLu<double>;
-template class BlockedLu<long double>;
 template class BlockedLu<std::complex<double>>;
-template class BlockedLu<std::complex<long double>>;
 
 }  // namespace hmax

@@ -9,7 +9,7 @@
 namespace hmax {
 
 /// P A = L U of a dense A, shape (n, n), with partial pivoting, by Eigen's routines, which work on blocks.
-/// Compiled in blocked_lu.cpp for real and complex numbers of double and long double.
+/// Compiled in blocked_lu.cpp for real and complex numbers of double.
 template <class Scalar>
 class BlockedLu {
  public:

@@ -267,9 +267,9 @@ class ConjugateGradients {
   /// Begins at x = 0 and ends at |b - A x| <= tolerance |b|, in Euclidean norms, of the residual that the
   /// iteration updates.
   /// @param most  iterations at most; 0: as many as it takes, with a bound that only rounding reaches
+  /// @param x  shape (n)
   /// @returns solved = false also where A shows p^T A p <= 0, so that it is not positive definite
-  template <class B, class X>
-  End solve(const B& b, X& x, double tolerance, int most) {
+  End solve(const Vector& b, Eigen::Ref<Vector> x, double tolerance, int most) {
     return by_three_ ? iterate(three_, b, x, tolerance, most) : iterate(one_, b, x, tolerance, most);
   }
 
@@ -297,10 +297,10 @@ class ConjugateGradients {
   /// With M = L L^T, from x = 0, r = b, p = z = M^-1 r, until |r| <= tolerance |b|:
   ///   alpha = r.z / p.Ap,   x += alpha p,   r_new = r - alpha A p,   z_new = M^-1 r_new,
   ///   p = z_new + (r_new.z_new / r.z) p.
-  template <int Size, class B, class X>
-  End iterate(const Parts<Size>& parts, const B& b, X& x, double tolerance, int most) {
+  template <int Size>
+  End iterate(const Parts<Size>& parts, const Vector& b, Eigen::Ref<Vector> x, double tolerance, int most) {
     r_ = b;
-    x = Vector::Zero(b.size());
+    x.setZero();
     const Real goal = static_cast<Real>(tolerance) * r_.norm();
     if (!(r_.norm() > 0)) return {r_.norm() == 0, 0};
     // In exact arithmetic n iterations suffice; rounding may take more.
@@ -333,5 +333,9 @@ class ConjugateGradients {
   /// r = b - A x, z = M^-1 r, the direction p, and q = A p, shape (n).
   Vector r_, z_, p_, q_;
 };
+
+/// Compiled in sparse_solver.cpp: a test would compile it with less optimisation, for the solvers of the
+/// program too.
+extern template class ConjugateGradients<double>;
 
 }  // namespace hmax

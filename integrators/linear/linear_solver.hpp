@@ -181,7 +181,9 @@ class DenseLu {
  private:
   /// largest_small: unknowns up to which eliminate() is used.
   static constexpr Eigen::Index fixed = Matrix::RowsAtCompileTime, largest_small = 16;
-  static constexpr bool may_be_large = fixed == Eigen::Dynamic || fixed > largest_small;
+  /// Blocks pay off where several numbers fill a register, which those of long double do not.
+  static constexpr bool may_be_large =
+      std::is_same_v<Real, double> && (fixed == Eigen::Dynamic || fixed > largest_small);
   static constexpr bool is_small(Eigen::Index n) { return n <= largest_small; }
   [[nodiscard]] Eigen::Index size() const { return fixed == Eigen::Dynamic ? factors_.rows() : fixed; }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -258,6 +259,69 @@ class SparseSolver<Scalar>::Solvers {
   Vector scratch_;
 };
 
+namespace {
+
+/// The type of double that goes with a scalar of long double.
+template <class Scalar>
+using Narrow = std::conditional_t<Eigen::NumTraits<Scalar>::IsComplex, std::complex<double>, double>;
+
+/// Of long double: factors in double, and solutions that residuals in long double refine until the next
+/// correction would be below their rounding, or one is no smaller than half the one before.
+template <class Scalar>
+class Refined {
+ public:
+  using Matrix = Eigen::SparseMatrix<Scalar>;
+  using Vector = Eigen::Vector<Scalar, Eigen::Dynamic>;
+  using Real = typename Eigen::NumTraits<Scalar>::Real;
+
+  void set(LinearSolve choice) {
+    choice_ = choice;
+    factors_.set(choice);
+  }
+
+  bool factor(const Matrix& A) {
+    A_ = A;
+    return factors_.factor(A.template cast<Narrow<Scalar>>());
+  }
+
+  int solve(Eigen::Ref<Vector> x) {
+    const Vector b = x;
+    x.setZero();
+    int iterations = 0;
+    // Corrections shrink by a ratio that the first two tell.
+    for (Real before = std::numeric_limits<Real>::infinity();;) {
+      correction_ = (b - A_ * x).template cast<Narrow<Scalar>>();
+      iterations += factors_.solve(correction_);
+      const Real size = static_cast<Real>(correction_.norm()), ratio = size / before;
+      // What is not finite is passed on.
+      if (!(ratio >= Real(0.5))) x += correction_.template cast<Scalar>();
+      const bool known =
+          std::isfinite(before) && ratio * size <= std::numeric_limits<Real>::epsilon() * x.norm();
+      // Of conjugate gradients with a limit: what so many have reached.
+      if (known || size == 0 || !(ratio < Real(0.5)) || choice_.iterations > 0) return iterations;
+      before = size;
+    }
+  }
+
+  [[nodiscard]] bool is_symmetric() const { return factors_.is_symmetric(); }
+  [[nodiscard]] std::optional<std::int64_t> negative_eigenvalues() const {
+    return factors_.negative_eigenvalues();
+  }
+
+ private:
+  LinearSolve choice_;
+  SparseSolver<Narrow<Scalar>> factors_;
+  Matrix A_;
+  Eigen::Vector<Narrow<Scalar>, Eigen::Dynamic> correction_;
+};
+
+}  // namespace
+
+template <>
+class SparseSolver<long double>::Solvers : public Refined<long double> {};
+template <>
+class SparseSolver<std::complex<long double>>::Solvers : public Refined<std::complex<long double>> {};
+
 template <class Scalar>
 SparseSolver<Scalar>::SparseSolver() : solvers_(std::make_unique<Solvers>()) {}
 template <class Scalar>
@@ -292,6 +356,7 @@ std::optional<std::int64_t> SparseSolver<Scalar>::negative_eigenvalues() const {
   return solvers_->negative_eigenvalues();
 }
 
+template class ConjugateGradients<double>;
 template class SparseSolver<double>;
 template class SparseSolver<long double>;
 template class SparseSolver<std::complex<double>>;

@@ -22,7 +22,8 @@ namespace hmax {
 /// Cost is counted in operations and not in seconds, so that the same input gives the same bits.
 ///
 /// Compiled in sparse_solver.cpp for real and complex numbers of double and long double: what includes this
-/// may be compiled with less optimisation, and is compiled sooner.
+/// may be compiled with less optimisation, and is compiled sooner. Of long double the factors are those of
+/// double, and a solution is refined by its residuals.
 template <class Scalar>
 class SparseSolver {
  public:

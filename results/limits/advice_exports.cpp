@@ -6,7 +6,7 @@ namespace hmax {
 
 namespace {
 
-constexpr auto each_column = [](const AdviceRecord& record, const auto& text, const auto& number) {
+constexpr auto each_advice_column = [](const AdviceRecord& record, const auto& text, const auto& number) {
   for (const auto& column : advice_key_texts) text(column.name, record.key.*column.member);
   for (const auto& column : advice_key_numbers) number(column.name, record.key.*column.member);
   for (const auto& column : advice_texts) text(column.name, record.*column.member);
@@ -17,11 +17,11 @@ constexpr auto each_column = [](const AdviceRecord& record, const auto& text, co
 }  // namespace
 
 std::string advice_to_csv(std::span<const AdviceRecord> records) {
-  return columns_to_csv(records, each_column);
+  return columns_to_csv(records, each_advice_column);
 }
 
 std::string advice_to_jsonl(std::span<const AdviceRecord> records) {
-  return columns_to_jsonl(records, each_column);
+  return columns_to_jsonl(records, each_advice_column);
 }
 
 }  // namespace hmax

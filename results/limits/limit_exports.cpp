@@ -8,7 +8,7 @@ namespace {
 
 /// text(name, value) and number(name, value) of every exported column, in order.
 template <class Text, class Number>
-void each_column(const LimitRow& row, const Text& text, const Number& number) {
+void each_limit_column(const LimitRow& row, const Text& text, const Number& number) {
   for (const auto& column : point_key_texts) text(column.name, row.point.*column.member);
   number("t_end", row.point.t_end);
   for (const auto& column : limit_texts)
@@ -20,11 +20,11 @@ void each_column(const LimitRow& row, const Text& text, const Number& number) {
 }  // namespace
 
 std::string limits_to_csv(std::span<const LimitRow> rows) {
-  return columns_to_csv(rows, [](const auto&... args) { each_column(args...); });
+  return columns_to_csv(rows, [](const auto&... args) { each_limit_column(args...); });
 }
 
 std::string limits_to_jsonl(std::span<const LimitRow> rows) {
-  return columns_to_jsonl(rows, [](const auto&... args) { each_column(args...); });
+  return columns_to_jsonl(rows, [](const auto&... args) { each_limit_column(args...); });
 }
 
 std::string limit_name(const LimitRow& row) {

@@ -16,7 +16,7 @@ namespace {
 using sqlite::joined;
 using sqlite::Statement;
 
-std::string key_names() { return joined("", "", ", ", advice_key_texts, advice_key_numbers); }
+std::string advice_key_columns() { return joined("", "", ", ", advice_key_texts, advice_key_numbers); }
 std::string key_schema() {
   return fmt::format("  {},\n  {}", joined("", " TEXT NOT NULL", ",\n  ", advice_key_texts),
                      joined("", " REAL NOT NULL", ",\n  ", advice_key_numbers));
@@ -41,7 +41,8 @@ void forget(sqlite3* database, const char* table, const AdviceKey& key) {
 void add_text(sqlite3* database, const char* table, const char* column, const AdviceKey& key,
               std::string_view text, std::int64_t session) {
   Statement statement(
-      database, sqlite::insert_into(table, fmt::format("{}, {}, session", key_names(), column)).c_str());
+      database,
+      sqlite::insert_into(table, fmt::format("{}, {}, session", advice_key_columns(), column)).c_str());
   int index = 0;
   bind_key(statement, index, key);
   statement.bind(index++, text);
@@ -61,7 +62,7 @@ CREATE TABLE {} (
   UNIQUE ({})
 );
 )sql",
-      table, key_schema(), column, key_names());
+      table, key_schema(), column, advice_key_columns());
 }
 
 /// Every text of a table, ordered by the keys.
@@ -69,9 +70,9 @@ CREATE TABLE {} (
 template <class Kept>
 std::vector<Kept> texts_of(sqlite3* database, const char* table, const char* column,
                            std::string Kept::*text) {
-  Statement query(
-      database,
-      fmt::format("SELECT {0}, {1}, session FROM {2} ORDER BY {0}", key_names(), column, table).c_str());
+  Statement query(database, fmt::format("SELECT {0}, {1}, session FROM {2} ORDER BY {0}",
+                                        advice_key_columns(), column, table)
+                                .c_str());
   std::vector<Kept> all;
   while (query.step()) {
     Kept kept;
@@ -101,7 +102,7 @@ CREATE TABLE advice (
 );
 )sql",
       key_schema(), joined("", " TEXT NOT NULL", ",\n  ", advice_texts),
-      joined("", " NOT NULL", ",\n  ", advice_numbers), key_names());
+      joined("", " NOT NULL", ",\n  ", advice_numbers), advice_key_columns());
 }
 
 std::string scene_schema() { return text_schema("scenes", "scene"); }
@@ -118,9 +119,9 @@ void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> re
     for (const char* table : {"advice", "scenes", "answers"}) forget(impl_->db(), table, key);
     if (!scene.empty()) add_text(impl_->db(), "scenes", "scene", key, scene, impl_->session);
     if (!words.empty()) add_text(impl_->db(), "answers", "words", key, words, impl_->session);
-    Statement add(
-        impl_->db(),
-        sqlite::insert_into("advice", fmt::format("{}, {}, session", key_names(), own_names())).c_str());
+    Statement add(impl_->db(), sqlite::insert_into("advice", fmt::format("{}, {}, session",
+                                                                         advice_key_columns(), own_names()))
+                                   .c_str());
     for (const AdviceRecord& record : records) {
       int index = 0;
       bind_key(add, index, key);
@@ -136,7 +137,7 @@ void Store::insert_advice(const AdviceKey& key, std::span<const AdviceRecord> re
 std::vector<AdviceRecord> Store::advice() const {
   return reporting(impl_->file, [&]() -> std::vector<AdviceRecord> {
     Statement query(impl_->db(), fmt::format("SELECT {0}, {1}, session FROM advice ORDER BY {0}, id",
-                                             key_names(), own_names())
+                                             advice_key_columns(), own_names())
                                      .c_str());
     std::vector<AdviceRecord> records;
     while (query.step()) {

@@ -27,16 +27,16 @@ OperatingPointKey read_key(const Statement& query, int& index) {
   return key;
 }
 
-std::string key_names(std::string_view table = "") {
+std::string point_key_columns(std::string_view table = "") {
   return joined(table, "", ", ", point_key_texts) + fmt::format(", {}t_end", table);
 }
 
-std::string key_condition() { return joined("", " = ?", " AND ", point_key_texts) + " AND t_end = ?"; }
+std::string point_key_condition() { return joined("", " = ?", " AND ", point_key_texts) + " AND t_end = ?"; }
 
 std::string insert_point() {
   const std::string own = joined("", "", ", ", point_texts);
-  return sqlite::insert_into("operating_points", fmt::format("{}, {}, session", key_names(), own)) +
-         fmt::format(" ON CONFLICT ({}) DO UPDATE SET {}", key_names(), replacing(own));
+  return sqlite::insert_into("operating_points", fmt::format("{}, {}, session", point_key_columns(), own)) +
+         fmt::format(" ON CONFLICT ({}) DO UPDATE SET {}", point_key_columns(), replacing(own));
 }
 
 std::string insert_limit() {
@@ -48,7 +48,7 @@ std::string insert_limit() {
 std::string select_limits(const std::string& rest) {
   return fmt::format(
       "SELECT {}, {}, limits.session FROM limits JOIN operating_points ON limits.point = operating_points.id {}",
-      key_names("operating_points."), joined("limits.", "", ", ", limit_texts, limit_numbers), rest);
+      point_key_columns("operating_points."), joined("limits.", "", ", ", limit_texts, limit_numbers), rest);
 }
 
 std::vector<LimitRow> read_limits(Statement& query) {
@@ -66,7 +66,7 @@ std::vector<LimitRow> read_limits(Statement& query) {
 }
 
 std::int64_t id_of_point(sqlite3* database, const OperatingPointKey& key) {
-  Statement find(database, ("SELECT id FROM operating_points WHERE " + key_condition()).c_str());
+  Statement find(database, ("SELECT id FROM operating_points WHERE " + point_key_condition()).c_str());
   int index = 0;
   bind_key(find, index, key);
   return find.step() ? find.integer(0) : 0;
@@ -97,7 +97,7 @@ CREATE TABLE limits (
 );
 )sql",
       joined("", " TEXT NOT NULL", ",\n  ", point_key_texts),
-      joined("", " TEXT NOT NULL", ",\n  ", point_texts), key_names(),
+      joined("", " TEXT NOT NULL", ",\n  ", point_texts), point_key_columns(),
       joined("", " TEXT NOT NULL", ",\n  ", limit_texts), joined("", " NOT NULL", ",\n  ", limit_numbers));
 }
 
@@ -129,7 +129,7 @@ void Store::insert_limits(const OperatingPointRow& point, std::span<const LimitR
 std::optional<OperatingPointRow> Store::operating_point(const OperatingPointKey& key) const {
   return reporting(impl_->file, [&]() -> std::optional<OperatingPointRow> {
     Statement query(impl_->db(), fmt::format("SELECT {} FROM operating_points WHERE {}",
-                                             joined("", "", ", ", point_texts), key_condition())
+                                             joined("", "", ", ", point_texts), point_key_condition())
                                      .c_str());
     int index = 0;
     bind_key(query, index, key);
@@ -157,9 +157,9 @@ std::vector<LimitRow> Store::limits_at(const OperatingPointKey& key) const {
 
 std::vector<LimitRow> Store::limits() const {
   return reporting(impl_->file, [&]() -> std::vector<LimitRow> {
-    Statement query(
-        impl_->db(),
-        select_limits(fmt::format("ORDER BY {}, limits.method", key_names("operating_points."))).c_str());
+    Statement query(impl_->db(), select_limits(fmt::format("ORDER BY {}, limits.method",
+                                                           point_key_columns("operating_points.")))
+                                     .c_str());
     return read_limits(query);
   });
 }

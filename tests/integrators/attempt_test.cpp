@@ -19,7 +19,8 @@ bool same_bits(const StateT& a, const StateT& b) {
 /// Two accepted steps of size 0.1; before each attempt, `disturb` may do with the stepper what it likes.
 template <class Method, class StateT, class Disturb>
 StateT two_steps(Disturb disturb) {
-  const Pendulum<StateT> system;
+  Stats unread;
+  const Counted system(Pendulum<StateT>{}, unread);
   Rk<Method, StateT> stepper;
   StateT y(2), y_new(2);
   y << 0.3, 0.5;
@@ -54,14 +55,23 @@ TYPED_TEST(Attempt, ThatIsRejectedLeavesNoTrace) {
   EXPECT_TRUE(same_bits(fresh, two_steps<TypeParam, State>(reject_and_interpolate)));
 }
 
-TYPED_TEST(Attempt, OfADynamicStateLeavesNoTrace) {
+/// With and without the slope at the end as the next first stage, an error estimate, and stages of an
+/// interpolant.
+template <class Method>
+struct DynamicAttempt : testing::Test {};
+using OneOfEachKind = testing::Types<tableaux::ExplicitEuler, tableaux::Rk4, tableaux::BogackiShampine32,
+                                     tableaux::DormandPrince54, tableaux::Fehlberg78, tableaux::Dop853>;
+TYPED_TEST_SUITE(DynamicAttempt, OneOfEachKind, MethodId);
+
+TYPED_TEST(DynamicAttempt, LeavesNoTrace) {
   using Dynamic = Eigen::VectorXd;
   const Dynamic fresh = two_steps<TypeParam, Dynamic>(nothing);
   EXPECT_TRUE(same_bits(fresh, two_steps<TypeParam, Dynamic>(reject_and_interpolate)));
 }
 
 TYPED_TEST(Attempt, IsAcceptedAfterInterpolationAsWithout) {
-  const Pendulum<State> system;
+  Stats unread;
+  const Counted system(Pendulum<State>{}, unread);
   const auto run = [&](bool looks) {
     Rk<TypeParam, State> stepper;
     State y(0.3, 0.5), y_new, between;

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <string>
 #include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -51,19 +54,59 @@ struct Pendulum {
   }
 };
 
-/// A function f(t, y, dydt) as a system of n equations.
-template <class StateT, class F>
+/// A function f(t, y, dydt) as a system of n equations. One type for all functions of a kind of state: a
+/// method is compiled once for them.
+template <class StateT>
 struct SystemOf {
   using State = StateT;
-  F f;
+  std::function<void(real_of<State> t, const State& y, State& dydt)> f;
   Eigen::Index n = State::RowsAtCompileTime;
   [[nodiscard]] Eigen::Index dim() const { return n; }
   void rhs(real_of<State> t, const State& y, State& dydt) const { f(t, y, dydt); }
 };
 template <class State, class F>
-SystemOf<State, F> system_of(F f, Eigen::Index n = State::RowsAtCompileTime) {
-  return {f, n};
+SystemOf<State> system_of(F f, Eigen::Index n = State::RowsAtCompileTime) {
+  return {std::move(f), n};
 }
+
+/// Any system with what implicit methods ask of it, behind one type for each kind of state: a method is
+/// compiled once for all of them.
+template <class StateT>
+class ErasedSystem {
+ public:
+  using State = StateT;
+  using Real = real_of<State>;
+  using Jacobian = jacobian_of<State>;
+
+  template <class S>
+  requires(!std::is_same_v<S, ErasedSystem>) explicit ErasedSystem(const S& system)
+      : dim_(system.dim()),
+        autonomous_(hmax::is_autonomous(system)),
+        rhs_([system](Real t, const State& y, State& dydt) { system.rhs(t, y, dydt); }) {
+    if constexpr (DifferentiableSystem<S>)
+      jacobian_ = [system](Real t, const State& y, Jacobian& J) { system.jacobian(t, y, J); };
+    if constexpr (TimeDifferentiableSystem<S>)
+      time_derivative_ = [system](Real t, const State& y, State& dfdt) {
+        system.time_derivative(t, y, dfdt);
+      };
+  }
+
+  [[nodiscard]] Eigen::Index dim() const { return dim_; }
+  [[nodiscard]] bool is_autonomous() const { return autonomous_; }
+  void rhs(Real t, const State& y, State& dydt) const { rhs_(t, y, dydt); }
+  [[nodiscard]] bool has_jacobian() const { return jacobian_ != nullptr; }
+  void jacobian(Real t, const State& y, Jacobian& J) const { jacobian_(t, y, J); }
+  [[nodiscard]] bool has_time_derivative() const { return time_derivative_ != nullptr; }
+  void time_derivative(Real t, const State& y, State& dfdt) const { time_derivative_(t, y, dfdt); }
+
+ private:
+  Eigen::Index dim_;
+  bool autonomous_;
+  std::function<void(Real, const State&, State&)> rhs_, time_derivative_;
+  std::function<void(Real, const State&, Jacobian&)> jacobian_;
+};
+template <class S>
+ErasedSystem(const S&) -> ErasedSystem<typename S::State>;
 
 /// A norm that shows one component of the error estimate as it is.
 struct Component {

@@ -219,7 +219,7 @@ TEST(Compare, RowsOfOneSideAreListed) {
   EXPECT_TRUE(std::isnan(c.rows[0].ratio));
   EXPECT_EQ(c.only_in_a, std::vector{plain(1).key});
   EXPECT_EQ(c.only_in_b, std::vector{plain(3).key});
-  EXPECT_EQ(compare({}, {}).rows.size(), 0u);
+  EXPECT_EQ(compare(std::vector<Row>{}, std::vector<Row>{}).rows.size(), 0u);
 }
 
 /// Samples of sizes n and m without ties whose U (pairs with a larger) is u.

@@ -25,7 +25,8 @@ using Eigen::VectorXd;
 MatrixXd with_eigenvalues(const VectorXd& values) {
   std::srand(3);
   const MatrixXd random = MatrixXd::Random(values.size(), values.size());
-  const MatrixXd Q = Eigen::SelfAdjointEigenSolver<MatrixXd>(random + random.transpose()).eigenvectors();
+  const MatrixXd Q =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(random + random.transpose())).eigenvectors();
   return Q * values.asDiagonal() * Q.transpose();
 }
 SymmetricOperator product_with(const MatrixXd& A) {

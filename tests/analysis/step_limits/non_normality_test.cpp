@@ -26,7 +26,7 @@ Matrix2d two(double a, double b, double c, double d) { return (Matrix2d() << a, 
 
 double resolvent_norm(const MatrixXd& J, Complex z) {
   const MatrixXcd A = z * MatrixXcd::Identity(J.rows(), J.cols()) - J.cast<Complex>();
-  return 1 / Eigen::JacobiSVD<MatrixXcd>(A).singularValues()[J.rows() - 1];
+  return 1 / Eigen::JacobiSVD<MatrixXcd, Eigen::NoQRPreconditioner>(A).singularValues()[J.rows() - 1];
 }
 
 /// The largest value of f on a fine grid of (0, infinity).

@@ -3,6 +3,7 @@
 #include "integrators/implicit/imex.hpp"
 
 #include <complex>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -22,18 +23,18 @@ struct Imex : testing::Test {};
 using EveryPair = TestTypesOf<tableaux::AllImex>::type;
 TYPED_TEST_SUITE(Imex, EveryPair, MethodId);
 
-/// stiff(t, y) + nonstiff(t, y), with the Jacobian of the first.
-template <class StateT, class Stiff, class Nonstiff, class Jacobian_>
+/// stiff(t, y) + nonstiff(t, y), with the Jacobian of the first. One type for all functions of a kind of
+/// state: a method is compiled once for them.
+template <class StateT>
 struct Split {
   using State = StateT;
   using Real = real_of<State>;
   using Jacobian = jacobian_of<State>;
-  Stiff stiff;
-  Nonstiff nonstiff;
-  Jacobian_ stiff_jacobian;
-  Eigen::Index n = State::RowsAtCompileTime;
+  using Function = std::function<void(Real t, const State& y, State& dydt)>;
+  Function stiff, nonstiff;
+  std::function<void(Real t, const State& y, Jacobian& J)> stiff_jacobian;
 
-  [[nodiscard]] Eigen::Index dim() const { return n; }
+  [[nodiscard]] static Eigen::Index dim() { return State::RowsAtCompileTime; }
   void rhs(Real t, const State& y, State& dydt) const {
     State other = y;
     stiff(t, y, dydt);
@@ -44,11 +45,6 @@ struct Split {
   void rhs_nonstiff(Real t, const State& y, State& dydt) const { nonstiff(t, y, dydt); }
   void jacobian_stiff(Real t, const State& y, Jacobian& J) const { stiff_jacobian(t, y, J); }
 };
-template <class State, class Stiff, class Nonstiff, class Jacobian_>
-Split<State, Stiff, Nonstiff, Jacobian_> split(Stiff stiff, Nonstiff nonstiff, Jacobian_ jacobian,
-                                               Eigen::Index n = State::RowsAtCompileTime) {
-  return {stiff, nonstiff, jacobian, n};
-}
 const auto no_jacobian = [](auto, const auto& y, auto& J) { J.setZero(y.size(), y.size()); };
 const auto nothing = [](auto, const auto& y, auto& dydt) { dydt.setZero(y.size()); };
 
@@ -57,12 +53,11 @@ const auto nothing = [](auto, const auto& y, auto& dydt) { dydt.setZero(y.size()
 template <class Real>
 auto coupled() {
   using State = Eigen::Matrix<Real, 1, 1>;
-  return split<State>(
-      [](Real t, const State& y, State& dydt) {
-        dydt[0] = -(y[0] * y[0] * y[0] - std::exp(3 * std::sin(t))) / 10 + t * y[0];
-      },
-      [](Real t, const State& y, State& dydt) { dydt[0] = y[0] * std::cos(t) - t * y[0]; },
-      [](Real t, const State& y, auto& J) { J(0, 0) = -3 * y[0] * y[0] / 10 + t; });
+  return Split<State>{[](Real t, const State& y, State& dydt) {
+                        dydt[0] = -(y[0] * y[0] * y[0] - std::exp(3 * std::sin(t))) / 10 + t * y[0];
+                      },
+                      [](Real t, const State& y, State& dydt) { dydt[0] = y[0] * std::cos(t) - t * y[0]; },
+                      [](Real t, const State& y, auto& J) { J(0, 0) = -3 * y[0] * y[0] / 10 + t; }};
 }
 
 template <class Method, class Sys>
@@ -120,9 +115,9 @@ using One = Eigen::Matrix<Complex, 1, 1>;
 
 /// y' = nonstiff y + stiff y.
 auto two_rates(Complex nonstiff, Complex stiff) {
-  return split<One>([=](double, const One& y, One& dydt) { dydt[0] = stiff * y[0]; },
+  return Split<One>{[=](double, const One& y, One& dydt) { dydt[0] = stiff * y[0]; },
                     [=](double, const One& y, One& dydt) { dydt[0] = nonstiff * y[0]; },
-                    [=](double, const One&, auto& J) { J(0, 0) = stiff; });
+                    [=](double, const One&, auto& J) { J(0, 0) = stiff; }};
 }
 
 /// R(zE, zI) = 1 + (zE bE + zI bI) . (1 - zE AE - zI AI)^-1 1, by substitution from stage to stage.
@@ -174,8 +169,8 @@ TYPED_TEST(Imex, DampsInfinitelyStiffPartsAtOnce) {
 
 TYPED_TEST(Imex, WithoutAStiffPartIsItsExplicitHalf) {
   const Pendulum<Plane> pendulum;
-  const auto system = split<Plane>(
-      nothing, [&](double t, const Plane& y, Plane& dydt) { pendulum.rhs(t, y, dydt); }, no_jacobian);
+  const auto system = Split<Plane>{
+      nothing, [&](double t, const Plane& y, Plane& dydt) { pendulum.rhs(t, y, dydt); }, no_jacobian};
   constexpr auto& half = TypeParam::tableau.nonstiff;
   const auto a = detail::flattened(half.a);
   ExplicitRk<RuntimeTableau, Plane> explicit_half(RuntimeTableau{.name = "half",
@@ -195,8 +190,8 @@ TYPED_TEST(Imex, WithoutAStiffPartIsItsExplicitHalf) {
 TYPED_TEST(Imex, WithoutANonstiffPartSolvesTheEquationsOfItsImplicitHalf) {
   const Pendulum<Plane> pendulum;
   const auto jacobian = [](double, const Plane& y, auto& J) { J << 0, 1, -std::cos(y[0]), -0.1; };
-  const auto system = split<Plane>([&](double t, const Plane& y, Plane& dydt) { pendulum.rhs(t, y, dydt); },
-                                   nothing, jacobian);
+  const auto system = Split<Plane>{[&](double t, const Plane& y, Plane& dydt) { pendulum.rhs(t, y, dydt); },
+                                   nothing, jacobian};
   constexpr auto& half = TypeParam::tableau.stiff;
   const double t = 0.2, h = 0.3;
   const Plane y(0.3, 0.5);
@@ -222,7 +217,8 @@ TYPED_TEST(Imex, WithoutANonstiffPartSolvesTheEquationsOfItsImplicitHalf) {
 TYPED_TEST(Imex, HoldsAStiffSpringAtStepsFarBeyondTheExplicitLimit) {
   // omega = 830 1/s: the explicit limit is about 0.003 s.
   const OscillatorParameters p{.m = 1.45, .c = 2, .k1 = 1e6, .k3 = 0.8, .P = 0.5, .w = 0.5};
-  const Oscillator system(p);
+  Stats unread;
+  const Counted system(Oscillator(p), unread);
   Plane y(0.5, 1), left = y;
   const auto end =
       integrate(StepperFor<TypeParam, Oscillator>{}, system, Span<double>{0, 100}, y, FixedStep<double>(0.1));
@@ -236,7 +232,8 @@ TYPED_TEST(Imex, HoldsAStiffSpringAtStepsFarBeyondTheExplicitLimit) {
 
 template <class Method, class Disturb>
 Plane two_steps(Disturb disturb) {
-  const Oscillator system;
+  Stats unread;
+  const Counted system(Oscillator(), unread);
   StepperFor<Method, Oscillator> stepper;
   Plane y(0.3, 0.5), y_new;
   stepper.init(system, 0, y);
@@ -433,8 +430,8 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
   const double h = 0.5, gamma = static_cast<double>(TypeParam::tableau.stiff.a[1][1]);
   using Real1 = Eigen::Matrix<double, 1, 1>;
   const double rate = 1 / (h * gamma);
-  const auto singular = split<Real1>([=](double, const Real1& y, Real1& dydt) { dydt[0] = rate * y[0]; },
-                                     nothing, [=](double, const Real1&, auto& J) { J(0, 0) = rate; });
+  const auto singular = Split<Real1>{[=](double, const Real1& y, Real1& dydt) { dydt[0] = rate * y[0]; },
+                                     nothing, [=](double, const Real1&, auto& J) { J(0, 0) = rate; }};
   Real1 y(1.0);
   const auto end = integrate(StepperFor<TypeParam, std::remove_const_t<decltype(singular)>>{}, singular,
                              Span<double>{0, 1}, y, FixedStep<double>(h));
@@ -442,9 +439,9 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
     EXPECT_EQ(end.outcome, Outcome::newton_failed);
   }
 
-  const auto nowhere = split<Real1>(
+  const auto nowhere = Split<Real1>{
       [](double, const Real1&, Real1& dydt) { dydt[0] = std::numeric_limits<double>::quiet_NaN(); }, nothing,
-      no_jacobian);
+      no_jacobian};
   EXPECT_EQ(integrate(StepperFor<TypeParam, std::remove_const_t<decltype(nowhere)>>{}, nowhere,
                       Span<double>{0, 1}, y, FixedStep<double>(h))
                 .outcome,
@@ -454,10 +451,10 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
 TYPED_TEST(Imex, CutsItsStepWhereAPartIsNotANumber) {
   if constexpr (TypeParam::error_order > 0) {
     using Real1 = Eigen::Matrix<double, 1, 1>;
-    const auto walled =
-        split<Real1>([](double, const Real1& y,
-                        Real1& dydt) { dydt[0] = y[0] < 2 ? 0.5 : std::numeric_limits<double>::quiet_NaN(); },
-                     [](double, const Real1&, Real1& dydt) { dydt[0] = 0.5; }, no_jacobian);
+    const auto walled = Split<Real1>{[](double, const Real1& y, Real1& dydt) {
+                                       dydt[0] = y[0] < 2 ? 0.5 : std::numeric_limits<double>::quiet_NaN();
+                                     },
+                                     [](double, const Real1&, Real1& dydt) { dydt[0] = 0.5; }, no_jacobian};
     Real1 y(0.0);
     const auto end =
         integrate(StepperFor<TypeParam, std::remove_const_t<decltype(walled)>>{}, walled, Span<double>{0, 3},
@@ -472,10 +469,10 @@ TYPED_TEST(Imex, FollowsAToleranceHoweverStiffThePartIs) {
     // Prothero and Robinson: y' = -sin t + lambda (y - cos t), y = cos t.
     using Real1 = Eigen::Matrix<double, 1, 1>;
     for (const double lambda : {-1.0, -1e3, -1e6, -1e9}) {
-      const auto system = split<Real1>(
+      const auto system = Split<Real1>{
           [=](double t, const Real1& y, Real1& dydt) { dydt[0] = lambda * (y[0] - std::cos(t)); },
           [](double t, const Real1&, Real1& dydt) { dydt[0] = -std::sin(t); },
-          [=](double, const Real1&, auto& J) { J(0, 0) = lambda; });
+          [=](double, const Real1&, auto& J) { J(0, 0) = lambda; }};
       for (const double tolerance : {1e-4, 1e-7}) {
         Real1 y(1.0);
         const auto end = integrate(

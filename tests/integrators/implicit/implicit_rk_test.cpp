@@ -23,9 +23,9 @@ TYPED_TEST_SUITE(AdaptiveImplicitRk, EveryAdaptiveImplicitMethod, MethodId);
 bool same_bits(const State& a, const State& b) { return std::memcmp(a.data(), b.data(), sizeof(State)) == 0; }
 
 TYPED_TEST(ImplicitRk, IsExactForQuadratureUpToItsOrder) {
-  const auto system = system_of<State>([](double t, const State&, State& dydt) {
+  const ErasedSystem system(system_of<State>([](double t, const State&, State& dydt) {
     dydt << TypeParam::order * std::pow(t, TypeParam::order - 1), 1;
-  });
+  }));
   State y(0, 0);
   integrate(typename TypeParam::template Stepper<State>{}, system, Span<double>{0, 2}, y,
             FixedStep<double>(0.5));
@@ -40,7 +40,7 @@ TYPED_TEST(ImplicitRk, StepsAsItsStabilityFunctionSays) {
     std::complex<double> z(part(random), part(random));
     z *= std::pow(10, size(random));
     if (z.real() > 0) z = -z;
-    const RotatingDecay system{z};
+    const ErasedSystem system(RotatingDecay{z});
     typename TypeParam::template Stepper<State> stepper;
     State y(1, 0), y_new(0, 0);
     stepper.init(system, 0, y);
@@ -73,7 +73,7 @@ const State reference(-3.3690941329057441755e-01, 1.5203434594206605961e-01);
 TYPED_TEST(ImplicitRk, HasItsOrder) {
   const auto error = [](double h) {
     State y(0.5, 1);
-    const auto end = integrate(typename TypeParam::template Stepper<State>{}, Oscillator(),
+    const auto end = integrate(typename TypeParam::template Stepper<State>{}, ErasedSystem(Oscillator()),
                                Span<double>{0, 10}, y, FixedStep<double>(h));
     EXPECT_EQ(end.outcome, Outcome::reached_end);
     return (y - reference).norm();
@@ -84,7 +84,7 @@ TYPED_TEST(ImplicitRk, HasItsOrder) {
 /// Norm of the error estimate of the second step of size h; the first is one of size h too.
 template <class Method>
 double second_estimate(double h) {
-  const Oscillator system;
+  const ErasedSystem system(Oscillator{});
   typename Method::template Stepper<State> stepper;
   State y(0.5, 1), y_new;
   stepper.init(system, 0, y);
@@ -97,7 +97,7 @@ double second_estimate(double h) {
 }
 template <class Method>
 double first_estimate(double h) {
-  const Oscillator system;
+  const ErasedSystem system(Oscillator{});
   typename Method::template Stepper<State> stepper;
   State y(0.5, 1), y_new;
   stepper.init(system, 0, y);
@@ -114,7 +114,8 @@ TYPED_TEST(AdaptiveImplicitRk, ErrorEstimateHasItsOrderFromTheFirstStepOn) {
 TEST(Trapezoidal, EstimatesItsLocalError) {
   // On a cubic quadrature the third derivative is constant: the estimate is h^3 y''' / 12, which is the
   // error.
-  const auto system = system_of<State>([](double t, const State&, State& dydt) { dydt << 3 * t * t, 0; });
+  const ErasedSystem system(
+      system_of<State>([](double t, const State&, State& dydt) { dydt << 3 * t * t, 0; }));
   Trapezoidal::Stepper<State> stepper;
   State y(0, 0), y_new;
   stepper.init(system, 0, y);
@@ -146,7 +147,7 @@ State three_steps(const System& system, Disturb disturb) {
 }
 
 TYPED_TEST(ImplicitRk, RejectedAttemptsLeaveNoTrace) {
-  const Oscillator system({.k1 = 20, .k3 = 30});
+  const ErasedSystem system(Oscillator({.k1 = 20, .k3 = 30}));
   const State fresh = three_steps<TypeParam>(system, [](auto&&...) {});
   for (const double h : {0.03, 0.7, 30.0, 3e4}) {  // some of them fail, with a fresh Jacobian too
     const auto disturb = [&](auto& stepper, double t, const State& y) {
@@ -159,7 +160,7 @@ TYPED_TEST(ImplicitRk, RejectedAttemptsLeaveNoTrace) {
 }
 
 TYPED_TEST(ImplicitRk, InterpolantMeetsBothEndsAndTheSolutionBetween) {
-  const Oscillator system;
+  const ErasedSystem system(Oscillator{});
   const auto defect = [&](double h) {
     typename TypeParam::template Stepper<State> stepper, fine;
     State y(0.5, 1), y_new, out;
@@ -184,7 +185,7 @@ TYPED_TEST(ImplicitRk, InterpolantMeetsBothEndsAndTheSolutionBetween) {
 }
 
 TEST(TrBdf2, InterpolantHasNoKinkAtItsInnerPoint) {
-  const Oscillator system;
+  const ErasedSystem system(Oscillator{});
   TrBdf2::Stepper<State> stepper;
   State y(0.5, 1), y_new, before, at, after;
   stepper.init(system, 0, y);
@@ -265,8 +266,8 @@ TYPED_TEST(ImplicitRk, ComputesWithStatesOfEveryKindAlike) {
   const auto go = [&](auto& y) {
     using Any = std::remove_cvref_t<decltype(y)>;
     using Real = real_of<Any>;
-    integrate(typename TypeParam::template Stepper<Any>{}, system_of<Any>(oscillator, 2), Span<Real>{0, 1}, y,
-              FixedStep<Real>(Real(1) / 16));
+    integrate(typename TypeParam::template Stepper<Any>{}, ErasedSystem(system_of<Any>(oscillator, 2)),
+              Span<Real>{0, 1}, y, FixedStep<Real>(Real(1) / 16));
   };
   go(two);
   go(any);

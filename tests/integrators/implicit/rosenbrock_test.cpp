@@ -118,7 +118,7 @@ struct Power {
 
 TYPED_TEST(RosenbrockMethod, IsExactOnPolynomialsOfTimeUpToItsOrder) {
   for (int p = 1; p <= TypeParam::order; ++p) {
-    const Power system{p};
+    const ErasedSystem system(Power{p});
     Rosenbrock<TypeParam, Power::State> stepper;
     const Power::State y(std::pow(0.5, p));
     Power::State y_new;
@@ -203,7 +203,8 @@ TYPED_TEST(RosenbrockMethod, InterpolatesBetweenBothEndsWithItsOrder) {
 /// Two accepted steps; before each, `disturb` may do with the stepper what it likes.
 template <class Method, class State, class Disturb>
 State two_steps(const Disturb& disturb) {
-  const ToldPendulum<State> system;
+  Stats unread;
+  const Counted system(ErasedSystem(ToldPendulum<State>{}), unread);
   Rosenbrock<Method, State> stepper;
   State y(2), y_new(2);
   y << 0.3, 0.5;
@@ -249,8 +250,7 @@ Stats cost(const System& system, int n, JacobianUpdate update = {}) {
 TYPED_TEST(RosenbrockMethod, CostsWhatItSays) {
   constexpr std::int64_t s = TypeParam::tableau.stages;
   constexpr bool fsal = is_fsal(TypeParam::tableau);
-  const ToldPendulum<Plane> told;
-  const Pendulum<Plane> untold;
+  const ErasedSystem told(ToldPendulum<Plane>{}), untold(Pendulum<Plane>{});
   const std::int64_t stages = fsal ? (s - 1) * 30 + 1 : s * 30;
   const Stats exact = cost<TypeParam>(told, 30);
   EXPECT_EQ(exact.rhs, stages);
@@ -264,7 +264,7 @@ TYPED_TEST(RosenbrockMethod, CostsWhatItSays) {
 }
 
 TYPED_TEST(RosenbrockMethod, FactorsOnceInAWholeRunOfFixedStepsWithAFrozenJacobian) {
-  const Stats frozen = cost<TypeParam>(ToldPendulum<Plane>{}, 100, {JacobianUpdate::frozen});
+  const Stats frozen = cost<TypeParam>(ErasedSystem(ToldPendulum<Plane>{}), 100, {JacobianUpdate::frozen});
   EXPECT_EQ(frozen.jacobian, 1);
   EXPECT_EQ(frozen.factorisations, 1);
   EXPECT_EQ(cost<TypeParam>(AnySystem(ToldPendulum<Eigen::VectorXd>{}), 100, {0}).factorisations, 1);
@@ -360,7 +360,7 @@ TYPED_TEST(RosenbrockMethod, SaysThatItsMatrixIsSingular) {
   const double gamma = static_cast<double>(TypeParam::tableau.gamma);
   double h = 0.5;
   while (gamma * h * (1 / (gamma * h)) != 1) h *= 1.1;  // so that I - h gamma J is exactly zero
-  const DecayWithJacobian<One> system{{One(1 / (gamma * h))}};
+  const ErasedSystem system(DecayWithJacobian<One>{{One(1 / (gamma * h))}});
   Rosenbrock<TypeParam, One> stepper;
   const One y(1.0);
   One y_new;

@@ -21,10 +21,9 @@ TYPED_TEST_SUITE(Stiff, EveryAdaptiveImplicitMethod, MethodId);
 template <class Method, class Problem>
 double relative_error(double rtol, double atol) {
   using State = typename Problem::State;
-  const Problem problem;
   State y = Problem::y0();
   const auto end = integrate(
-      typename Method::template Stepper<State>{}, problem, Span<double>{0, Problem::t_end}, y,
+      typename Method::template Stepper<State>{}, ErasedSystem(Problem()), Span<double>{0, Problem::t_end}, y,
       Adaptive<double, DeadbandController>({rtol, atol}, Method::error_order), ObserveNothing{}, 1'000'000);
   EXPECT_EQ(end.outcome, Outcome::reached_end) << "t = " << end.t;
   double worst = 0;
@@ -56,10 +55,11 @@ TYPED_TEST(Stiff, Robertson) {
     // What is tiny and stiff rings on undamped and stops the steps from growing: the end at 1e11 s is out of
     // reach.
     Eigen::Vector3d y = Robertson<double>::y0();
-    const auto end = integrate(
-        typename TypeParam::template Stepper<Eigen::Vector3d>{}, Robertson<double>(), Span<double>{0, 40}, y,
-        Adaptive<double, DeadbandController>({rtol, 1e-9 * rtol}, TypeParam::error_order), ObserveNothing{},
-        100'000);
+    const auto end =
+        integrate(typename TypeParam::template Stepper<Eigen::Vector3d>{}, ErasedSystem(Robertson<double>()),
+                  Span<double>{0, 40}, y,
+                  Adaptive<double, DeadbandController>({rtol, 1e-9 * rtol}, TypeParam::error_order),
+                  ObserveNothing{}, 100'000);
     EXPECT_EQ(end.outcome, Outcome::reached_end);
     // [hairer1996solving, IV.10] prints the end point at t = 40.
     EXPECT_NEAR(y[0], 0.7158271, 1e-4);
@@ -92,8 +92,8 @@ struct WrongJacobian {
 TYPED_TEST(Stiff, AWrongJacobianIsNoticedAndNeverGivesAWrongAnswer) {
   const auto run = [](double factor) {
     Eigen::Vector2d y(0, 0);
-    const auto end = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{}, WrongJacobian{factor},
-                               Span<double>{0, 1}, y,
+    const auto end = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{},
+                               ErasedSystem(WrongJacobian{factor}), Span<double>{0, 1}, y,
                                Adaptive<double, DeadbandController>({1e-5, 1e-5}, TypeParam::error_order),
                                ObserveNothing{}, 100'000);
     if (end.outcome == Outcome::reached_end) {
@@ -111,8 +111,9 @@ TYPED_TEST(Stiff, AWrongJacobianIsNoticedAndNeverGivesAWrongAnswer) {
 TYPED_TEST(Stiff, AWrongJacobianFailsAFixedStepOrIsOvercome) {
   for (const double factor : {0.0, -1.0}) {
     Eigen::Vector2d y(0, 0);
-    const auto end = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{}, WrongJacobian{factor},
-                               Span<double>{0, 1}, y, FixedStep<double>(0.1));
+    const auto end =
+        integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{},
+                  ErasedSystem(WrongJacobian{factor}), Span<double>{0, 1}, y, FixedStep<double>(0.1));
     // The accelerated iteration of Radau's stages may converge in spite of the Jacobian.
     if (std::is_same_v<TypeParam, RadauMethod> && end.outcome == Outcome::reached_end) {
       EXPECT_NEAR(y[0], std::cos(1.0), 1e-3);
@@ -126,8 +127,8 @@ TYPED_TEST(Stiff, AWrongJacobianFailsAFixedStepOrIsOvercome) {
 
 TYPED_TEST(Stiff, ARegionWithoutNumbersIsApproachedAndNotEntered) {
   // x' = -1 reaches zero at t = 1, where f ends: sqrt.
-  const auto system = system_of<Eigen::Vector2d>(
-      [](double, const Eigen::Vector2d& y, Eigen::Vector2d& dydt) { dydt << -1, -std::sqrt(y[0]) - y[1]; });
+  const ErasedSystem system(system_of<Eigen::Vector2d>(
+      [](double, const Eigen::Vector2d& y, Eigen::Vector2d& dydt) { dydt << -1, -std::sqrt(y[0]) - y[1]; }));
   Eigen::Vector2d y(1, 1);
   const auto end =
       integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{}, system, Span<double>{0, 2}, y,
@@ -156,13 +157,13 @@ TYPED_TEST(Stiff, ASingularMatrixFailsAFixedStepAndCutsAnAdaptiveOne) {
       return static_cast<double>(TypeParam::tableau.a.back().back());
   }();
   Eigen::Vector2d y(1, 1);
-  const auto fixed = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{}, Growth{1 / gamma},
-                               Span<double>{0, 1}, y, FixedStep<double>(1));
+  const auto fixed = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{},
+                               ErasedSystem(Growth{1 / gamma}), Span<double>{0, 1}, y, FixedStep<double>(1));
   EXPECT_EQ(fixed.outcome, TypeParam::order == 5 ? Outcome::reached_end : Outcome::newton_failed);
   y.setOnes();
   const auto adaptive = integrate(
-      typename TypeParam::template Stepper<Eigen::Vector2d>{}, Growth{1 / gamma}, Span<double>{0, 1}, y,
-      Adaptive<double, DeadbandController>({1e-5, 1e-5, 1}, TypeParam::error_order));
+      typename TypeParam::template Stepper<Eigen::Vector2d>{}, ErasedSystem(Growth{1 / gamma}),
+      Span<double>{0, 1}, y, Adaptive<double, DeadbandController>({1e-5, 1e-5, 1}, TypeParam::error_order));
   EXPECT_EQ(adaptive.outcome, Outcome::reached_end);
   EXPECT_GT(adaptive.stats.rejected, 0);
   EXPECT_NEAR(y[0] / std::exp(1 / gamma), 1, 0.02);

@@ -32,7 +32,7 @@ TEST(ConjugateGradients, HaveAPreconditionerThatDoesNotBreakDown) {
     const VectorXd expected = VectorXd::LinSpaced(A.cols(), -1, 1), b = A * expected;
     ConjugateGradients<double> gradients;
     ASSERT_TRUE(gradients.prepare(A));
-    VectorXd x;
+    VectorXd x(A.cols());
     const auto end = gradients.solve(b, x, 1e-8, 0);
     EXPECT_TRUE(end.solved) << poisson;
     // Without a preconditioner it takes thousands.

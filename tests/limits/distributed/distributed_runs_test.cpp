@@ -82,7 +82,7 @@ class Rows final : public DistributedModel {
     return std::make_unique<SumInverse>(*this, a, b);
   }
   SumEnd largest_of_sum(double a, double b, double /*tolerance*/) override {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> all(a * chain_.C + b * chain_.K);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> all(MatrixXd(a * chain_.C + b * chain_.K));
     const VectorXd u = all.eigenvectors().rightCols(1);
     return {.value = all.eigenvalues()[u.size() - 1],
             .residual = 0,
