@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "advice/advise.hpp"
+#include "advice/advice.hpp"
 #include "limits/linearised_problem.hpp"
 
 namespace hmax {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "advice/advise.hpp"
+#include "advice/advice.hpp"
 
 namespace hmax {
 

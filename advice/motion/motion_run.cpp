@@ -27,8 +27,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   std::size_t instant = 0;
   ImplicitWork work;
   std::int64_t newton = 0, linear_iterations = 0;  // up to the frame before
-  double last = thread_cpu_seconds();
-  double start = last;
+  double last = thread_cpu_seconds(), start = last;
   const auto look_at_the_clock = [&] {
     const double now = thread_cpu_seconds();
     const bool in_first = step < steps_per_frame;
