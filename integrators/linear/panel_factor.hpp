@@ -232,7 +232,8 @@ class PanelFactor {
   /// L and d of the columns of a panel, one block of them after the other. Rows below a block do not depend
   /// on one another.
   void eliminate_columns(const Panel& panel, Scalar* d) {
-    const auto [T, B] = parts(panel);
+    const Parts own = parts(panel);
+    Scalar *const T = own.T, *const B = own.B;  // no structured binding: Clang 14 captures none
     const Size w = panel.width, wide = PanelShape::padded(w), tall = PanelShape::padded(panel.height);
     for (Size s = 0; s < w; s += PanelShape::block) {
       kernels_->diagonal(T, w, s, d);

@@ -231,11 +231,13 @@ class SparseSolver<Scalar>::Solvers {
   static double iteration_work(const Matrix& A) { return 16.0 * static_cast<double>(A.nonZeros()); }
 
   /// Takes iterations off the work that a factorisation would be. When nothing is left, A is factored.
-  void pay(int iterations) requires may_iterate {
-    work_left_ -= iteration_work(gradients_.matrix()) * iterations;
-    if (work_left_ > 0) return;
-    work_left_ = never;
-    iterates_ = !factor_symmetric(gradients_.matrix());
+  void pay([[maybe_unused]] int iterations) {
+    if constexpr (may_iterate) {
+      work_left_ -= iteration_work(gradients_.matrix()) * iterations;
+      if (work_left_ > 0) return;
+      work_left_ = never;
+      iterates_ = !factor_symmetric(gradients_.matrix());
+    }
   }
 
   LinearSolve choice_;
