@@ -12,7 +12,7 @@
 #include "advice/step_search.hpp"
 #include "advice/time_limit.hpp"
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/equilibria/resisting_model.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "limits/linearised_problem.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/equilibria/resisting_model.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "catalogue/methods/method.hpp"
-#include "problems/tissue/tissue_model.hpp"
 
 namespace hmax {
 
@@ -24,10 +23,5 @@ std::string in_words(const Inversion& inversion);
 /// @param y  shape (dim)
 std::optional<Inversion> inversion_at(const Problem& problem, double t,
                                       const Eigen::Ref<const Eigen::VectorXd>& y, double most = 0);
-
-/// The first mesh model whose elements resist inversion; null where `model` does.
-const TissueModel* resisting_model(const TissueModel& model);
-/// The same body with that model, under the same name; nothing where there is none, and of springs.
-std::optional<Problem> with_resisting_model(const Problem& problem);
 
 }  // namespace hmax

@@ -9,7 +9,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
-#include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/equilibria/resisting_model.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/tissue_parameters.hpp"
 #include "catalogue/models/tissue_problem.hpp"

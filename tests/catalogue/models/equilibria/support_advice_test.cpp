@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
-#include "catalogue/models/equilibria/inversion.hpp"
+#include "catalogue/models/equilibria/resisting_model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
