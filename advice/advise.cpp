@@ -226,8 +226,10 @@ class Search {
         analyse();
         search_steps();
         if (is_suitable(advice_.rows.front())) verify_best();
-        look_at_other_model();
-        if (is_suitable(advice_.rows.front())) compare_others();
+        if (is_suitable(advice_.rows.front())) {
+          look_at_other_model();
+          compare_others();
+        }
       }
       advice_.stage = AdviceStage::done;
     } catch (const OutOfTime&) {

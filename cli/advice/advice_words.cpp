@@ -250,8 +250,7 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
   if (interrupted)
     return none ? "Interrupted: no change that was tried so far helps."
                 : "Interrupted; what helps, of the changes tried so far:";
-  const std::string part =
-      advice.all_tried ? "" : " (not every change was tried: that takes more than two minutes)";
+  const std::string part = advice.all_tried ? "" : " (not every change was tried: the time was over)";
   return none ? fmt::format("No change that was tried helps{}.", part)
               : fmt::format("What helps, each tried{}:", part);
 }
@@ -267,7 +266,10 @@ std::string words_of_missing(const Advice& advice, bool interrupted) {
     case AdviceStage::predicting:
       return ended + ": nothing was run";
     case AdviceStage::searching:
-      return ended + ": the best rows are not timed for long, and not verified" + others;
+      return ended +
+             (advice.recommended() ? ": the best rows are not timed for long, and not verified"
+                                   : ": no method that was run to its end meets this") +
+             others;
     case AdviceStage::timing:
       return ended + ": the best rows are not all timed for long, and not verified by long runs" + others;
     case AdviceStage::proving:
