@@ -215,11 +215,12 @@ std::vector<ReferenceMethod> reference_methods(double frame, const ExplicitLimit
 }
 
 /// Fills states, scale and bound of `reference`.
-/// @returns whether the last halving changes little enough; false as soon as a method of second order is seen
-/// to need more of them than `by` has
+/// @returns whether the last halving changes little enough; false as soon as the order of the method tells
+/// that it needs more of them than `by` has
 bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
                         ReferenceMotion& reference, const Watcher& watcher) {
   const double goal = tolerance / 10;
+  const int order = find_method(by.method).order;
   std::optional<std::vector<Eigen::VectorXd>> coarse;
   double h = by.h;
   for (int halving = 0; halving <= by.halvings; ++halving, h /= 2) {
@@ -234,7 +235,7 @@ bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, 
         reference.y = std::move(*fine);
         return true;
       }
-      if (std::log2(reference.error_bound / goal) / 2 > by.halvings - halving) return false;
+      if (std::log2(reference.error_bound / goal) / order > by.halvings - halving) return false;
     }
     coarse = std::move(fine);
   }
