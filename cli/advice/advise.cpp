@@ -137,6 +137,12 @@ void check_names(const AdviseOptions& options) {
   if (!options.output.empty()) check_page_name(options.output, "advice.html");
 }
 
+/// Whether a row is more than a prediction.
+bool has_finished_rows(const Advice& advice) {
+  return !std::ranges::all_of(advice.rows,
+                              [](const AdviceRow& row) { return row.verdict == AdviceVerdict::predicted; });
+}
+
 /// Fills the answer; what would help is sought where nothing is recommended.
 /// @returns what ended the search early, Interrupted after Ctrl-C: what is finished is in `advice`; else null
 /// @throws the same when nothing is, but after Ctrl-C, when JSON is told so too
@@ -165,7 +171,8 @@ std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
         watcher(share, "what would help: " + what);
       });
   } catch (...) {
-    if (advice.rows.empty() && !(interrupted && console.json)) throw;
+    // An error in place of predictions alone; Ctrl-C shows them.
+    if (!(interrupted ? console.json || !advice.rows.empty() : has_finished_rows(advice))) throw;
     return std::current_exception();
   }
   return nullptr;
@@ -245,8 +252,7 @@ void advise_on(const AdviseOptions& options, Console& console) {
     console.print(for_people(text, console));
   }
   if (!finished && !was_interrupted(end)) return;
-  const bool any_is_finished = !std::ranges::all_of(
-      advice.rows, [](const AdviceRow& row) { return row.verdict == AdviceVerdict::predicted; });
+  const bool any_is_finished = has_finished_rows(advice);
   if (any_is_finished) keep(options, problem, question, advice, text, console);
   if (finished) return;
   console.flush();

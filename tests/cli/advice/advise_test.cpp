@@ -135,6 +135,12 @@ TEST(AdviseCommand, SaysWhereNothingIsFinishedWhenItIsInterrupted) {
   EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
 }
 
+TEST(AdviseCommand, PrintsNoPredictionBesideAnError) {
+  const Shell shell;
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 0.01 --methods rk4"),
+                 "before 5 frames of 0.01 Hz");
+}
+
 TEST(AdviseCommand, AnswersWithinATime) {
   const Shell shell;
   const std::string question =
