@@ -26,7 +26,7 @@ class StepSearch {
     std::int64_t steps = first;
     AdviceBound cause = steps > 1 ? AdviceBound::stability : AdviceBound::rate;
     std::int64_t failed = steps - 1;  // the most steps that do not suffice
-    for (;; steps *= more_steps(row, cause)) {
+    for (;; steps = next_steps(row, cause, steps)) {
       if (steps > most_steps) return give_up(row, first);
       const MotionRun run = run_at(row, steps);
       if (suffices(run)) break;
@@ -59,14 +59,15 @@ class StepSearch {
     return steps >= most_steps_after_failure * first;
   }
 
-  /// How many times as many steps are tried next: as the order of the method tells where accuracy is missed,
-  /// a little fewer, since halves between are tried last.
-  [[nodiscard]] std::int64_t more_steps(const AdviceRow& row, AdviceBound cause) const {
-    constexpr double most = 64;
-    if (cause != AdviceBound::accuracy) return 2;
+  /// How many steps are tried after so many: a whole multiple, twice as many or where accuracy is missed as
+  /// the order of the method tells, a little fewer, since halves between are tried last; most_steps + 1 after
+  /// most_steps.
+  [[nodiscard]] std::int64_t next_steps(const AdviceRow& row, AdviceBound cause, std::int64_t steps) const {
+    if (steps == most_steps) return most_steps + 1;
     const double order = std::max(1, row.candidate.method.order);
-    return static_cast<std::int64_t>(
-        std::clamp(0.8 * std::pow(row.error / question_.tolerance, 1 / order), 2.0, most));
+    const double wanted = 0.8 * std::pow(row.error / question_.tolerance, 1 / order);
+    const double factor = cause == AdviceBound::accuracy ? std::clamp(wanted, 2.0, 64.0) : 2;
+    return std::min(most_steps, static_cast<std::int64_t>(factor) * steps);
   }
 
   [[nodiscard]] bool suffices(const MotionRun& run) const {
