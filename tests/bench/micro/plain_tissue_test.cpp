@@ -5,6 +5,7 @@
 #include "bench/micro/tissue_costs.hpp"
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/topology.hpp"
+#include "tests/problems/mesh/meshes.hpp"
 
 namespace hmax {
 namespace {
@@ -15,16 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Lame rubber{.lambda = 3, .mu = 2};
-
-/// The corner of a cube of edge 1.
-TetMesh corner() {
-  TetMesh mesh;
-  mesh.points.resize(3, 4);
-  mesh.points << 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
-  mesh.tetrahedra.resize(4, 1);
-  mesh.tetrahedra << 0, 1, 2, 3;
-  return mesh;
-}
 
 MatrixXd stiffness_at(const TetMesh& mesh, const VectorXd& x) {
   std::vector<TetMesh::Index> free(static_cast<std::size_t>(mesh.point_count()));
@@ -41,7 +32,7 @@ MatrixXd stiffness_at(const TetMesh& mesh, const VectorXd& x) {
 /// K_ab = V (lambda g_a g_b^T + mu (g_b g_a^T + g_a.g_b I)), with the gradients g of the barycentric
 /// coordinates: (-1, -1, -1) and the unit vectors.
 TEST(PlainStiffness, AtRestIsThatOfLinearElasticity) {
-  const TetMesh mesh = corner();
+  const TetMesh mesh = unit_tetrahedron();
   const MatrixXd K = stiffness_at(mesh, mesh.points.reshaped());
   Eigen::Matrix<double, 3, 4> g;
   g << -Eigen::Vector3d::Ones(), Matrix3d::Identity();
