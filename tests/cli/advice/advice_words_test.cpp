@@ -1,5 +1,7 @@
 #include "cli/advice/advice_words.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
@@ -75,6 +77,54 @@ TEST(AdviceWords, SayOfALimitEachThingOnce) {
   EXPECT_EQ(
       fact(problem, advice, "stability"),
       "h_max 20 ms predicted, the smallest along the motion; runs at 1.25 of the predicted limit still hold");
+}
+
+TEST(AdviceWords, CautionWhereTheSearchEndedEarly) {
+  const Problem problem = make_problem("liver_forced");
+  Advice advice = advice_of({find_method("rk4"), {}, {}});
+  EXPECT_EQ(fact(problem, advice, "caution"), "");
+  advice.out_of_time = true;
+  advice.stage = AdviceStage::proving;
+  advice.rows.emplace_back().verdict = AdviceVerdict::predicted;
+  EXPECT_EQ(
+      fact(problem, advice, "caution"),
+      "the time was over: the best rows are timed, but not verified by long runs; 1 of 2 rows were not run");
+}
+
+TEST(AdviceWords, TellOfNoMoreThanAPredictionWhereNothingWasRun) {
+  const Problem problem = make_problem("liver_forced");
+  const AdviceQuestion question{.rate = 100, .budget = {}, .methods = {}, .motion = {}};
+  Advice advice = advice_of({find_method("rk4"), {}, {}});
+  advice.rows.front().verdict = AdviceVerdict::predicted;
+  advice.rows.front().expected_frame = 2e-3;
+  advice.out_of_time = true;
+  advice.stage = AdviceStage::searching;
+  const AdviceText text = words_of(problem, question, advice, false);
+  EXPECT_EQ(text.answer,
+            "the time was over: no method that was run to its end meets this; 1 of 1 rows were not run");
+  EXPECT_EQ(
+      text.help,
+      "Predicted, not run: rk4 with h = 10 ms, 1 step per frame, at least 2 of 10 ms per frame. More time may "
+      "tell: --within");
+  EXPECT_EQ(text.motion, "no motion was run");
+  EXPECT_EQ(text.table.at(1).at(6), ">= 2");
+}
+
+TEST(AdviceWords, NameTheModelThatInvertsNoElement) {
+  const Problem problem = cube("press");
+  Advice advice = advice_of({find_method("symplectic_euler"), {}, {}});
+  advice.gravity_share = 0.25;
+  advice.other_model = {.id = "fem_neo_hookean", .scale = 0.061, .inversion = {}};
+  const AdviceQuestion question{.rate = 100, .budget = {}, .methods = {}, .motion = {}};
+  const AdviceText text = words_of(problem, question, advice, false);
+  EXPECT_TRUE(std::ranges::any_of(text.facts, [](const auto& each) {
+    return each.second ==
+           "--model fem_neo_hookean moves by 61 mm under all of gravity and all of the load, and inverts no element";
+  }));
+  // One that does no better is not named.
+  advice.other_model->gravity_share = 0.25;
+  for (const auto& [name, words] : words_of(problem, question, advice, false).facts)
+    EXPECT_EQ(words.find("fem_neo_hookean"), std::string::npos) << words;
 }
 
 }  // namespace
