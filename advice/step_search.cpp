@@ -13,6 +13,12 @@ namespace hmax {
 
 namespace {
 
+void fail(AdviceRow& row, const std::string& why) {
+  row.verdict = AdviceVerdict::unstable;
+  row.bound = AdviceBound::stability;
+  row.status = why;
+}
+
 /// Searches the step of one candidate. Few late frames may be the machine's: the timing of the best rows
 /// decides.
 class StepSearch {
@@ -138,12 +144,6 @@ class StepSearch {
                     row.h_max, most_steps);
   }
 
-  static void fail(AdviceRow& row, const std::string& why) {
-    row.verdict = AdviceVerdict::unstable;
-    row.bound = AdviceBound::stability;
-    row.status = why;
-  }
-
   void conclude_failure(AdviceRow& row, AdviceBound cause) const {
     row.bound = cause;
     if (cause == AdviceBound::budget) {
@@ -185,9 +185,7 @@ std::int64_t first_steps(double h_max, double frame) {
 }
 
 void fail_at_every_step(AdviceRow& row) {
-  row.verdict = AdviceVerdict::unstable;
-  row.bound = AdviceBound::stability;
-  row.status = "a mode grows at every step size, if only slowly; the method was not run";
+  fail(row, "a mode grows at every step size, if only slowly; the method was not run");
 }
 
 void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question,
