@@ -38,13 +38,13 @@ struct AdviceRecord {
   std::string
       options;        ///< what a simulator chooses besides the step: "Jacobian frozen, direct"; may be empty
   std::string bound;  ///< stability | accuracy | newton | budget | rate
-  std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow
+  std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow | predicted
   std::string status;   ///< what the verdict rests on, or why a number is missing
   /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as
   /// to have no such share fewer, empty where none was timed.
   std::string frame_tail;
-  /// How far the search was when the answer was stored: done, or where it was interrupted: searching | timing
-  /// | proving | observing | remedies.
+  /// How far the search was when the answer was stored: done, or where it ended early: predicting | searching
+  /// | timing | proving | observing | remedies.
   std::string stage = "done";
   double h = none;  ///< [s]
   double steps_per_frame = none;
