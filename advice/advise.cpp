@@ -381,7 +381,7 @@ class Search {
     recommend(advice_.rows, question_);
     for (AdviceRow& row : advice_.rows) {
       if (advice_.out_of_time && row.verdict == AdviceVerdict::predicted)
-        row.status = "not run: the time of the answer was over";
+        row.status = "not run: time limit reached";
       if (row.limit_pending && is_suitable(row) && row.status.empty())
         row.status = "its limit along the motion was not sought, since others are better";
     }

@@ -106,7 +106,7 @@ std::vector<AdviceRow> first_answer(const Problem& problem, const AdviceQuestion
     if (!(row.expected_frame > surely_late * question.frame_budget())) continue;
     row.verdict = AdviceVerdict::too_slow;
     row.status = fmt::format(
-        "by the time of single steps a frame takes at least {} times the budget; the motion was not run",
+        "a frame takes at least {} times the budget, measured on single steps; the motion was not run",
         short_number(row.expected_frame / question.frame_budget(), 2));
   }
   std::ranges::stable_sort(rows, {}, [](const AdviceRow& row) {

@@ -235,7 +235,7 @@ std::string words_of_nearest(const Advice& advice, const AdviceQuestion& questio
   if (std::isnan(row.h)) return {};
   if (std::isnan(row.frame.p50) && !std::isnan(row.expected_frame))
     return fmt::format(
-        "Nearest: {} with h = {} ms, at least {} of {} ms per frame by the time of single steps. ",
+        "Nearest: {} with h = {} ms, at least {} of {} ms per frame, measured on single steps. ",
         row.candidate.words(), milliseconds(row.h, 4), milliseconds(row.expected_frame),
         milliseconds(question.frame_budget()));
   if (!std::isfinite(row.error) || std::isnan(row.frame.p50)) return {};
@@ -250,7 +250,7 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
   if (interrupted)
     return none ? "Interrupted: no change that was tried so far helps."
                 : "Interrupted; what helps, of the changes tried so far:";
-  const std::string part = advice.all_tried ? "" : " (not every change was tried: the time was over)";
+  const std::string part = advice.all_tried ? "" : " (not every change was tried: time limit reached)";
   return none ? fmt::format("No change that was tried helps{}.", part)
               : fmt::format("What helps, each tried{}:", part);
 }
@@ -258,7 +258,7 @@ std::string words_of_help(const Advice& advice, bool interrupted) {
 /// What a search that ended early has left to do; empty of one that has not.
 std::string words_of_missing(const Advice& advice, bool interrupted) {
   if (!interrupted && !advice.out_of_time) return {};
-  const std::string ended = interrupted ? "interrupted" : "the time was over";
+  const std::string ended = interrupted ? "interrupted" : "time limit reached";
   const auto not_run = std::ranges::count(advice.rows, AdviceVerdict::predicted, &AdviceRow::verdict);
   const std::string others =
       not_run == 0 ? "" : fmt::format("; {} of {} rows were not run", not_run, advice.rows.size());
@@ -286,13 +286,13 @@ std::string words_of_missing(const Advice& advice, bool interrupted) {
 /// What is likely to be the answer where nothing was run to its end.
 std::string words_of_prediction(const AdviceRow& row, const AdviceQuestion& question) {
   if (row.verdict != AdviceVerdict::predicted) return {};
-  return fmt::format(
-      "Predicted, not run: {} with h = {} ms, {} step{} per frame{}. More time may tell: --within",
-      row.candidate.words(), milliseconds(row.h, 4), row.steps_per_frame, row.steps_per_frame == 1 ? "" : "s",
-      std::isnan(row.expected_frame)
-          ? ""
-          : fmt::format(", at least {} of {} ms per frame", milliseconds(row.expected_frame),
-                        milliseconds(question.frame_budget())));
+  return fmt::format("Predicted, not run: {} with h = {} ms, {} step{} per frame{}. Take a longer --within",
+                     row.candidate.words(), milliseconds(row.h, 4), row.steps_per_frame,
+                     row.steps_per_frame == 1 ? "" : "s",
+                     std::isnan(row.expected_frame)
+                         ? ""
+                         : fmt::format(", at least {} of {} ms per frame", milliseconds(row.expected_frame),
+                                       milliseconds(question.frame_budget())));
 }
 
 /// The median; of a row that was not run what is expected at least.

@@ -283,7 +283,7 @@ void add_advise(CLI::App& app, Console& console) {
       "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
       "default");
   add_number(command, "--within", options->within,
-             "Elapsed time of the answer [s]: what is known by then; 60 by default");
+             "Time limit of the answer [s]: what is known by then is the answer; 60 by default");
   add_text(command, "--methods", options->methods,
            fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
                        fmt::join(simulator_methods(), ", ")),

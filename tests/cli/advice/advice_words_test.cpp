@@ -88,7 +88,7 @@ TEST(AdviceWords, CautionWhereTheSearchEndedEarly) {
   advice.rows.emplace_back().verdict = AdviceVerdict::predicted;
   EXPECT_EQ(
       fact(problem, advice, "caution"),
-      "the time was over: the best rows are timed, but not verified by long runs; 1 of 2 rows were not run");
+      "time limit reached: the best rows are timed, but not verified by long runs; 1 of 2 rows were not run");
 }
 
 TEST(AdviceWords, TellOfNoMoreThanAPredictionWhereNothingWasRun) {
@@ -101,11 +101,10 @@ TEST(AdviceWords, TellOfNoMoreThanAPredictionWhereNothingWasRun) {
   advice.stage = AdviceStage::searching;
   const AdviceText text = words_of(problem, question, advice, false);
   EXPECT_EQ(text.answer,
-            "the time was over: no method that was run to its end meets this; 1 of 1 rows were not run");
-  EXPECT_EQ(
-      text.help,
-      "Predicted, not run: rk4 with h = 10 ms, 1 step per frame, at least 2 of 10 ms per frame. More time may "
-      "tell: --within");
+            "time limit reached: no method that was run to its end meets this; 1 of 1 rows were not run");
+  EXPECT_EQ(text.help,
+            "Predicted, not run: rk4 with h = 10 ms, 1 step per frame, at least 2 of 10 ms per frame. Take a "
+            "longer --within");
   EXPECT_EQ(text.motion, "no motion was run");
   EXPECT_EQ(text.table.at(1).at(6), ">= 2");
 }

@@ -328,7 +328,7 @@ TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
   EXPECT_EQ(told.exit_code, 1) << told.err;
   const std::string text = seen(read_text(shell / "page.html"));
   for (const char* words : {"no method that was tried meets this Nearest: ",
-                            " of 1e-06 ms per frame by the time of single steps. What helps, each tried: ",
+                            " of 1e-06 ms per frame, measured on single steps. What helps, each tried: ",
                             " budget_ms ", "Methods that do not suit"})
     EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << told.out;
 }
