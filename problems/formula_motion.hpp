@@ -11,12 +11,15 @@ namespace hmax {
 
 /// The system of formulas in the time s = direction (t - t0), which begins at 0 and grows: dy/ds = direction
 /// f(t, y). Backwards it has no positions and velocities, since dq/ds = -v.
+/// @tparam Matrix  of derivatives: Eigen::MatrixXd, or FormulaSystem::SparseMatrix where the system
+/// is_sparse()
+template <class Matrix>
 class FormulaMotion {
  public:
   using State = FormulaSystem::State;
-  using Jacobian = FormulaSystem::Jacobian;
+  using Jacobian = Matrix;
   using Dofs = FormulaSystem::Dofs;
-  using DofMatrix = FormulaSystem::DofMatrix;
+  using DofMatrix = Matrix;
 
   /// @param direction  1, or -1 for a motion that ends before t0
   FormulaMotion(FormulaSystem system, double t0, double direction)
@@ -29,7 +32,7 @@ class FormulaMotion {
   }
   void jacobian(double s, const State& y, Jacobian& J) const {
     system_.jacobian(time(s), y, J);
-    if (direction_ < 0) J = -J;
+    if (direction_ < 0) J *= -1;
   }
   /// d(direction f)/ds = direction^2 df/dt.
   void time_derivative(double s, const State& y, State& dfds) const {

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <optional>
+#include <ranges>
 
 namespace hmax {
 namespace {
@@ -145,7 +146,7 @@ class Tokens {
 /// One function for each level of the grammar.
 class Parser {
  public:
-  Parser(std::string_view text, const std::vector<FormulaName>& names, FormulaGraph& graph)
+  Parser(std::string_view text, const FormulaNames& names, FormulaGraph& graph)
       : held_(text), tokens_(held_.all()), names_(names), graph_(graph) {}
 
   Id formula() {
@@ -255,10 +256,13 @@ class Parser {
   Id named(const Token& token) {
     const auto function = std::ranges::find(functions, token.text, &Function::name);
     if (function != functions.end()) return call(*function, token);
-    const auto name = std::ranges::find(names_, token.text, &FormulaName::name);
-    if (name != names_.end()) return name->node;
+    if (const auto found = names_.find(token.text); found != names_.end()) return found->second;
+    // As they were given to the graph: states first.
+    std::vector<std::pair<Id, std::string>> by_node;
+    for (const auto& [name, node] : names_) by_node.emplace_back(node, name);
+    std::ranges::stable_sort(by_node, {}, &std::pair<Id, std::string>::first);
     std::vector<std::string> known;
-    for (const FormulaName& each : names_) known.push_back(each.name);
+    for (const auto& [node, name] : by_node) known.push_back(name);
     known.insert(known.end(), formula_functions().begin(), formula_functions().end());
     throw FormulaError("the name " + quoted(token.text) + " is not known; " + nearest_name(token.text, known),
                        token.position);
@@ -350,7 +354,7 @@ class Parser {
 
   Tokens held_;
   const std::vector<Token>& tokens_;
-  const std::vector<FormulaName>& names_;
+  const FormulaNames& names_;
   FormulaGraph& graph_;
   std::size_t at_ = 0;
   int depth_ = 0;
@@ -385,12 +389,15 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
       least = distance;
     }
   if (nearest) return "did you mean " + quoted(*nearest) + "?";
+  constexpr std::size_t most_listed = 60;
   std::string list;
-  for (const auto& candidate : known) list += (list.empty() ? "" : ", ") + candidate;
+  for (const auto& candidate : std::views::take(known, most_listed))
+    list += (list.empty() ? "" : ", ") + candidate;
+  if (known.size() > most_listed) list += " and " + std::to_string(known.size() - most_listed) + " more";
   return list.empty() ? "there are none" : "known are " + list;
 }
 
-Id parse_formula(std::string_view text, const std::vector<FormulaName>& names, FormulaGraph& graph) {
+Id parse_formula(std::string_view text, const FormulaNames& names, FormulaGraph& graph) {
   if (std::ranges::all_of(text, is_space))
     throw FormulaError("the formula is empty; write the derivative, for instance \"0\"", 0);
   return Parser(text, names, graph).formula();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,11 +24,8 @@ class FormulaError : public std::runtime_error {
   std::size_t position_;
 };
 
-/// A name that stands for a state, a parameter or a constant.
-struct FormulaName {
-  std::string name;
-  FormulaNodeId node = 0;
-};
+/// What names stand for: states, parameters and constants.
+using FormulaNames = std::map<std::string, FormulaNodeId, std::less<>>;
 
 /// The functions that a formula may call, in alphabetical order.
 const std::vector<std::string>& formula_functions();
@@ -45,7 +44,6 @@ std::string quoted(std::string_view text);
 /// @param names  what names other than those of functions mean
 /// @return  the node of its value
 /// @throws FormulaError  where the text is no formula: what is wrong and what to do
-FormulaNodeId parse_formula(std::string_view text, const std::vector<FormulaName>& names,
-                            FormulaGraph& graph);
+FormulaNodeId parse_formula(std::string_view text, const FormulaNames& names, FormulaGraph& graph);
 
 }  // namespace hmax

@@ -9,7 +9,9 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <type_traits>
 
+#include "core/size_limits.hpp"
 #include "problems/digits.hpp"
 #include "problems/formula_graph.hpp"
 #include "problems/formula_parser.hpp"
@@ -93,15 +95,15 @@ struct Formulas {
 
   /// @param order  component i of y is state order[i] of the definition
   Formulas(const FormulaDefinition& definition, const Order& order) {
-    std::vector<FormulaName> names(order.size());
+    FormulaNames names;
     for (std::size_t i = 0; i < order.size(); ++i) {
       const auto state = static_cast<std::size_t>(order[i]);
-      names[state] = {definition.equations[state].first, graph.state(static_cast<int>(i))};
+      names[definition.equations[state].first] = graph.state(static_cast<int>(i));
     }
-    for (const auto& [name, value] : definition.parameters) names.push_back({name, graph.constant(value)});
-    names.push_back({"t", graph.time()});
-    names.push_back({"pi", graph.constant(std::numbers::pi)});
-    names.push_back({"e", graph.constant(std::numbers::e)});
+    for (const auto& [name, value] : definition.parameters) names[name] = graph.constant(value);
+    names["t"] = graph.time();
+    names["pi"] = graph.constant(std::numbers::pi);
+    names["e"] = graph.constant(std::numbers::e);
     for (const Eigen::Index state : order) {
       const auto& equation = definition.equations[static_cast<std::size_t>(state)];
       try {
@@ -138,22 +140,33 @@ struct Formulas {
 Order packed_order(const std::vector<std::optional<Eigen::Index>>& derivative_is) {
   const std::size_t n = derivative_is.size();
   if (n == 0 || n % 2 != 0) return {};
-  std::vector<bool> taken(n, false);
+  // Of the states left over: how many of them have this one as their derivative, and those that none has.
+  std::vector<int> derivative_of(n, 0);
+  std::set<std::size_t> left, underived;
+  for (const std::optional<Eigen::Index>& of : derivative_is)
+    if (of) ++derivative_of[static_cast<std::size_t>(*of)];
+  for (std::size_t i = 0; i < n; ++i) {
+    left.insert(left.end(), i);
+    if (derivative_of[i] == 0) underived.insert(underived.end(), i);
+  }
+  const auto take = [&](std::size_t state) {
+    left.erase(state);
+    underived.erase(state);
+    if (!derivative_is[state]) return;
+    const auto of = static_cast<std::size_t>(*derivative_is[state]);
+    if (--derivative_of[of] == 0 && left.contains(of)) underived.insert(of);
+  };
   Order q, v;
-  while (q.size() + v.size() < n) {
-    std::vector<bool> is_derivative(n, false);
-    for (std::size_t i = 0; i < n; ++i)
-      if (!taken[i] && derivative_is[i]) is_derivative[static_cast<std::size_t>(*derivative_is[i])] = true;
-    std::size_t position = n;
-    for (std::size_t i = n; i-- > 0;)
-      if (!taken[i] && (position == n || is_derivative[position] || !is_derivative[i])) position = i;
+  while (!left.empty()) {
+    const std::size_t position = *(underived.empty() ? left : underived).begin();
     const auto velocity = derivative_is[position];
     if (!velocity || static_cast<std::size_t>(*velocity) == position ||
-        taken[static_cast<std::size_t>(*velocity)])
+        !left.contains(static_cast<std::size_t>(*velocity)))
       return {};
     q.push_back(static_cast<Eigen::Index>(position));
     v.push_back(*velocity);
-    taken[position] = taken[static_cast<std::size_t>(*velocity)] = true;
+    take(position);
+    take(static_cast<std::size_t>(*velocity));
   }
   // Positions in the order of the user.
   std::vector<std::size_t> by_user(q.size());
@@ -224,15 +237,20 @@ Linearity linearity_of(const Formulas& formulas) {
   return found;
 }
 
+/// The rules of differentiation make 0 times infinity of y sqrt(y) at 0: a slope of which they say nothing,
+/// as of one that is infinite.
+double slope_or_infinite(double slope) {
+  return std::isnan(slope) ? std::numeric_limits<double>::infinity() : slope;
+}
+
 }  // namespace
 
 struct FormulaSystem::Compiled {
   Order order;
   Eigen::Index dofs = 0;
   FormulaProgram rhs, force, jacobian, time_derivative;
-  Jacobian constant_slopes;  ///< entries that change are 0
-  std::vector<std::pair<Eigen::Index, Eigen::Index>>
-      changing;  ///< the others, in the order of the values of `jacobian`
+  SparseMatrix slopes;        ///< the pattern of the Jacobian; entries that change are 0
+  std::vector<int> changing;  ///< where the others stand in it, in the order of the values of `jacobian`
   bool autonomous = false;
   Linearity linearity = Linearity::unknown;
   FormulaSwitches switches;
@@ -262,20 +280,25 @@ struct FormulaSystem::Compiled {
 
   void compile(Formulas& formulas) {
     const int n = formulas.states();
-    const auto& [graph, roots, slopes, time_slopes] = formulas;
+    const auto& [graph, roots, derivatives, time_slopes] = formulas;
     rhs = FormulaProgram(graph, roots, n);
     if (dofs > 0) force = FormulaProgram(graph, {roots.begin() + dofs, roots.end()}, n);
-    constant_slopes = Jacobian::Zero(n, n);
     std::vector<FormulaNodeId> entries;
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(i)]) {
-        if (graph.is_constant(slope.node)) {
-          constant_slopes(i, slope.state) = graph[slope.node].value;
-          continue;
-        }
-        changing.emplace_back(i, slope.state);
+    std::vector<std::pair<int, int>> places;
+    std::vector<Eigen::Triplet<double>> constants;
+    for (int i = 0; i < n; ++i)
+      for (const FormulaSlope& slope : derivatives[static_cast<std::size_t>(i)]) {
+        const auto j = static_cast<int>(slope.state);
+        const bool constant = graph.is_constant(slope.node);
+        constants.emplace_back(i, j, constant ? graph[slope.node].value : 0);
+        if (constant) continue;
+        places.emplace_back(i, j);
         entries.push_back(slope.node);
       }
+    slopes.resize(n, n);
+    slopes.setFromTriplets(constants.begin(), constants.end());
+    for (const auto& [i, j] : places)
+      changing.push_back(static_cast<int>(&slopes.coeffRef(i, j) - slopes.valuePtr()));
     jacobian = FormulaProgram(graph, entries, n);
     time_derivative = FormulaProgram(graph, time_slopes, n);
     autonomous = std::ranges::none_of(
@@ -284,35 +307,58 @@ struct FormulaSystem::Compiled {
     switches = FormulaSwitches(formulas.graph, roots, n);
   }
 
-  /// Calls set(i, j, value) for each entry of the Jacobian that changes.
+  /// The values of the entries of `slopes` at (t, y), until the next call on this thread.
+  const std::vector<double>& slope_values(double t, const double* y) const {
+    thread_local std::vector<double> values, changed;
+    values.assign(slopes.valuePtr(), slopes.valuePtr() + slopes.nonZeros());
+    if (changing.empty()) return values;
+    changed.resize(changing.size());
+    jacobian.run(t, y, changed.data());
+    for (std::size_t k = 0; k < changing.size(); ++k)
+      values[static_cast<std::size_t>(changing[k])] = slope_or_infinite(changed[k]);
+    return values;
+  }
+
+  /// Calls set(i, j, value) for each entry of columns first .. first + count - 1, column by column.
   template <class Set>
-  void each_changing(double t, const double* y, const Set& set) const {
-    if (changing.empty()) return;
-    thread_local std::vector<double> values;
-    values.resize(changing.size());
-    jacobian.run(t, y, values.data());
-    for (std::size_t k = 0; k < changing.size(); ++k) set(changing[k].first, changing[k].second, values[k]);
+  void each_slope(double t, const double* y, Eigen::Index first, Eigen::Index count, const Set& set) const {
+    const std::vector<double>& values = slope_values(t, y);
+    for (Eigen::Index j = first; j < first + count; ++j)
+      for (int p = slopes.outerIndexPtr()[j]; p < slopes.outerIndexPtr()[j + 1]; ++p)
+        set(slopes.innerIndexPtr()[p], j, values[static_cast<std::size_t>(p)]);
+  }
+
+  void write(double t, const State& y, Eigen::MatrixXd& J) const {
+    J.setZero(slopes.rows(), slopes.cols());
+    each_slope(t, y.data(), 0, slopes.cols(),
+               [&](Eigen::Index i, Eigen::Index j, double value) { J(i, j) = value; });
+  }
+  void write(double t, const State& y, SparseMatrix& J) const {
+    J = slopes;
+    std::ranges::copy(slope_values(t, y.data()), J.valuePtr());
   }
 
   /// -J in the rows of the velocities, columns from `first` on, shape (dofs, dofs).
-  void write_block(double t, const Dofs& q, const Dofs& v, Eigen::Index first, DofMatrix& out) const {
+  template <class Matrix>
+  void write_block(double t, const Dofs& q, const Dofs& v, Eigen::Index first, Matrix& out) const {
     State y(2 * dofs);
     y << q, v;
-    // 0 - x, for -0 is nothing to show.
-    out = DofMatrix::Zero(dofs, dofs) - constant_slopes.block(dofs, first, dofs, dofs);
-    each_changing(t, y.data(), [&](Eigen::Index i, Eigen::Index j, double value) {
-      if (i >= dofs && j >= first && j < first + dofs) out(i - dofs, j - first) = 0 - value;
+    out.resize(dofs, dofs);
+    out.setZero();
+    Eigen::Index begun = 0;
+    each_slope(t, y.data(), first, dofs, [&](Eigen::Index i, Eigen::Index j, double value) {
+      if (i < dofs) return;
+      // 0 - x, for -0 is nothing to show.
+      if constexpr (std::is_same_v<Matrix, SparseMatrix>) {
+        for (; begun <= j - first; ++begun) out.startVec(begun);
+        out.insertBack(i - dofs, j - first) = 0 - value;
+      } else {
+        out(i - dofs, j - first) = 0 - value;
+      }
     });
+    if constexpr (std::is_same_v<Matrix, SparseMatrix>) out.finalize();
   }
 };
-
-namespace {
-/// The rules of differentiation make 0 times infinity of y sqrt(y) at 0: a slope of which they say nothing,
-/// as of one that is infinite.
-double slope_or_infinite(double slope) {
-  return std::isnan(slope) ? std::numeric_limits<double>::infinity() : slope;
-}
-}  // namespace
 
 FormulaSystem::FormulaSystem(FormulaDefinition definition) : definition_(std::move(definition)) {
   check_numbers(definition_);
@@ -324,11 +370,15 @@ void FormulaSystem::rhs(double t, const State& y, State& dydt) const {
   compiled_->rhs.run(t, y.data(), dydt.data());
 }
 
-void FormulaSystem::jacobian(double t, const State& y, Jacobian& J) const {
-  J = compiled_->constant_slopes;
-  compiled_->each_changing(
-      t, y.data(), [&](Eigen::Index i, Eigen::Index j, double value) { J(i, j) = slope_or_infinite(value); });
+bool FormulaSystem::is_sparse() const {
+  const double entries = static_cast<double>(dim()) * static_cast<double>(dim());
+  return dim() > small_enough_for_dense && static_cast<double>(compiled_->slopes.nonZeros()) <= entries / 20;
 }
+
+void FormulaSystem::jacobian(double t, const State& y, Eigen::MatrixXd& J) const {
+  compiled_->write(t, y, J);
+}
+void FormulaSystem::jacobian(double t, const State& y, SparseMatrix& J) const { compiled_->write(t, y, J); }
 
 void FormulaSystem::time_derivative(double t, const State& y, State& dfdt) const {
   dfdt.resize(dim());
@@ -353,11 +403,17 @@ void FormulaSystem::force(double t, const Dofs& q, const Dofs& v, Dofs& f) const
   compiled_->force.run(t, y.data(), f.data());
 }
 
-void FormulaSystem::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
+void FormulaSystem::stiffness(double t, const Dofs& q, const Dofs& v, Eigen::MatrixXd& K) const {
+  compiled_->write_block(t, q, v, 0, K);
+}
+void FormulaSystem::stiffness(double t, const Dofs& q, const Dofs& v, SparseMatrix& K) const {
   compiled_->write_block(t, q, v, 0, K);
 }
 
-void FormulaSystem::damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const {
+void FormulaSystem::damping(double t, const Dofs& q, const Dofs& v, Eigen::MatrixXd& C) const {
+  compiled_->write_block(t, q, v, compiled_->dofs, C);
+}
+void FormulaSystem::damping(double t, const Dofs& q, const Dofs& v, SparseMatrix& C) const {
   compiled_->write_block(t, q, v, compiled_->dofs, C);
 }
 

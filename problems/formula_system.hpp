@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "problems/linearity.hpp"
 
@@ -40,6 +41,7 @@ class FormulaSystem {
   using Jacobian = Eigen::MatrixXd;
   using Dofs = Eigen::VectorXd;
   using DofMatrix = Eigen::MatrixXd;
+  using SparseMatrix = Eigen::SparseMatrix<double>;
 
   /// Parses the formulas and evaluates them once at (t0, y0).
   /// @throws std::invalid_argument  one sentence that names the equation, the column and the remedy: no
@@ -55,8 +57,12 @@ class FormulaSystem {
   /// @param y     shape (dim)
   /// @param dydt  shape (dim), already sized; not finite where a formula is not (1/0, sqrt(-1))
   void rhs(double t, const State& y, State& dydt) const;
-  /// J_ij = d f_i / d y_j, shape (dim, dim). At a kink that of the side that the formula takes.
-  void jacobian(double t, const State& y, Jacobian& J) const;
+  /// J_ij = d f_i / d y_j, shape (dim, dim). At a kink that of the side that the formula takes. A sparse one
+  /// has the same pattern at every state.
+  void jacobian(double t, const State& y, Eigen::MatrixXd& J) const;
+  void jacobian(double t, const State& y, SparseMatrix& J) const;
+  /// Whether a sparse Jacobian serves better: a large system with at most a twentieth of the entries.
+  bool is_sparse() const;
   /// df/dt, shape (dim), from the right at kinks.
   void time_derivative(double t, const State& y, State& dfdt) const;
   bool is_autonomous() const;
@@ -73,8 +79,10 @@ class FormulaSystem {
   /// v', shape (dofs).
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const;
   /// -dv'/dq and -dv'/dv, shape (dofs, dofs).
-  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const;
-  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
+  void stiffness(double t, const Dofs& q, const Dofs& v, Eigen::MatrixXd& K) const;
+  void stiffness(double t, const Dofs& q, const Dofs& v, SparseMatrix& K) const;
+  void damping(double t, const Dofs& q, const Dofs& v, Eigen::MatrixXd& C) const;
+  void damping(double t, const Dofs& q, const Dofs& v, SparseMatrix& C) const;
 
   /// order()[i] is the index in the definition of component i of y.
   const std::vector<Eigen::Index>& order() const;

@@ -93,10 +93,12 @@ Json converted(const toml::node& node, const std::string& place, TomlDocument& d
       return std::pair(a.line, a.column) < std::pair(b.line, b.column);
     });
     Json object = Json::object();
+    auto& members = object.get_ref<Json::object_t&>();
     for (const auto& [key, value] : entries) {
       const std::string name = unmasked(key->str()), inside = place + step(name);
       document.lines[inside] = line_of(key->source());
-      object[name] = converted(*value, inside, document);
+      // At the end without a search: TOML has no key twice.
+      members.emplace_back(name, converted(*value, inside, document));
     }
     return object;
   }

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -47,19 +49,23 @@ std::vector<std::string> names(const TomlDocument& document, const Json& problem
 /// The initial value of each state.
 void read_initial(const TomlDocument& document, FormulaDefinition& definition) {
   const Json& initial = table(document, "initial");
-  const Json& equations = table(document, "equations");
   std::vector<std::string> states;
   for (const auto& [state, formula] : definition.equations) states.push_back(state);
-  for (const auto& [name, value] : initial.items())
-    if (!equations.contains(name))
+  const std::set<std::string> known(states.begin(), states.end());
+  std::map<std::string, const Json*> given;  // a table of Json is searched from its beginning
+  for (const auto& [name, value] : initial.items()) {
+    given[name] = &value;
+    if (!known.contains(name))
       document.fail("/initial/" + name,
                     fmt::format("'{}' has no equation; {}", name,
                                 suggestion(name, states, "remove it or add it to [equations]")));
+  }
   for (const std::string& state : states) {
-    if (!initial.contains(state))
+    const auto value = given.find(state);
+    if (value == given.end())
       document.fail("/initial",
                     fmt::format("the initial value of '{}' is missing; add it to [initial]", state));
-    definition.y0.push_back(number(document, "/initial/" + state, initial.at(state)));
+    definition.y0.push_back(number(document, "/initial/" + state, *value->second));
   }
 }
 

@@ -151,13 +151,14 @@ void each_of(Templates<P...>, const Visit& visit) {
 
 /// Formulas are computed in double: what they give long double is no reference, so that they offer no
 /// Jacobian for one.
+template <class Matrix>
 class RoundedFormulas {
  public:
-  using State = FormulaMotion::State;
-  using Dofs = FormulaMotion::Dofs;
-  using DofMatrix = FormulaMotion::DofMatrix;
+  using State = Eigen::VectorXd;
+  using Dofs = Eigen::VectorXd;
+  using DofMatrix = Matrix;
 
-  explicit RoundedFormulas(FormulaMotion motion) : motion_(std::move(motion)) {}
+  explicit RoundedFormulas(FormulaMotion<Matrix> motion) : motion_(std::move(motion)) {}
 
   [[nodiscard]] Eigen::Index dim() const { return motion_.dim(); }
   void rhs(double t, const State& y, State& dydt) const { motion_.rhs(t, y, dydt); }
@@ -170,8 +171,15 @@ class RoundedFormulas {
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { motion_.damping(t, q, v, C); }
 
  private:
-  FormulaMotion motion_;
+  FormulaMotion<Matrix> motion_;
 };
+
+template <class Matrix>
+void bind_formulas(Problem& problem, FormulaSystem system) {
+  const FormulaMotion<Matrix> motion(std::move(system), problem.shown.t0, problem.shown.direction);
+  problem.system = AnySystem(motion);
+  problem.extended = ExtendedSystem(RoundedFormulas<Matrix>(motion));
+}
 
 /// Parameters that users change.
 void set_parameters(FormulaDefinition& definition, const ProblemSettings& settings, const std::string& file) {
@@ -208,9 +216,10 @@ Problem formula_problem(const std::string& file, const ProblemSettings& settings
                   .shown = {.t0 = d.t0, .direction = d.t_end < d.t0 ? -1.0 : 1.0, .order = system.order()}};
   for (const Eigen::Index state : system.order())
     problem.states.push_back(d.equations[static_cast<std::size_t>(state)].first);
-  const FormulaMotion motion(std::move(system), problem.shown.t0, problem.shown.direction);
-  problem.system = AnySystem(motion);
-  problem.extended = ExtendedSystem(RoundedFormulas(motion));
+  if (system.is_sparse())
+    bind_formulas<FormulaSystem::SparseMatrix>(problem, std::move(system));
+  else
+    bind_formulas<Eigen::MatrixXd>(problem, std::move(system));
   override_start(problem, settings.y0);
   return problem;
 }

@@ -543,6 +543,54 @@ TEST(FormulaSystem, PositionsAndTheirVelocitiesAreRecognised) {
   EXPECT_EQ(C, (Eigen::Matrix2d{{2, -20}, {0, 0}}));
 }
 
+/// A chain of `count` masses with cubic springs to the ground, positions after velocities.
+FormulaDefinition long_chain(int count) {
+  FormulaDefinition chain{.name = "chain", .equations = {}, .parameters = {{"k", 3}}, .y0 = {}};
+  const auto q = [&](int i) { return i < 0 || i >= count ? std::string("0") : "q" + std::to_string(i); };
+  for (int i = 0; i < count; ++i) {
+    const std::string v = "v" + std::to_string(i);
+    chain.equations.emplace_back(
+        v, "k*(" + q(i - 1) + " - 2*" + q(i) + " + " + q(i + 1) + ") - " + q(i) + "^3 - 2*" + v);
+    chain.y0.push_back(0);
+  }
+  for (int i = 0; i < count; ++i) {
+    chain.equations.emplace_back(q(i), "v" + std::to_string(i));
+    chain.y0.push_back(0.01 * (i + 1));
+  }
+  return chain;
+}
+
+TEST(FormulaSystem, OfManyLooselyCoupledEquationsHasSparseMatrices) {
+  EXPECT_FALSE(FormulaSystem(long_chain(5)).is_sparse());
+  const int n = 150;
+  const FormulaSystem chain(long_chain(n));
+  ASSERT_TRUE(chain.is_sparse());
+  ASSERT_EQ(chain.dofs(), n);
+  // -dF/dq: 2 k + 3 q^2 on the diagonal, -k beside it; -dF/dv: 2.
+  const Eigen::VectorXd q = chain.y0().head(n), v = chain.y0().tail(n);
+  EXPECT_EQ(q[n - 1], 0.01 * n);
+  Eigen::SparseMatrix<double> K, C, J;
+  chain.stiffness(0, q, v, K);
+  chain.damping(0, q, v, C);
+  chain.jacobian(0, chain.y0(), J);
+  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, n);
+  for (int i = 0; i < n; ++i) {
+    right(i, i) = 6 + 3 * q[i] * q[i];
+    if (i > 0) right(i, i - 1) = right(i - 1, i) = -3;
+  }
+  EXPECT_LE((Eigen::MatrixXd(K) - right).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(Eigen::MatrixXd(C), Eigen::MatrixXd(2 * Eigen::MatrixXd::Identity(n, n)));
+  EXPECT_EQ(J.nonZeros(), n + 3 * n - 2 + n);
+  Eigen::MatrixXd dense;
+  chain.jacobian(0, chain.y0(), dense);
+  EXPECT_EQ(Eigen::MatrixXd(J), dense);
+  chain.stiffness(0, q, v, dense);
+  EXPECT_EQ(Eigen::MatrixXd(K), dense);
+  // Where q = 0 an entry is zero and stays in the pattern.
+  chain.jacobian(0, Eigen::VectorXd::Zero(2 * n), J);
+  EXPECT_EQ(J.nonZeros(), n + 3 * n - 2 + n);
+}
+
 TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
   FormulaDefinition definition{.name = "s",
                                .equations = {{"x", "y"}, {"y", "x"}},
@@ -575,7 +623,7 @@ TEST(FormulaSystem, SlopesThatItsRulesDoNotTellAreInfinite) {
   EXPECT_EQ(slope[0], INFINITY);
   root.time_derivative(0.25, root.y0(), slope);
   EXPECT_DOUBLE_EQ(slope[0], 1);
-  FormulaSystem::Jacobian J(1, 1);
+  Eigen::MatrixXd J(1, 1);
   root.jacobian(0, root.y0(), J);
   EXPECT_EQ(J(0, 0), INFINITY);  // sqrt(y) + y / (2 sqrt(y))
 }

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
@@ -188,6 +190,31 @@ TEST(FormulaProblem, LimitsOfRatesBesideLargeConstants) {
   EXPECT_TRUE(near.point.at_equilibrium);
   EXPECT_NEAR(near.point.model.y[0], 1e20, 1e6);
   EXPECT_NEAR(*predict(find_method("rk4"), near.point, near.modes).h_max, 2.785293563405282e-6, 1e-15);
+}
+
+TEST(FormulaProblem, OfManyEquationsIsSparse) {
+  // x_i'' = 100 (x_(i-1) - 2 x_i + x_(i+1)) - x_i^3 between walls: omega_max = 20 cos(pi / (2 n + 2)).
+  const int n = 1500;
+  std::string equations, initial;
+  const auto x = [&](int i) { return i < 0 || i >= n ? std::string("0") : fmt::format("x{}", i); };
+  for (int i = 0; i < n; ++i) {
+    equations += fmt::format("x{0} = \"v{0}\"\n", i);
+    equations += fmt::format("v{0} = \"100*({1} - 2*x{0} + {2}) - x{0}^3\"\n", i, x(i - 1), x(i + 1));
+    initial += fmt::format("x{0} = 0\nv{0} = 0\n", i);
+  }
+  const Problem chain = File("[equations]\n" + equations + "[initial]\n" + initial).problem();
+  const auto& system = std::get<AnySystem>(chain.system);
+  EXPECT_EQ(system.dofs(), n);
+  EXPECT_TRUE(system.has_sparse_matrices());
+  AnySystem::Jacobian J;
+  system.jacobian(0, chain.y0, J);
+  EXPECT_EQ(std::get<Eigen::SparseMatrix<double>>(J).nonZeros(), n + 3 * n - 2);
+  const Linearised near = linearised(chain);
+  EXPECT_TRUE(near.point.at_equilibrium);
+  const double omega = 20 * std::cos(std::numbers::pi / (2 * n + 2));
+  EXPECT_NEAR(*predict(find_method("velocity_verlet"), near.point, near.modes).h_max, 2 / omega, 1e-9);
+  const auto end = find_method("implicit_euler").bind(chain).run({.t_end = 0.02, .h = 0.01}, {});
+  EXPECT_EQ(end.y, chain.y0);
 }
 
 /// x'' = -x + H(t - 3), at rest before the jump: x = 1 - cos(t - 3) after it.
