@@ -23,10 +23,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// J d = -f for one J, below which the rows of what is conserved may stand: by elimination where J is sparse
-/// or large and regular, else in the sense of least squares. With W the conserved sums the rows of (J; W^T),
-/// shape (n + count, n), are scaled to a largest entry of one, then the columns. A complete orthogonal
-/// decomposition with a threshold of 1e-12 gives the shortest d among those of least residual.
+/// J d = -f for one J, below which the rows of what is conserved may stand: by sparse elimination where it
+/// serves, else in the sense of least squares.
+/// With W the conserved sums the rows of (J; W^T), shape (n + count, n), are scaled to a largest entry of
+/// one, then the columns. A complete orthogonal decomposition with a threshold of 1e-12 gives the shortest
+/// d among those of least residual.
 class Corrections {
  public:
   Corrections(const AnyMatrix& J, const MatrixXd& conserved) {
@@ -45,25 +46,15 @@ class Corrections {
     A = row_.asDiagonal() * A;
     column_ = reciprocal_sizes(A.cwiseAbs().colwise().maxCoeff().transpose());
     A = A * column_.asDiagonal();
-    // Elimination takes a hundredth of the time of the decomposition, and a singular matrix shows by its
-    // size.
-    if (conserved.cols() == 0 && rows(J) > small_enough_for_dense) {
-      lu_.emplace(A);
-      // The estimate of the condition does not see a pivot that is exactly zero.
-      const VectorXd pivots = lu_->matrixLU().diagonal().cwiseAbs();
-      if (pivots.minCoeff() > 1e-12 * pivots.maxCoeff() && lu_->rcond() > 1e-12) return;
-      lu_.reset();
-      if (rows(J) > most_dense_kernel) return;
-    }
     dense_.emplace(A.rows(), A.cols());
     dense_->setThreshold(1e-12);
     dense_->compute(A);
     scaled_ = std::move(A);
   }
 
-  /// False for a singular matrix of more than most_dense_kernel rows.
-  [[nodiscard]] bool usable() const { return sparse_ || lu_ || dense_; }
-  /// Rank below n, with the conserved sums counted as rows. False where elimination served.
+  /// False for a singular sparse matrix of more than most_dense_kernel rows.
+  [[nodiscard]] bool usable() const { return sparse_ || dense_; }
+  /// Rank below n, with the conserved sums counted as rows. False where sparse elimination served.
   [[nodiscard]] bool is_singular() const { return dense_ && dense_->rank() < dense_->cols(); }
 
   /// @param f  the residual, shape (n + count)
@@ -72,7 +63,7 @@ class Corrections {
     if (sparse_) return sparse_->solve(-f);
     const VectorXd wanted = -row_.cwiseProduct(f);
     // (R A C) (C^-1 d) = -R f with the diagonals R and C.
-    return column_.cwiseProduct(lu_ ? VectorXd(lu_->solve(wanted)) : VectorXd(dense_->solve(wanted)));
+    return column_.cwiseProduct(VectorXd(dense_->solve(wanted)));
   }
 
   /// Whether J d = -f can be solved at all.
@@ -95,7 +86,6 @@ class Corrections {
   }
 
   std::unique_ptr<Eigen::SparseLU<Sparse>> sparse_;
-  std::optional<Eigen::PartialPivLU<MatrixXd>> lu_;
   std::optional<Eigen::CompleteOrthogonalDecomposition<MatrixXd>> dense_;
   VectorXd row_, column_;
   MatrixXd scaled_;

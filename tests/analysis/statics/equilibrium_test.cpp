@@ -124,29 +124,6 @@ TEST(Equilibrium, OfALongSparseChainIsAtRest) {
   expect_found(find_equilibrium(AnySystem(chain), 0, chain.y0()), search.state, 0);
 }
 
-/// x_i' = 1 - x_i - x_(i+1)^3 / 4 around a ring, its Jacobian by differences and full; of the last `free`
-/// components x' = 0.
-struct LongRing {
-  using State = VectorXd;
-  Eigen::Index n, free = 0;
-  [[nodiscard]] Eigen::Index dim() const { return n; }
-  void rhs(double, const State& y, State& dydt) const {
-    for (Eigen::Index i = 0; i < n; ++i) dydt[i] = 1 - y[i] - std::pow(y[(i + 1) % n], 3) / 4;
-    dydt.tail(free).setZero();
-  }
-};
-
-TEST(Equilibrium, OfManyEquationsWithAFullJacobianComesByElimination) {
-  // 1 - x - x^3 / 4 = 0; a rank-revealing decomposition of 1500 rows would take half a minute.
-  const Eigen::Index n = 1500;
-  double x = 0.8;
-  for (int i = 0; i < 50; ++i) x -= (x * x * x / 4 + x - 1) / (0.75 * x * x + 1);
-  expect_found(find_equilibrium(LongRing{n}, 0, VectorXd::Constant(n, 0.5)), VectorXd::Constant(n, x), 1e-12);
-  // Nothing holds the last component, and there are too many to look for what is conserved.
-  const EquilibriumSearch search = find_equilibrium(LongRing{n, 1}, 0, VectorXd::Constant(n, 0.5));
-  EXPECT_EQ(search.outcome, EquilibriumOutcome::singular_jacobian) << search.message;
-}
-
 TEST(Equilibrium, OfARotatingFrameIsATriangularPoint) {
   const double mu = 0.012277471;
   const Arenstorf<double> orbit({.mu = mu});
