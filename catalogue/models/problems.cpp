@@ -174,6 +174,8 @@ class RoundedFormulas {
   FormulaMotion<Matrix> motion_;
 };
 
+/// The system of `problem`, which runs in the time that problem.shown has.
+/// @tparam Matrix  of its derivatives
 template <class Matrix>
 void bind_formulas(Problem& problem, FormulaSystem system) {
   const FormulaMotion<Matrix> motion(std::move(system), problem.shown.t0, problem.shown.direction);

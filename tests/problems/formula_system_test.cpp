@@ -581,14 +581,37 @@ TEST(FormulaSystem, OfManyLooselyCoupledEquationsHasSparseMatrices) {
   EXPECT_LE((Eigen::MatrixXd(K) - right).cwiseAbs().maxCoeff(), 1e-14);
   EXPECT_EQ(Eigen::MatrixXd(C), Eigen::MatrixXd(2 * Eigen::MatrixXd::Identity(n, n)));
   EXPECT_EQ(J.nonZeros(), n + 3 * n - 2 + n);
+  // y' = (v, -K q - C v)
   Eigen::MatrixXd dense;
   chain.jacobian(0, chain.y0(), dense);
   EXPECT_EQ(Eigen::MatrixXd(J), dense);
+  EXPECT_EQ(dense.topLeftCorner(n, n), Eigen::MatrixXd(Eigen::MatrixXd::Zero(n, n)));
+  EXPECT_EQ(dense.topRightCorner(n, n), Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+  EXPECT_LE((dense.bottomLeftCorner(n, n) + right).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(dense.bottomRightCorner(n, n), Eigen::MatrixXd(-2 * Eigen::MatrixXd::Identity(n, n)));
   chain.stiffness(0, q, v, dense);
   EXPECT_EQ(Eigen::MatrixXd(K), dense);
   // Where q = 0 an entry is zero and stays in the pattern.
   chain.jacobian(0, Eigen::VectorXd::Zero(2 * n), J);
   EXPECT_EQ(J.nonZeros(), n + 3 * n - 2 + n);
+}
+
+TEST(FormulaSystem, OfManyEquationsThatMeetInASumHasFullMatrices) {
+  const int n = 210;
+  FormulaDefinition all{.name = "all", .equations = {}, .parameters = {}, .y0 = {}};
+  std::string sum = "0";
+  for (int i = 0; i < n; ++i) sum += " + x" + std::to_string(i);
+  for (int i = 0; i < n; ++i) all.equations.emplace_back("x" + std::to_string(i), sum);
+  all.y0.assign(n, 1);
+  const FormulaSystem system(all);
+  EXPECT_FALSE(system.is_sparse());
+  Eigen::MatrixXd J;
+  system.jacobian(0, system.y0(), J);
+  EXPECT_EQ(J, Eigen::MatrixXd(Eigen::MatrixXd::Ones(n, n)));
+  // A message names no more than people read.
+  all.equations.front().second = "velocity";
+  EXPECT_SAYS(refusal(all), "known are x0, x1, x2, ");
+  EXPECT_SAYS(refusal(all), "x59 and ");
 }
 
 TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
