@@ -260,13 +260,12 @@ ReferenceMotion steady_reference(const ProbingMotion& motion, double frame, doub
 PressingForce far_press(const TissueBody& body) {
   const TetMesh& mesh = body.mesh();
   Eigen::Vector3d held = mesh.points.rowwise().mean();
-  std::size_t count = 0;
-  for (const Support& support : body.settings().supports) count += support.points.size();
-  if (count > 0) {
-    held.setZero();
-    for (const Support& support : body.settings().supports)
-      for (const TetMesh::Index i : support.points) held += mesh.points.col(i) / static_cast<double>(count);
-  }
+  std::vector<TetMesh::Index> supported;
+  for (const Support& support : body.settings().supports)
+    supported.insert(supported.end(), support.points.begin(), support.points.end());
+  for (const ElasticSupport& support : body.settings().elastic_supports)
+    supported.insert(supported.end(), support.points.begin(), support.points.end());
+  if (!supported.empty()) held = mesh.points(Eigen::all, supported).rowwise().mean();
   const auto surface = surface_of(mesh).points;
   const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
   const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);

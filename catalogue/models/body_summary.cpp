@@ -100,6 +100,8 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
                       .points = mesh.point_count(),
                       .held = static_cast<Eigen::Index>(held.size()),
                       .gravity = settings.gravity};
+  for (const ElasticSupport& support : settings.elastic_supports)
+    summary.on_springs += static_cast<Eigen::Index>(support.points.size());
   for (const SphereTool& tool : settings.tools) {
     summary.travel = std::max(summary.travel, tool.travel.norm());
     summary.tool_radius = std::max(summary.tool_radius, tool.radius);
@@ -139,11 +141,13 @@ std::string in_words(const BodySummary& summary) {
           ? fmt::format("; mass_step adds {} kg to {} of them, {:.3g} % of the mass",
                         rounded(summary.added_mass), summary.heavier, 100 * summary.added_mass / summary.mass)
           : "";
-  return fmt::format("E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}",
-                     rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
-                     summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "",
-                     rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,
-                     summary.points, added);
+  const std::string on_springs =
+      summary.on_springs > 0 ? fmt::format(", {} held by springs", summary.on_springs) : "";
+  return fmt::format(
+      "E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}{}",
+      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
+      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "", rounded(summary.mass),
+      rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held, summary.points, on_springs, added);
 }
 
 std::vector<std::string> unusual_values(const BodySummary& summary) {

@@ -26,6 +26,7 @@ struct BodySummary {
   Eigen::Index heavier = 0;                           ///< points that it is added to
   Eigen::Vector3d size = Eigen::Vector3d::Zero();     ///< sides of the box around the body [m]
   Eigen::Index points = 0, held = 0;                  ///< all points, and those that supports hold
+  Eigen::Index on_springs = 0;                        ///< those that springs hold, of elastic supports
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< [m/s^2]
   double travel = 0;                                  ///< the longest of tools and moved supports [m]
   double tool_radius = 0;                             ///< the largest [m]

@@ -20,6 +20,11 @@ std::vector<FreePart> free_parts_of(const TissueBody& body) {
   std::ranges::sort(free);
   for (Index i = 0; i < body.mesh().point_count(); ++i)
     if (!std::ranges::binary_search(free, i)) held.push_back(i);
+  for (const ElasticSupport& support : body.settings().elastic_supports)
+    for (std::size_t i = 0; i < support.points.size(); ++i)
+      if (support.stiffness[i] > 0) held.push_back(support.points[i]);
+  std::ranges::sort(held);
+  held.erase(std::unique(held.begin(), held.end()), held.end());
   return free_parts(body.mesh(), held);
 }
 

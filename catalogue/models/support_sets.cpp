@@ -115,6 +115,36 @@ std::optional<std::array<double, 6>> box_of(const std::string& text) {
   return box;
 }
 
+/// One side of a plane across an axis, with the plane.
+struct HalfSpace {
+  int axis;
+  bool below;
+  double bound;  ///< [m]
+
+  [[nodiscard]] std::vector<Index> points(const TetMesh& mesh) const {
+    std::vector<Index> inside;
+    for (Index i = 0; i < mesh.point_count(); ++i)
+      if (const double x = mesh.points(axis, i); below ? x <= bound : x >= bound) inside.push_back(i);
+    return inside;
+  }
+};
+
+/// "z<0.01", "x >= -0.2"; nothing where the text does not begin like that.
+/// @throws InputError  where no number follows
+std::optional<HalfSpace> half_space_of(const std::string& text) {
+  constexpr std::string_view axes = "xyz", blanks = " \t";
+  const std::size_t sign = text.find_first_of("<>"), name = text.find_first_not_of(blanks);
+  if (sign == std::string::npos || name >= sign || axes.find(text[name]) == std::string_view::npos ||
+      text.find_first_not_of(blanks, name + 1) != sign)
+    return std::nullopt;
+  const std::size_t number = sign + (text.substr(sign + 1, 1) == "=" ? 2 : 1);
+  const auto bound = to_number(text.substr(number));
+  if (!bound || std::isnan(*bound))
+    throw InputError(fmt::format("the support '{}' has no number behind {}; write it like z<0.01, in metres",
+                                 text, text.substr(sign, number - sign)));
+  return HalfSpace{static_cast<int>(axes.find(text[name])), text[sign] == '<', *bound};
+}
+
 /// The groups and regions that are called by `id`, of one kind or, without one, by their names alone.
 struct Called {
   std::vector<const MeshGroup*> groups;
@@ -152,9 +182,9 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
                       has_kind ? std::optional(static_cast<int>(kind - group_kinds.begin())) : std::nullopt);
   const std::size_t count = called.groups.size() + called.regions.size();
   if (count == 0)
-    throw InputError(fmt::format(
-        "{} has no group or region '{}'; {}", mesh.name, set,
-        called.known.empty() ? "hold a box, points:1,5,9 or @FILE instead" : suggestion(set, called.known)));
+    throw InputError(fmt::format("{} has no group or region '{}'; {}", mesh.name, set,
+                                 called.known.empty() ? "hold a box, z<0.01, points:1,5,9 or @FILE instead"
+                                                      : suggestion(set, called.known)));
   if (count > 1)
     throw InputError(fmt::format(
         "'{}' is the name of {} groups and regions of {}; write its kind and its number, like surface:30",
@@ -174,6 +204,13 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
   return points;
 }
 
+/// "the mesh reaches from 0 to 0.1 m along z".
+std::string range_along(const HalfSpace& half, const TetMesh& mesh) {
+  return fmt::format("the mesh reaches from {} to {} m along {}",
+                     short_number(mesh.points.row(half.axis).minCoeff(), 4),
+                     short_number(mesh.points.row(half.axis).maxCoeff(), 4), "xyz"[half.axis]);
+}
+
 }  // namespace
 
 std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh) {
@@ -185,15 +222,19 @@ std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMe
     points = points_in_file(set.substr(1), mesh);
   else if (const auto box = box_of(set))
     points = points_in_box(mesh.mesh, {(*box)[0], (*box)[2], (*box)[4]}, {(*box)[1], (*box)[3], (*box)[5]});
+  else if (const auto half = half_space_of(set))
+    points = half->points(mesh.mesh);
   else
     points = called_points(set, mesh);
   if (points.empty())
     throw InputError(fmt::format("no point of {} is in the support '{}'; {}", mesh.name, set,
-                                 box_of(set) ? "give a larger box, in metres" : "name another set"));
+                                 box_of(set)          ? "give a larger box, in metres"
+                                 : half_space_of(set) ? range_along(*half_space_of(set), mesh.mesh)
+                                                      : "name another set"));
   return points;
 }
 
-std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
+std::vector<TetMesh::Index> union_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
   std::vector<Index> points;
   for (const std::string& set : sets) {
     const std::vector<Index> more = points_of_set(set, mesh);
@@ -201,6 +242,11 @@ std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets,
   }
   std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
+  std::vector<Index> points = union_of_sets(sets, mesh);
   if (static_cast<Eigen::Index>(points.size()) == mesh.mesh.point_count())
     throw InputError(
         fmt::format("the supports hold every point of {}, so that nothing moves; hold fewer", mesh.name));

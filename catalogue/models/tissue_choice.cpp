@@ -39,7 +39,7 @@ struct Named {
   std::string_view of = {};  ///< `springs`, or the loads that read it; empty: all do
 };
 constexpr std::string_view springs = "springs";
-constexpr std::array<Named, 42> all_named{{
+constexpr std::array<Named, 43> all_named{{
     {"E", &TissueParameters::E, "Pa"},
     {"nu", &TissueParameters::nu, "1"},
     {"rho", &TissueParameters::rho, "kg/m³"},
@@ -66,6 +66,7 @@ constexpr std::array<Named, 42> all_named{{
     {"tool_dx", &TissueParameters::tool_dx, "1", false, "tool"},
     {"tool_dy", &TissueParameters::tool_dy, "1", false, "tool"},
     {"tool_dz", &TissueParameters::tool_dz, "1", false, "tool"},
+    {"support_stiffness", &TissueParameters::support_stiffness, "Pa/m", false},
     {"mass_step", &TissueParameters::mass_step, "s", false},
     {"inclusion", &TissueParameters::inclusion, "1", false},
     {"skin", &TissueParameters::skin, "1", false},
@@ -208,6 +209,7 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
                                                                   {"doubled_skin", p.doubled_skin},
                                                                   {"inclusion", p.inclusion},
                                                                   {"skin", p.skin},
+                                                                  {"support_stiffness", p.support_stiffness},
                                                                   {"tool_radius", p.tool_radius},
                                                                   {"tool_stiffness", p.tool_stiffness},
                                                                   {"tool_damping", p.tool_damping}})
@@ -225,6 +227,12 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   if (id.load == "breathing" && p.holds_nothing())
     throw InputError(
         "breathing moves the held end, and with support = 0 nothing is held; give support a share");
+  if (p.support_stiffness == 0) return;
+  if (id.load == "breathing")
+    throw InputError(
+        "support_stiffness is of supports that stand still, and breathing moves them; leave it out or take another load");
+  if (p.holds_nothing())
+    throw InputError("support_stiffness is of supports, and nothing is held; name points with --support");
 }
 
 /// @throws InputError  when there are none
@@ -235,6 +243,31 @@ std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMe
     throw InputError(
         "no point of the mesh lies in the box from xmin, ymin, zmin to xmax, ymax, zmax; give a larger one, in metres");
   return points;
+}
+
+/// The points that are held, by springs or not; none where nothing is.
+/// @throws InputError  for sets that are unknown or empty, and where nothing is left to move
+std::vector<TetMesh::Index> held_points(const TissueParameters& p, const LoadedMesh& loaded) {
+  if (!p.supports.empty())
+    return p.support_stiffness > 0 ? union_of_sets(p.supports, loaded) : points_of_sets(p.supports, loaded);
+  if (p.has_box()) return points_of_box(p, loaded.mesh);
+  return p.support > 0 ? HeldEnd(p.axis).points(loaded.mesh, p.support) : std::vector<TetMesh::Index>{};
+}
+
+/// @throws InputError  as held_points(), and where springs have no surface to stand on
+void set_supports(const TissueParameters& p, const LoadedMesh& loaded, TissueSettings& settings) {
+  std::vector<TetMesh::Index> points = held_points(p, loaded);
+  if (points.empty()) return;
+  if (p.support_stiffness == 0) {
+    settings.supports.push_back({.points = std::move(points)});
+    return;
+  }
+  settings.elastic_supports.push_back(on_foundation(loaded.mesh, points, p.support_stiffness));
+  if (settings.elastic_supports.front().points.empty())
+    throw InputError(fmt::format(
+        "support_stiffness acts on the surface, and no triangle of the surface has its three corners among the {} "
+        "supported points; hold more points, or leave support_stiffness out",
+        points.size()));
 }
 
 /// @throws InputError  for a law that does not rise through (0, 0), std::invalid_argument for repeated
@@ -551,12 +584,7 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   }
   set_materials_of_regions(p, loaded, settings.materials);
   const HeldEnd end(p.axis);
-  if (!p.supports.empty())
-    settings.supports.push_back({.points = points_of_sets(p.supports, loaded)});
-  else if (p.has_box())
-    settings.supports.push_back({.points = points_of_box(p, mesh)});
-  else if (p.support > 0)
-    settings.supports.push_back({.points = end.points(mesh, p.support)});
+  set_supports(p, loaded, settings);
 
   if (id.load == "gravity") {
     settings.gravity = {p.gx, p.gy, p.gz - p.g};

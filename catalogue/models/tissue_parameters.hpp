@@ -43,9 +43,10 @@ struct TissueParameters {
   double tool_x = infinity, tool_y = infinity, tool_z = infinity;
   double tool_dx = 0, tool_dy = 0, tool_dz = 0;  ///< where the tool moves [1]; 0: towards the held end
   double support = 0.1;                          ///< share of the body along the axis that is held
-  double axis = 3;          ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
-  double equal_masses = 0;  ///< 1: every point has the same mass
-  double mass_step = 0;     ///< masses are raised until explicit steps are stable up to it [s]; 0: they stay
+  double axis = 3;               ///< 1, 2, 3: held at its low end along x, y, z; -1, -2, -3: at its high end
+  double support_stiffness = 0;  ///< of springs that hold the supports, per area [Pa/m]; 0: they are fixed
+  double equal_masses = 0;       ///< 1: every point has the same mass
+  double mass_step = 0;  ///< masses are raised until explicit steps are stable up to it [s]; 0: they stay
   // What a body has only when it is asked for.
   double inclusion = 0;                    ///< E of every region of the mesh but the first, over E
   double skin = 0, skin_thickness = 1e-4;  ///< E of a skin over E, [m]

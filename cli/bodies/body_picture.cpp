@@ -65,6 +65,8 @@ std::vector<std::int32_t> held_points(const TissueBody& body) {
   std::vector<std::int32_t> held;
   for (const Support& support : body.settings().supports)
     held.insert(held.end(), support.points.begin(), support.points.end());
+  for (const ElasticSupport& support : body.settings().elastic_supports)
+    held.insert(held.end(), support.points.begin(), support.points.end());
   return held;
 }
 

@@ -140,7 +140,9 @@ ElementSum elements_of(const TissueBody& body) {
 std::vector<double> mass_weights(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   std::vector<double> weights;
-  if (settings.model.is_of_springs() || settings.skin.kind != SkinSettings::Kind::none) return weights;
+  if (settings.model.is_of_springs() || settings.skin.kind != SkinSettings::Kind::none ||
+      !settings.elastic_supports.empty())
+    return weights;
   const TetMesh& mesh = body.mesh();
   for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     const std::size_t region = settings.materials.size() > 1 ? at(mesh.regions.at(at(t))) : 0;
@@ -173,7 +175,8 @@ FastestMode described(const TissueBody& body, const Sparse& K, const LanczosPair
     mode.centre += body.mesh().points.col(point) / static_cast<double>(mode.points.size());
   if (!with_gains) return mode;
 
-  const ModePart owner = part_of(elements, mass, weights, mode.owner.element);
+  ModePart owner = part_of(elements, mass, weights, mode.owner.element);
+  if (mode.points.size() == 1) owner.share.setZero();  // the spring of a support has no mass
   const auto gain = [&](const LanczosPair& changed) { return std::sqrt(mode.kappa / changed.value); };
   // A point that belongs to nothing else has no mass left, and no motion.
   const VectorXd less = with_share(body.mass(), owner, -1);

@@ -85,7 +85,21 @@ void TissueBody::check_points(std::span<const Index> points, const char* what) c
                                   std::to_string(mesh_.point_count() - 1));
 }
 
+void TissueBody::check_elastic_supports() const {
+  for (const ElasticSupport& support : settings_.elastic_supports) {
+    check_points(support.points, "an elastic support");
+    if (support.stiffness.size() != support.points.size())
+      throw std::invalid_argument("an elastic support has " + std::to_string(support.points.size()) +
+                                  " points but " + std::to_string(support.stiffness.size()) +
+                                  " stiffnesses; give each point one");
+    for (const double k : support.stiffness)
+      require(k >= 0 && std::isfinite(k), k, "the stiffness of an elastic support",
+              "zero or more and finite");
+  }
+}
+
 void TissueBody::number_free_points() {
+  check_elastic_supports();
   std::vector<bool> held(at(mesh_.point_count()), false);
   for (std::size_t s = 0; s < settings_.supports.size(); ++s)
     continues_support_.push_back(s > 0 && settings_.supports[s].points == settings_.supports[s - 1].points);
@@ -125,6 +139,14 @@ void TissueBody::number_free_points() {
     if (!held[at(i)]) free_points_.push_back(i);
   if (free_points_.empty())
     throw std::invalid_argument("every point of the mesh is supported; leave some of them free");
+
+  std::vector<double> springs(at(mesh_.point_count()), 0);
+  for (const ElasticSupport& support : settings_.elastic_supports)
+    for (std::size_t i = 0; i < support.points.size(); ++i)
+      springs[at(support.points[i])] += support.stiffness[i];
+  for (std::size_t i = 0; i < free_points_.size(); ++i)
+    if (const double k = springs[at(free_points_[i])]; k > 0)
+      anchors_.push_back({free_points_[i], 3 * static_cast<Eigen::Index>(i), k});
 }
 
 std::vector<double> TissueBody::breakpoints(double t0, double t1) const {
@@ -345,6 +367,8 @@ void TissueBody::total_force(double t, Eigen::Ref<const Dofs> q, Eigen::Ref<cons
     f.segment<3>(dof) = as_vector(rows.f[at(point)]) + heavy_mass_[point] * settings_.gravity;
     if (!proportional) f.segment<3>(dof) -= settings_.alpha * mass * v.segment<3>(dof);
   }
+  for (const Anchor& anchor : anchors_)
+    f.segment<3>(anchor.dof) -= anchor.stiffness * q.segment<3>(anchor.dof);
   if (!proportional) return;
   if (!v.isZero(0)) subtract_product(rayleigh_, v, f);
   for (std::size_t s = 0; s < support_drag_.size(); ++s)
@@ -367,6 +391,9 @@ void TissueBody::write_elastic_stiffness(const Scratch& rows, double* values) co
     std::fill_n(values, pattern_.entries(), 0.0);
   for (const SpringSet& set : springs_) set.add_stiffness(rows.x, pattern_, values);
   if (membrane_) membrane_->add_stiffness(rows.x, pattern_, values);
+  for (const auto& [point, dof, k] : anchors_)
+    pattern_.add(values, pattern_.slot(point, point), point,
+                 Eigen::Matrix3d(k * Eigen::Matrix3d::Identity()));
 }
 
 void TissueBody::stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
@@ -417,6 +444,7 @@ double TissueBody::energy(double t, const Dofs& q) const {
   for (const PressingForce& load : settings_.forces)
     for (std::size_t i = 0; i < load.points.size(); ++i)
       sum -= load.profile.value(t) * load.shares[i] * load.force.dot(as_vector(rows.u[at(load.points[i])]));
+  for (const Anchor& anchor : anchors_) sum += anchor.stiffness / 2 * q.segment<3>(anchor.dof).squaredNorm();
   for (const ToolContact& contact : contacts_) sum += contact.energy(t, rows.x);
   return sum;
 }
@@ -515,6 +543,8 @@ void TissueBody::visit_rest_stiffness(const ElementVisitor& visit) const {
   if (membrane_)
     for (std::size_t i = 0; i < membrane_->size(); ++i)
       visit(membrane_->points(i), membrane_->stiffness(still.x, i));
+  for (const auto& [point, dof, k] : anchors_)
+    visit(std::span(&point, 1), Eigen::Matrix3d(k * Eigen::Matrix3d::Identity()));
 }
 
 }  // namespace hmax

@@ -29,7 +29,9 @@ struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 /// q holds the displacements [m] of the free points, x, y, z of one after the other in the order of the mesh,
 /// shape (dofs), v their velocities [m/s], and y = (q, v) the first-order state, shape (2 dofs). Supported
 /// points are no unknowns. The forces are
-///   F = elastic(x) + skin(x) + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0) v.
+///   F = elastic(x) + skin(x) - k u + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0)
+///   v,
+/// with k of elastic supports, which are a part of K0.
 /// Forces of 8000 St. Venant-Kirchhoff elements or 32,000 springs of a linear or cubic law and the stiffness
 /// of 1600 elements take the threads of parallel_for(), with the same bits for any number. On one thread only
 /// the first call allocates.
@@ -113,7 +115,8 @@ class TissueBody {
   /// The least volume of a tetrahedron relative to that at rest, and the tetrahedron; below 0 it is inverted.
   [[nodiscard]] std::pair<double, Eigen::Index> least_volume(double t, const Dofs& q) const;
 
-  /// Calls visit(points, K) with the stiffness at rest of each element, spring and triangle of the skin:
+  /// Calls visit(points, K) with the stiffness at rest of each element, spring, triangle of the skin and
+  /// spring of an elastic support, which has one point:
   /// `points` of the mesh, K of shape (3 points, 3 points). Their sum over the free points is the stiffness
   /// at q = 0 without contact.
   using ElementVisitor =
@@ -127,6 +130,7 @@ class TissueBody {
   static Scratch& scratch();
 
   void check_points(std::span<const Index> points, const char* what) const;
+  void check_elastic_supports() const;
   void number_free_points();
   void distribute_mass();
   void build_elastic_parts();
@@ -163,6 +167,13 @@ class TissueBody {
   std::vector<SpringSet> springs_;
   std::optional<Membrane> membrane_;
   std::vector<ToolContact> contacts_;
+  /// A free point that a spring holds.
+  struct Anchor {
+    Index point;
+    Eigen::Index dof;  ///< the first of the three
+    double stiffness;  ///< [N/m]
+  };
+  std::vector<Anchor> anchors_;
   DofMatrix rayleigh_;                   ///< alpha M + beta K0; empty without damping
   std::vector<bool> continues_support_;  ///< of each support: its points are those of the one before
   std::vector<Dofs> support_drag_;       ///< of each support: beta K0 times its travel, on the free points

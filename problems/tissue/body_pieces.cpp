@@ -28,6 +28,19 @@ BodyPieces::Rows rows_of(const TissueBody::DofMatrix& A, Eigen::Index first, Eig
   return rows;
 }
 
+/// The springs of a support that act on the points of a piece, in the numbers of the piece.
+/// @param points  of the piece, rising
+ElasticSupport within(const ElasticSupport& support, const std::vector<TetMesh::Index>& points) {
+  ElasticSupport own;
+  for (std::size_t i = 0; i < support.points.size(); ++i) {
+    const auto place = std::ranges::lower_bound(points, support.points[i]);
+    if (place == points.end() || *place != support.points[i]) continue;
+    own.points.push_back(static_cast<TetMesh::Index>(place - points.begin()));
+    own.stiffness.push_back(support.stiffness[i]);
+  }
+  return own;
+}
+
 }  // namespace
 
 BodyPieces::BodyPieces(const TetMesh& mesh, TissueSettings settings) : settings_(std::move(settings)) {
@@ -52,6 +65,12 @@ BodyPieces::BodyPieces(const TetMesh& mesh, TissueSettings settings) : settings_
       point = now[at(point)];
     }
   }
+  for (ElasticSupport& support : settings_.elastic_supports)
+    for (Index& point : support.points) {
+      if (point < 0 || at(point) >= now.size())
+        throw std::invalid_argument("an elastic support names a point that the mesh does not have");
+      point = now[at(point)];
+    }
   number_free_points();
   set_masses();
   edges_ = edges_of(mesh_);
@@ -133,6 +152,7 @@ BodyPieces::Piece BodyPieces::piece(Index begin, Index end) const {
   for (std::size_t i = 0; i < points.size(); ++i)
     if (number_[at(points[i])] < 0) held.points.push_back(static_cast<Index>(i));
   if (!held.points.empty()) settings.supports.push_back(std::move(held));
+  for (ElasticSupport& support : settings.elastic_supports) support = within(support, points);
   if (settings.equal_masses) settings.total_mass = mass_of_point_ * static_cast<double>(points.size());
   const TissueBody body(mesh, std::move(settings));
 

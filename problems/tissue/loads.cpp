@@ -9,6 +9,9 @@
 
 #include <Eigen/Dense>
 
+#include "problems/mesh/at.hpp"
+#include "problems/mesh/topology.hpp"
+
 namespace hmax {
 
 SampledCurve::SampledCurve(std::vector<double> t, std::vector<double> v)
@@ -160,6 +163,26 @@ std::vector<TetMesh::Index> points_in_box(const TetMesh& mesh, const Eigen::Vect
       inside.push_back(static_cast<TetMesh::Index>(i));
   }
   return inside;
+}
+
+ElasticSupport on_foundation(const TetMesh& mesh, const std::vector<TetMesh::Index>& points, double modulus) {
+  std::vector<bool> is_held(at(mesh.point_count()), false);
+  for (const TetMesh::Index i : points) is_held[at(i)] = true;
+  std::vector<double> area(at(mesh.point_count()), 0);
+  const MeshSurface surface = surface_of(mesh);
+  for (const auto& corners : surface.triangles.colwise()) {
+    if (!std::ranges::all_of(corners, [&](TetMesh::Index i) { return is_held[at(i)]; })) continue;
+    const Eigen::Vector3d a = mesh.points.col(corners[0]), b = mesh.points.col(corners[1]),
+                          c = mesh.points.col(corners[2]);
+    for (const TetMesh::Index i : corners) area[at(i)] += (b - a).cross(c - a).norm() / 6;
+  }
+  ElasticSupport support;
+  for (TetMesh::Index i = 0; i < mesh.point_count(); ++i) {
+    if (!(area[at(i)] > 0)) continue;
+    support.points.push_back(i);
+    support.stiffness.push_back(modulus * area[at(i)]);
+  }
+  return support;
 }
 
 }  // namespace hmax

@@ -59,6 +59,21 @@ struct Support {
   TimeProfile profile = {};
 };
 
+/// Points that springs hold at their places at rest, with -k u in every direction, as an elastic foundation
+/// does. They stay unknowns.
+struct ElasticSupport {
+  std::vector<TetMesh::Index> points;
+  std::vector<double> stiffness;  ///< k of each [N/m], zero or more
+};
+
+/// The surface around points on a foundation of modulus s: k = s A, with A a third of each triangle of the
+/// surface whose corners are all among the points, so that the sum is s times their area on any mesh
+/// (Winkler's foundation). Points without area are left out.
+/// @param points  of the mesh, in any order
+/// @param modulus  [Pa/m]
+/// @returns no points where no triangle has all its corners among them
+ElasticSupport on_foundation(const TetMesh& mesh, const std::vector<TetMesh::Index>& points, double modulus);
+
 /// A dead load: a force that keeps its direction and size while the body moves.
 struct PressingForce {
   std::vector<TetMesh::Index> points;

@@ -191,6 +191,14 @@ std::string constant_force(const TissueBody& body, const PressingForce& force) {
          listed(each) + "\"/>";
 }
 
+/// Springs to the places at rest, each with its stiffness.
+std::string rest_springs(const TissueBody& body, const ElasticSupport& support) {
+  std::vector<TetMesh::Index> places;
+  for (const TetMesh::Index point : support.points) places.push_back(place_of(body, point));
+  return "<RestShapeSpringsForceField template=\"Vec3d\" points=\"" + listed(places) + "\" stiffness=\"" +
+         listed(support.stiffness) + "\"/>";
+}
+
 /// Points that a scene holds, by their places in the file: the supports, and those in no tetrahedron.
 std::vector<TetMesh::Index> fixed_points(const TissueBody& body) {
   std::vector<TetMesh::Index> fixed;
@@ -224,6 +232,8 @@ std::string sofa_text(const TissueBody& body, double step) {
                                    "Topology.Container.Dynamic",
                                    "Visual"};
   if (!settings.forces.empty()) plugins.push_back("MechanicalLoad");
+  if (!settings.elastic_supports.empty() && !settings.model.is_of_springs())
+    plugins.push_back("SolidMechanics.Spring");
   for (const char* plugin : plugins)
     text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
@@ -239,6 +249,7 @@ std::string sofa_text(const TissueBody& body, double step) {
   add(mass(body));
   if (!fixed.empty()) add("<FixedProjectiveConstraint indices=\"" + listed(fixed) + "\"/>");
   add(settings.model.is_of_springs() ? springs(body) : force_fields(body));
+  for (const ElasticSupport& support : settings.elastic_supports) add(rest_springs(body, support));
   for (const PressingForce& force : settings.forces) add(constant_force(body, force));
   return text + "  </Node>\n</Node>\n";
 }

@@ -67,6 +67,7 @@ struct TissueSettings {
   SpringSettings springs = {};                        ///< of a model of springs
   SkinSettings skin = {};
   std::vector<Support> supports = {};
+  std::vector<ElasticSupport> elastic_supports = {};
   std::vector<PressingForce> forces = {};
   std::vector<SphereTool> tools = {};
 };

@@ -257,11 +257,11 @@ NamedElement named_element(const Problem& problem, Eigen::Index element) {
       named.points.push_back(point_number(problem, corner));
     return named;
   }
-  named.kind = springs ? "spring" : "skin triangle";
   named.number = element - tetrahedra + 1;
   Eigen::Index e = 0;
   body.visit_rest_stiffness([&](std::span<const TissueBody::Index> points, const auto&) {
     if (e++ != element) return;
+    named.kind = points.size() == 1 ? "support spring" : springs ? "spring" : "skin triangle";
     for (const auto point : points) named.points.push_back(point_number(problem, point));
   });
   return named;
@@ -270,7 +270,8 @@ NamedElement named_element(const Problem& problem, Eigen::Index element) {
 std::string in_words(const NamedElement& element) {
   return element.kind == "tetrahedron"
              ? fmt::format("tetrahedron {}", element.number)
-             : fmt::format("the {} of points {}", element.kind, fmt::join(element.points, ", "));
+             : fmt::format("the {} of point{} {}", element.kind, element.points.size() == 1 ? "" : "s",
+                           fmt::join(element.points, ", "));
 }
 
 }  // namespace hmax

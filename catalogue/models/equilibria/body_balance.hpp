@@ -50,7 +50,7 @@ std::int64_t point_number(const Problem& problem, Eigen::Index point);
 /// A tetrahedron by its number; springs and skin triangles in hmax's order, from 1, since files do not number
 /// them.
 struct NamedElement {
-  std::string_view kind;  ///< "tetrahedron", "spring" or "skin triangle"
+  std::string_view kind;  ///< "tetrahedron", "spring", "skin triangle" or "support spring"
   std::int64_t number;
   std::vector<std::int64_t> points;  ///< by point_number()
 };

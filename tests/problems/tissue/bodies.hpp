@@ -86,6 +86,7 @@ inline std::vector<NamedSettings> loaded_settings(const TetMesh& mesh) {
     s.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1}),
                    {0.002, 0, 0.001},
                    {TimeProfile::Kind::ramp, 0, 2}}};
+    s.elastic_supports = {{{9, 20, 35}, {40, 300, 20}}, {{20, 2}, {10, 50}}};
     s.forces = {{{30, 31, 32}, {0.1, -0.2, 0.05}, {1, 2, 1}, {TimeProfile::Kind::sine, 0.1, 1, 3}}};
     SphereTool tool;
     tool.radius = 0.05;

@@ -65,6 +65,7 @@ TEST(BodyPieces, MakeTheMatricesOfEveryModel) {
   for (auto& [name, settings] : tissue_tests::elastic_settings()) {
     if (is_relative(settings)) continue;
     settings.supports.push_back({.points = {0, 5, 7}});
+    settings.elastic_supports = {{.points = {5, 20, 3}, .stiffness = {9, 300, 40}}};
     settings.springs.damper_time = 0.01;
     const BodyPieces pieces(mesh, settings);
     for (const TetMesh::Index most : {1, 4, 1000})

@@ -176,6 +176,7 @@ TEST(TissueBody, TheElementsAtRestSumToTheStiffnessAtRest) {
   const TetMesh mesh = uneven_box();
   for (auto [name, settings] : elastic_settings()) {
     settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
+    settings.elastic_supports = {{{0, 9, 20}, {7, 40, 300}}};
     const TissueBody body(mesh, settings);
     const VectorXd rest = VectorXd::Zero(body.dofs());
     MatrixXd all = MatrixXd::Zero(3 * mesh.point_count(), 3 * mesh.point_count());

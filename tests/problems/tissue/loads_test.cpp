@@ -1,5 +1,6 @@
 #include "problems/tissue/loads.hpp"
 
+#include <limits>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -43,6 +44,33 @@ TEST(Loads, ThatNeverChangeOrAlwaysDoHaveNoBreakpoints) {
       {.points = {2}, .travel = {0, 0, 1e-3}, .profile = {.kind = TimeProfile::Kind::sine, .omega = 3}});
   settings.forces.push_back({.points = {5}, .force = {0, 0, 1}});
   EXPECT_TRUE(TissueBody(tissue_tests::uneven_box(), settings).breakpoints(0, 100).empty());
+}
+
+// s times the area of the supported surface, whatever the mesh; a face beside it takes no part.
+TEST(ElasticSupports, OnAFoundationHaveTheAreaOfTheirSurfaceOnAnyMesh) {
+  for (const int n : {1, 2, 5}) {
+    const TetMesh mesh = box_mesh({0.2, 0.1, 0.3}, {n, n + 1, 2 * n});
+    const double inf = std::numeric_limits<double>::infinity();
+    const ElasticSupport floor =
+        on_foundation(mesh, points_in_box(mesh, {-inf, -inf, -inf}, {inf, inf, 1e-9}), 5000);
+    double sum = 0;
+    for (const double k : floor.stiffness) sum += k;
+    EXPECT_NEAR(sum, 5000 * 0.2 * 0.1, 1e-10) << n;
+    EXPECT_EQ(floor.points.size(), static_cast<std::size_t>((n + 1) * (n + 2))) << n;
+  }
+  // Two points of a face have no area.
+  EXPECT_TRUE(on_foundation(box_mesh({1, 1, 1}, {1, 1, 1}), {0, 1}, 1).points.empty());
+}
+
+TEST(ElasticSupports, WithWrongNumbersAreRefused) {
+  const auto body = [](ElasticSupport support) {
+    TissueSettings settings;
+    settings.elastic_supports = {std::move(support)};
+    return TissueBody(box_mesh({1, 1, 1}, {1, 1, 1}), settings);
+  };
+  EXPECT_THROW(body({.points = {0, 1}, .stiffness = {1}}), std::invalid_argument);
+  EXPECT_THROW(body({.points = {0}, .stiffness = {-1}}), std::invalid_argument);
+  EXPECT_THROW(body({.points = {99}, .stiffness = {1}}), std::invalid_argument);
 }
 
 }  // namespace

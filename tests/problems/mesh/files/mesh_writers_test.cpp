@@ -125,6 +125,18 @@ TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
             std::string::npos);
 }
 
+TEST(SofaScenes, HoldElasticSupports) {
+  TissueSettings settings = liver();
+  settings.supports = {};
+  settings.elastic_supports = {{.points = {3, 1}, .stiffness = {20, 0.5}}};
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02);
+  EXPECT_NE(text.find("<RestShapeSpringsForceField template=\"Vec3d\" points=\"3 1\" stiffness=\"20 0.5\"/>"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("Sofa.Component.SolidMechanics.Spring"), std::string::npos);
+  EXPECT_EQ(text.find("FixedProjectiveConstraint"), std::string::npos);
+}
+
 /// The scene of two tetrahedra of regions 9 and 4, in a file with an idle point in front.
 std::string scene_of_two_regions(const TissueModel& model, double nu_of_4, double nu_of_9) {
   TetMesh mesh;
