@@ -16,6 +16,7 @@
 #include "advice/motion/user_motion.hpp"
 #include "advice/proof.hpp"
 #include "advice/uncertainty.hpp"
+#include "catalogue/models/equilibria/support_advice.hpp"
 
 namespace hmax {
 
@@ -139,7 +140,8 @@ struct Advice {
   std::optional<Inversion> inversion;        ///< the first element that the motion itself inverts
   /// Sought where the motion inverts elements, or has only a part of the loads.
   std::optional<OtherModel> other_model;
-  double t_end = 0;              ///< of the motion [s]
+  std::optional<SuggestedSupport> suggested_support;  ///< of a body whose support is the default
+  double t_end = 0;                                   ///< of the motion [s]
   double stiffened = 1;          ///< how many times stiffer than at its start the motion makes the body
   std::vector<double> modes;     ///< the slowest oscillations at the start, at most 3 [rad/s]
   std::vector<AdviceRow> rows;   ///< best first

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "limits/documents/model_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "results/fingerprint.hpp"
 
@@ -138,6 +139,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"reference_error", advice.reference_error},
       {"inverted", to_json(advice.inversion)},
       {"other_model", to_json(advice.other_model)},
+      {"suggested_support", suggested_support_json(advice.suggested_support)},
       {"modes", advice.modes},
       {"rate", question.rate},
       {"tolerance", question.tolerance},

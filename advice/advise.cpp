@@ -270,6 +270,8 @@ class Search {
   /// The motion, its reference and the limits along it of the rows that have hope.
   void analyse() {
     AnalysedModel& model = *model_;
+    enter(AdviceStage::searching, 0.01, "comparing supports");
+    advice_.suggested_support = suggested_support(problem_);
     enter(AdviceStage::searching, 0.02, "finding a load with an equilibrium");
     model.motion = question_.motion ? probing_motion(problem_, *question_.motion, watch_)
                                     : probing_motion(problem_, watch_);

@@ -52,7 +52,8 @@ struct Problem {
   std::vector<std::string> idle{};                        ///< names of `parameters` that change nothing here
   UserView shown{};                                       ///< how users count its time and states
   std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< of matrices of a user
-  bool runs_elsewhere = false;  ///< in a process of its own, which keeps a core busy beside the caller's
+  bool support_by_default = false;  ///< of a body: the user chose neither its fixed points nor their end
+  bool runs_elsewhere = false;      ///< in a process of its own, which keeps a core busy beside the caller's
   /// The same problem made once more, for a thread of its own: some systems have one workspace.
   std::function<Problem()> again = nullptr;
 };

@@ -555,6 +555,16 @@ std::vector<std::string> idle_parameters(const TissueId& id, const TissueParamet
   return idle;
 }
 
+bool has_default_support(const ProblemSettings& settings) {
+  constexpr std::array<std::string_view, 8> chosen{
+      "axis", "support_stiffness", "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
+  return std::ranges::none_of(settings.parameters, [&](const auto& parameter) {
+    const auto& [name, value] = parameter;
+    return std::ranges::find(chosen, name) != chosen.end() ||
+           name.starts_with(fmt::format("{}:", support_name)) || (name == support_name && value == 0);
+  });
+}
+
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, const LoadedMesh& loaded) {
   const TetMesh& mesh = loaded.mesh;
   require_sensible(id, p, mesh);

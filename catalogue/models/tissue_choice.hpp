@@ -33,6 +33,9 @@ std::string_view unit_of_tissue_parameter(std::string_view name);
 /// The names of those of them that change nothing of the body.
 std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters);
 
+/// Whether the user chose neither points nor an end of the body to be held, nor that nothing is.
+bool has_default_support(const ProblemSettings& settings);
+
 /// @throws InputError  for regions and points that the mesh does not have
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,
                                const LoadedMesh& mesh);

@@ -168,7 +168,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
                   .tetrahedron_numbers = {},
-                  .idle = idle_parameters(id, parameters)};
+                  .idle = idle_parameters(id, parameters),
+                  .support_by_default = has_default_support(settings)};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
     problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
   const bool is_linear = has_linear_forces(*body);

@@ -357,6 +357,7 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
   AdviceText text;
   text.model = fmt::format("{}{}{}", problem.id, problem.material.empty() ? "" : ", ", problem.material);
   if (problem.body) text.body = in_words(summary_of(*problem.body));
+  if (advice.suggested_support) text.body += "; " + in_words(*advice.suggested_support);
   text.motion = !advice.motion.empty() ? advice.motion
                 : advice.stage == AdviceStage::done
                     ? "no motion was run: single steps are too slow or unstable"

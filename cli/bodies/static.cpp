@@ -297,6 +297,7 @@ struct StaticAnswer {
   std::string outcome, status;
   double least_volume, energy;
   std::optional<ToolReport> tool;
+  std::optional<SuggestedSupport> suggested_support;
 };
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
@@ -327,13 +328,15 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .status = {},
                       .least_volume = 0,
                       .energy = 0,
-                      .tool = {}};
+                      .tool = {},
+                      .suggested_support = {}};
   answer.outcome = outcome_of(problem, answer.solution);
   answer.status =
       scale == 1 ? status_without_equilibrium(problem, answer.solution) : status_of(problem, answer.solution);
   answer.least_volume = problem.body->least_volume(t, answer.solution.q).first;
   answer.energy = model.energy(answer.solution.q);
   answer.tool = tool_report(problem, t, answer.solution.q);
+  answer.suggested_support = suggested_support(problem);
   return answer;
 }
 
@@ -379,11 +382,19 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 {"max_displacement", largest_displacement(answer.solution.q)},
                 {"energy", answer.energy},
                 {"least_volume", answer.least_volume},
+                {"suggested_support", suggested_support_json(answer.suggested_support)},
                 {"body", body_json(problem)},
                 {"picture", picture.empty() ? Json() : Json(picture)}};
   if (answer.threads) document["threads"] = *answer.threads;
   if (answer.tool) document["tool"] = answer.tool->json();
   return document;
+}
+
+/// Where no equilibrium was found, the status says whether the support is the cause.
+std::string words_of_support(const StaticAnswer& answer) {
+  return answer.suggested_support && answer.outcome == "converged"
+             ? in_words(*answer.suggested_support) + "\n"
+             : "";
 }
 
 std::string words_of(const StaticAnswer& answer, const Console& console) {
@@ -403,12 +414,12 @@ std::string words_of(const StaticAnswer& answer, const Console& console) {
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
   return fmt::format(
-      "{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}",
+      "{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}{}",
       answer.problem.id, describe_acting(answer.problem), body_in_words(answer.problem),
       name_of(answer.settings.method), name_of(answer.settings.inner), table.text(console), answer.outcome,
       answer.status.empty() ? "" : ": " + answer.status,
       short_number(1000 * largest_displacement(answer.solution.q), 5), short_number(answer.energy, 5),
-      answer.tool ? "tool: " + answer.tool->words() + "\n" : "");
+      answer.tool ? "tool: " + answer.tool->words() + "\n" : "", words_of_support(answer));
 }
 
 void solve(const StaticOptions& options, Console& console) {

@@ -34,8 +34,17 @@ Json body_json(const BodySummary& body) {
           {"points", body.points},
           {"fixed", body.held},
           {"held", body.held},  // the old name
+          {"held_by_springs", body.on_springs},
           {"gravity", {body.gravity.x(), body.gravity.y(), body.gravity.z()}},
           {"unusual", unusual_values(body)}};
+}
+
+Json suggested_support_json(const std::optional<SuggestedSupport>& suggested) {
+  if (!suggested) return nullptr;
+  return {{"axis", suggested->axis},
+          {"sag", suggested->sag},
+          {"axis_now", suggested->axis_now},
+          {"sag_now", suggested->sag_now}};
 }
 
 Json matrices_json(const Problem& problem) {

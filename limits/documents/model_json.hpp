@@ -1,19 +1,25 @@
 /// Facts of models for programs and for words: the keys of `models` in `hmax stability predict --json`.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "catalogue/methods/method.hpp"
 #include "catalogue/models/body_summary.hpp"
+#include "catalogue/models/equilibria/support_advice.hpp"
 #include "limits/point/operating_point.hpp"
 
 namespace hmax {
 
-/// `{E, nu, rho, regions, mass, size, points, fixed, gravity, unusual}`; null of what is no body.
+/// `{E, nu, rho, regions, mass, size, points, fixed, held_by_springs, gravity, unusual}`; null of what is no
+/// body.
 nlohmann::ordered_json body_json(const Problem& problem);
 nlohmann::ordered_json body_json(const BodySummary& body);
+
+/// `{axis, sag, axis_now, sag_now}`; null where no other end is suggested.
+nlohmann::ordered_json suggested_support_json(const std::optional<SuggestedSupport>& suggested);
 
 /// `{files, unknowns, rows, mass_sum, ..}`; null of what has no matrices.
 nlohmann::ordered_json matrices_json(const Problem& problem);

@@ -1,7 +1,6 @@
 #include "catalogue/models/equilibria/support_advice.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,31 +13,42 @@
 #include "catalogue/models/tissue_parameters.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
+#include "integrators/linear/conjugate_gradients.hpp"
 #include "integrators/linear/sparse_solver.hpp"
+#include "problems/mesh/mesh_parts.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
 
 namespace {
 
-/// Degrees of freedom of a mesh up to which a factor of K takes less than a second.
+/// Degrees of freedom of a body whose ends are compared: six solutions take about a second.
 constexpr Eigen::Index most_held = 20'000;
+/// Those up to which a factor of K is faster than conjugate gradients.
+constexpr Eigen::Index most_by_factor = 6'000;
 
 constexpr std::string_view general = "take a smaller load or a stiffer material";
 
-/// One end of a body as its support.
-struct HeldEnd {
-  int axis;    ///< as `--set axis=` has it
-  double sag;  ///< linear, with that end held [m]
-  Problem problem;
-};
+/// The largest displacement of K u = f; nothing where K is not positive definite. Conjugate gradients end at
+/// a residual that leaves three digits of it.
+std::optional<double> largest_solution(const TissueBody::DofMatrix& K, const Eigen::VectorXd& f) {
+  Eigen::VectorXd u = f;
+  if (K.rows() <= most_by_factor) {
+    SparseSolver<double> solver;
+    if (!solver.factor(K)) return std::nullopt;
+    solver.solve(u);
+  } else {
+    constexpr double tolerance = 1e-4;
+    ConjugateGradients<double> solver;
+    if (!solver.prepare(K) || !solver.solve(f, u, tolerance, 0).solved) return std::nullopt;
+  }
+  return u.allFinite() ? std::optional(largest_displacement(u)) : std::nullopt;
+}
 
-/// The share of the extent that supports hold, of a problem.
-double held_share(const Problem& problem) {
-  const auto found =
-      std::ranges::find(problem.parameters, support_name, &std::pair<std::string, double>::first);
-  const double share = found == problem.parameters.end() ? 0 : found->second;
-  return share > 0 ? share : TissueParameters{}.support;
+/// A parameter of a problem; nothing where it does not have it.
+std::optional<double> parameter(const Problem& problem, std::string_view name) {
+  const auto found = std::ranges::find(problem.parameters, name, &std::pair<std::string, double>::first);
+  return found == problem.parameters.end() ? std::nullopt : std::optional(found->second);
 }
 
 /// The points within `share` of the extent from the end that an axis names: 1 the low end along x, -1 the
@@ -52,23 +62,85 @@ std::vector<TetMesh::Index> points_of_end(const TetMesh& mesh, int axis, double 
   return points;
 }
 
-/// The end with the least linear sag.
-std::optional<HeldEnd> best_end(const Problem& problem) {
-  std::optional<HeldEnd> best;
-  const double share = held_share(problem);
-  for (const int axis : {1, -1, 2, -2, 3, -3}) {
+/// A body at rest that nothing holds, under its weight; and how far it sags where an end is held.
+class UnheldBody {
+ public:
+  explicit UnheldBody(const Problem& problem)
+      : mesh_(problem.body->mesh()), share_(parameter(problem, support_name).value_or(0)) {
+    if (!(share_ > 0)) share_ = TissueParameters{}.support;
     TissueSettings settings = problem.body->settings();
-    settings.supports = {{.points = points_of_end(problem.body->mesh(), axis, share)}};
-    if (static_cast<Eigen::Index>(settings.supports.front().points.size()) ==
-        problem.body->mesh().point_count())
-      continue;
-    Problem held = with_settings(problem, std::move(settings));
-    const std::optional<double> sag = linear_sag(*held.body);
-    if (!sag || (best && best->sag <= *sag)) continue;
-    best = HeldEnd{axis, *sag, std::move(held)};
+    settings.supports.clear();
+    settings.elastic_supports.clear();
+    settings.beta = settings.mass_step = 0;
+    const TissueBody body(mesh_, std::move(settings));
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
+    body.stiffness(0, rest, rest, K_);
+    load_.resize(body.dofs());
+    body.force(0, rest, rest, load_);
   }
-  if (best) best->problem.y0 = Eigen::VectorXd::Zero(best->problem.body->dim());
-  return best;
+
+  [[nodiscard]] std::vector<TetMesh::Index> points(int axis) const {
+    return points_of_end(mesh_, axis, share_);
+  }
+
+  /// By linear elasticity; nothing where the end does not hold all of the body, or holds every point.
+  [[nodiscard]] std::optional<double> sag(int axis) const {
+    const std::vector<TetMesh::Index> held = points(axis);
+    if (static_cast<Eigen::Index>(held.size()) == mesh_.point_count() || !free_parts(mesh_, held).empty())
+      return std::nullopt;
+    std::vector<int> number(static_cast<std::size_t>(load_.size()), 0);
+    for (const TetMesh::Index i : held) std::fill_n(number.begin() + 3 * i, 3, -1);
+    int count = 0;
+    for (int& each : number)
+      if (each == 0) each = count++;
+    return largest_solution(without_held(number, count), without_held(load_, number, count));
+  }
+
+ private:
+  static TissueBody::DofMatrix without_held(const TissueBody::DofMatrix& K, const std::vector<int>& number,
+                                            int count) {
+    TissueBody::DofMatrix part(count, count);
+    part.reserve(K.nonZeros());
+    for (Eigen::Index j = 0; j < K.cols(); ++j) {
+      const int column = number[static_cast<std::size_t>(j)];
+      if (column < 0) continue;
+      part.startVec(column);
+      for (TissueBody::DofMatrix::InnerIterator entry(K, j); entry; ++entry)
+        if (const int row = number[static_cast<std::size_t>(entry.row())]; row >= 0)
+          part.insertBack(row, column) = entry.value();
+    }
+    part.finalize();
+    return part;
+  }
+  [[nodiscard]] TissueBody::DofMatrix without_held(const std::vector<int>& number, int count) const {
+    return without_held(K_, number, count);
+  }
+  static Eigen::VectorXd without_held(const Eigen::VectorXd& all, const std::vector<int>& number, int count) {
+    Eigen::VectorXd part(count);
+    for (Eigen::Index i = 0; i < all.size(); ++i)
+      if (const int own = number[static_cast<std::size_t>(i)]; own >= 0) part[own] = all[i];
+    return part;
+  }
+
+  const TetMesh& mesh_;
+  double share_;
+  TissueBody::DofMatrix K_;
+  Eigen::VectorXd load_;
+};
+
+/// The sag with each end that holds the body, least first.
+std::vector<EndSag> sags_of_ends(const UnheldBody& body) {
+  std::vector<EndSag> ends;
+  for (const int axis : {1, -1, 2, -2, 3, -3})
+    if (const std::optional<double> sag = body.sag(axis)) ends.push_back({axis, *sag});
+  std::ranges::stable_sort(ends, {}, &EndSag::sag);
+  return ends;
+}
+
+/// Whether nothing but its weight acts on a body.
+bool hangs(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  return settings.forces.empty() && settings.tools.empty() && body.is_autonomous();
 }
 
 }  // namespace
@@ -79,12 +151,33 @@ std::optional<double> linear_sag(const TissueBody& body) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix K;
   body.stiffness(t, rest, rest, K);
-  Eigen::VectorXd sag = rest;
-  body.force(t, rest, rest, sag);
-  SparseSolver<double> solver;
-  if (!solver.factor(K)) return std::nullopt;
-  solver.solve(sag);
-  return sag.allFinite() ? std::optional(largest_displacement(sag)) : std::nullopt;
+  Eigen::VectorXd load = rest;
+  body.force(t, rest, rest, load);
+  return largest_solution(K, load);
+}
+
+std::optional<SuggestedSupport> suggested_support(const Problem& problem) {
+  constexpr double clearly = 0.5;
+  if (!problem.body || !problem.support_by_default || !hangs(*problem.body) ||
+      problem.body->dofs() > most_held || problem.body->settings().gravity.isZero(0))
+    return std::nullopt;
+  const int axis = static_cast<int>(parameter(problem, "axis").value_or(TissueParameters{}.axis));
+  const std::vector<EndSag> ends = sags_of_ends(UnheldBody(problem));
+  const auto now = std::ranges::find(ends, axis, &EndSag::axis);
+  if (now == ends.end() || !(ends.front().sag < clearly * now->sag)) return std::nullopt;
+  return SuggestedSupport{ends.front().axis, ends.front().sag, axis, now->sag};
+}
+
+std::string name_of_end(int axis) {
+  return fmt::format("{} {}", axis > 0 ? "low" : "high", "xyz"[std::abs(axis) - 1]);
+}
+
+std::string in_words(const SuggestedSupport& suggested) {
+  return fmt::format(
+      "support: with the end fixed by default, {}, the body sags {} by linear elasticity; with {} it sags {}, the least "
+      "of the six ends: --set axis={}",
+      name_of_end(suggested.axis_now), millimetres(suggested.sag_now), name_of_end(suggested.axis),
+      millimetres(suggested.sag), suggested.axis);
 }
 
 namespace {
@@ -97,30 +190,34 @@ struct SupportAdvice {
 SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const TissueBody& body = *problem.body;
   if (!loose_dofs(body).empty()) return {};
-  const TissueSettings& settings = body.settings();
-  const bool hangs = settings.forces.empty() && settings.tools.empty() && body.is_autonomous();
-  const std::optional<double> present = hangs ? linear_sag(body) : std::nullopt;
+  const std::optional<double> present = hangs(body) ? linear_sag(body) : std::nullopt;
   if (!present) return {std::string(general)};
   const double size =
       (body.mesh().points.rowwise().maxCoeff() - body.mesh().points.rowwise().minCoeff()).maxCoeff();
   const std::string now = fmt::format("linear elasticity makes this support sag by {}, in a body of {}",
                                       millimetres(*present), millimetres(size));
-  const std::optional<HeldEnd> best = best_end(problem);
+  const UnheldBody unheld(problem);
+  const std::vector<EndSag> ends = sags_of_ends(unheld);
   // Another end that is hardly better is not worth another search.
-  if (!best || best->sag > 0.7 * *present)
+  if (ends.empty() || ends.front().sag > 0.7 * *present)
     return {fmt::format("{}, and no other end holds it better; {}", now, general)};
-  const StaticSolution solution =
-      found_equilibrium(best->problem, 1, {.tolerance = 1e-9}, [] { return 0.0; });
+  const auto [axis, sag] = ends.front();
+  TissueSettings settings = body.settings();
+  settings.supports = {{.points = unheld.points(axis)}};
+  settings.elastic_supports.clear();
+  Problem held = with_settings(problem, std::move(settings));
+  held.y0 = Eigen::VectorXd::Zero(held.body->dim());
+  const StaticSolution solution = found_equilibrium(held, 1, {.tolerance = 1e-9}, [] { return 0.0; });
   if (!solution.converged)
     return {fmt::format(
         "{}; --set axis={} would sag by {}, and has no equilibrium either; {}, or more points as supports",
-        now, best->axis, millimetres(best->sag), general)};
+        now, axis, millimetres(sag), general)};
   const bool named = std::ranges::any_of(problem.parameters, [](const auto& each) {
     return each.first.starts_with(fmt::format("{}:", support_name));
   });
   return {
       fmt::format("the support is the cause: {}; with --set axis={}{} it sags by {} and has an equilibrium",
-                  now, best->axis, named ? " in place of --support" : "", millimetres(best->sag)),
+                  now, axis, named ? " in place of --support" : "", millimetres(sag)),
       true};
 }
 

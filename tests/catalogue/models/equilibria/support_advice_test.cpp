@@ -76,5 +76,41 @@ TEST(RemedyWithoutEquilibrium, IsALoadOrAMaterialWhereNoSupportHelps) {
       std::string::npos);
 }
 
+// Each end is made as a body of its own: the oracle of the comparison.
+TEST(SuggestedSupport, IsTheEndWithTheLeastSagWhereNoneIsChosen) {
+  const Parameters soft{{"E", 20000}};
+  const auto suggested = suggested_support(block("fem_green@beam:n=2", soft));
+  ASSERT_TRUE(suggested);
+  const auto with = [&](int axis) {
+    return *linear_sag(
+        *block("fem_green@beam:n=2", {{"E", 20000}, {"axis", static_cast<double>(axis)}}).body);
+  };
+  EXPECT_EQ(suggested->axis_now, 1);
+  EXPECT_NEAR(suggested->sag_now, with(1), 1e-9 * with(1));
+  for (const int axis : {1, -1, 2, -2, 3, -3}) EXPECT_GE(with(axis), (1 - 1e-9) * suggested->sag) << axis;
+  EXPECT_NEAR(suggested->sag, with(suggested->axis), 1e-9 * suggested->sag);
+  EXPECT_LT(suggested->sag, 0.5 * suggested->sag_now);
+  EXPECT_NE(in_words(*suggested).find(fmt::format("--set axis={}", suggested->axis)), std::string::npos);
+  // What the user chose, other loads, and an end that is good.
+  EXPECT_FALSE(suggested_support(block("fem_green@beam:n=2", {{"E", 20000}, {"axis", 1}})));
+  EXPECT_FALSE(suggested_support(block("fem_green@beam:n=2", {{"E", 20000}, {"support:x<0.01", 1}})));
+  EXPECT_FALSE(suggested_support(block("fem_green@beam:n=2", {{"E", 20000}, {"xmax", 0.01}})));
+  EXPECT_FALSE(suggested_support(block("fem_green@beam:n=2", {{"E", 20000}, {"support", 0}})));
+  EXPECT_FALSE(suggested_support(block("fem_green/press@beam:n=2", soft)));
+  EXPECT_FALSE(suggested_support(block("fem_green@cube:n=2", {})));
+  // The share of an end is no end.
+  EXPECT_TRUE(suggested_support(block("fem_green@beam:n=2", {{"E", 20000}, {"support", 0.05}})));
+}
+
+// Conjugate gradients above 6000 unknowns, a factor below.
+TEST(SuggestedSupport, OfLargerBodiesIsThatOfAFactor) {
+  const Problem problem = block("fem_cauchy@beam:n=6", {});
+  ASSERT_GT(problem.body->dofs(), 6000);
+  const auto suggested = suggested_support(problem);
+  ASSERT_TRUE(suggested);
+  const auto solved = found_equilibrium(problem, 1, {.method = StaticMethod::linear}, [] { return 0.0; });
+  EXPECT_NEAR(suggested->sag_now, largest_displacement(solved.q), 0.01 * suggested->sag_now);
+}
+
 }  // namespace
 }  // namespace hmax
