@@ -12,6 +12,7 @@
 #include "limits/documents/method_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "problems/tissue/materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
 
 namespace hmax {
@@ -106,12 +107,32 @@ void list_materials(Console& console) {
                short_number(material.mass_low), short_number(material.mass_high),
                short_number(material.mass_middle())});
   }
+  TextTable tissues({"material", "E [kPa]", "range", "nu", "rho [kg/m3]", "source", "measured"});
+  for (const PublishedTissue& tissue : published_tissues()) {
+    const auto& [E, nu, rho] = tissue.material;
+    document.push_back(
+        {{"id", tissue.id},
+         {"parameters",
+          {{"E", E}, {"E_low", tissue.young_low}, {"E_high", tissue.young_high}, {"nu", nu}, {"rho", rho}}},
+         {"source", tissue.source},
+         {"note", tissue.note}});
+    tissues.add({std::string(tissue.id), short_number(E / 1000),
+                 fmt::format("{} to {}", short_number(tissue.young_low / 1000),
+                             short_number(tissue.young_high / 1000)),
+                 short_number(nu), short_number(rho), std::string(tissue.source), std::string(tissue.note)});
+  }
   if (console.json) return console.print_json(document);
   console.print(table.text(console));
   console.print(
       "\nThe middle of the mass range is used; ':light' and ':heavy' after the id take its ends.\n"
       "The study prints the stiffness in kPa and the damping in N/m^2 and computes with the bare numbers; "
       "docs/reference/facts.md\nsays why no claim is made that these are a liver's.\n");
+  console.print(fmt::format(
+      "\nOf bodies on meshes: --material tissue:liver, or of regions too: --material "
+      "tissue:liver,tumour=tissue:fibroadenoma\n\n{}\nThe range of E is one standard deviation, or that of the "
+      "study. nu is 0.45 where the study measures none; densities are\nthose of woodard1986composition. "
+      "Sources: references.bib.\n",
+      tissues.text(console)));
 }
 
 }  // namespace

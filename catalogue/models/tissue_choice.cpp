@@ -165,6 +165,76 @@ TetMesh::Index region_count(const TetMesh& mesh) {
   return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
 }
 
+/// "tissue:liver,tumour=tissue:fibroadenoma" in its parts: a region, empty of the whole body, and a material.
+std::vector<std::pair<std::string, std::string>> materials_in(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> parts;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::size_t equals = part.find('=');
+    const bool of_region = equals != std::string::npos;
+    parts.emplace_back(of_region ? part.substr(0, equals) : "", of_region ? part.substr(equals + 1) : part);
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// @throws InputError  for one that does not exist
+const PublishedTissue& tissue_called(const std::string& id, const std::string& region) {
+  if (const PublishedTissue* tissue = find_published_tissue(id)) return *tissue;
+  std::vector<std::string> known;
+  for (const PublishedTissue& each : published_tissues()) known.emplace_back(each.id);
+  throw InputError(fmt::format("unknown material '{}'{}; {}", id,
+                               region.empty() ? "" : fmt::format(" of the region {}", region),
+                               suggestion(id, known)));
+}
+
+/// @throws InputError  for a material that does not exist, and for a second one of the whole body
+void take_material_of_body(const std::string& text, TissueParameters& parameters) {
+  bool is_taken = false;
+  for (const auto& [region, id] : materials_in(text)) {
+    if (!region.empty()) continue;
+    if (is_taken)
+      throw InputError(fmt::format(
+          "--material {} names two materials of the whole body; write the second as REGION={}", text, id));
+    is_taken = true;
+    if (id.starts_with("tissue:")) {
+      const TissueMaterial& material = tissue_called(id, region).material;
+      parameters.E = material.young;
+      parameters.nu = material.poisson;
+      parameters.rho = material.density;
+      continue;
+    }
+    // The oscillators' names of the same materials serve as well.
+    const TissueSettings made = with_tissue_material({}, id.starts_with("liver:") ? id : "liver:" + id);
+    parameters.E = made.materials.front().young;
+    parameters.nu = made.materials.front().poisson;
+    parameters.mass = made.total_mass.value();
+    parameters.alpha = made.alpha;
+  }
+}
+
+/// Behind all that the user sets, which overrides it: E, nu and rho of regions that have a material, without
+/// what would not act.
+/// @throws InputError  for a material that does not exist
+void take_materials_of_regions(const std::string& text, const TissueId& id, TissueParameters& parameters) {
+  for (const auto& [called, name] : materials_in(text)) {
+    if (called.empty()) continue;
+    const std::string& region = called;
+    const TissueMaterial& material = tissue_called(name, region).material;
+    for (const NamedOfRegion& each : named_of_region) {
+      const bool is_set =
+          std::ranges::any_of(parameters.of_regions, [&](const TissueParameters::OfRegion& set) {
+            return set.what == each.value && set.region == region;
+          });
+      const bool acts = each.value == &TissueMaterial::density   ? parameters.mass == 0
+                        : each.value == &TissueMaterial::poisson ? !id.is_of_springs()
+                                                                 : true;
+      if (!is_set && acts) parameters.of_regions.push_back({each.value, region, material.*each.value});
+    }
+  }
+}
+
 /// One end of a mesh along an axis, to which loads are opposite.
 struct HeldEnd {
   Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< unit vector that points from the free end to it
@@ -464,15 +534,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
   TissueParameters parameters;
   if (const NamedMesh* const named = find_named_mesh(parse_mesh_request(id.mesh).name))
     parameters.axis = named->held_axis;
-  if (!settings.material.empty()) {
-    // The oscillators' names of the same materials serve as well.
-    const TissueSettings made = with_tissue_material(
-        {}, settings.material.starts_with("liver:") ? settings.material : "liver:" + settings.material);
-    parameters.E = made.materials.front().young;
-    parameters.nu = made.materials.front().poisson;
-    parameters.mass = made.total_mass.value();
-    parameters.alpha = made.alpha;
-  }
+  take_material_of_body(settings.material, parameters);
   for (const auto& [parameter, value] : settings.parameters) {
     if (!std::isfinite(value))
       throw InputError(fmt::format("{} is {}, which is not a finite number", parameter, to_text(value)));
@@ -488,6 +550,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
     if (value != TissueParameters{}.*(it->value)) require_read(parameter, it->of, id);
     parameters.*(it->value) = value;
   }
+  take_materials_of_regions(settings.material, id, parameters);
   const auto is_set = [&](std::string_view name) {
     return std::ranges::find(settings.parameters, name, &std::pair<std::string, double>::first) !=
            settings.parameters.end();

@@ -25,7 +25,8 @@ void add_support(CLI::App& command, std::vector<std::string>& sets, std::string_
       command, "--support", sets,
       fmt::format(
           "Points of a mesh that are fixed, {}: the NAME of a group or region of the file, "
-          "surface:30, points:1,5,9, @FILE of such numbers, or a box XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
+          "surface:30, points:1,5,9, @FILE of such numbers, one side of a plane like z<0.01 [m], or a box "
+          "XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX [m]; "
           "may be repeated",
           otherwise),
       "SET");
@@ -146,8 +147,11 @@ void ProblemChoice::add_rest_to(CLI::App& command) {
            "FILE.so[:NAME[:ARGUMENT]]");
   add_timeout(command, timeout);
   add_settings(command, set, y0);
-  add_text(command, "--material", material,
-           "An id of `hmax list materials`, with ':light' or ':heavy' after it", "ID");
+  add_text(
+      command, "--material", material,
+      "An id of `hmax list materials`, with ':light' or ':heavy' after it; of a mesh also of regions, like "
+      "tissue:liver,tumour=tissue:fibroadenoma",
+      "ID");
 }
 
 std::string ProblemChoice::id() const {

@@ -1,5 +1,7 @@
 #include "problems/tissue/materials.hpp"
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include "problems/oscillator/liver_materials.hpp"
@@ -8,7 +10,110 @@ namespace hmax {
 namespace {
 constexpr std::string_view prefix = "liver:";
 constexpr double usual_poisson = 0.45;
+
+// E [Pa], nu, rho [kg/m^3]; the spread of E. Arda, Roulot, Samani, Budday: mean and one standard deviation.
+constexpr std::array<PublishedTissue, 17> tissues{{
+    {"tissue:liver",
+     {5500, usual_poisson, 1060},
+     3900,
+     7100,
+     "roulot2008liver",
+     "healthy, transient elastography"},
+    {"tissue:kidney",
+     {5000, usual_poisson, 1050},
+     2100,
+     7900,
+     "arda2011quantitative",
+     "cortex, shear-wave elastography"},
+    {"tissue:spleen",
+     {2900, usual_poisson, 1060},
+     1100,
+     4700,
+     "arda2011quantitative",
+     "shear-wave elastography"},
+    {"tissue:pancreas",
+     {4800, usual_poisson, 1040},
+     1800,
+     7800,
+     "arda2011quantitative",
+     "shear-wave elastography"},
+    {"tissue:thyroid",
+     {10970, usual_poisson, 1050},
+     7870,
+     14070,
+     "arda2011quantitative",
+     "shear-wave elastography"},
+    {"tissue:muscle",
+     {11100, usual_poisson, 1050},
+     7000,
+     15200,
+     "arda2011quantitative",
+     "gastrocnemius at rest, shear-wave elastography"},
+    {"tissue:heart",
+     {25200, usual_poisson, 1050},
+     14700,
+     27400,
+     "kossivas2013regional",
+     "passive, murine left ventricle, indentation"},
+    {"tissue:brain_grey",
+     {1389, usual_poisson, 1040},
+     1100,
+     1678,
+     "budday2015mechanical",
+     "bovine, indentation"},
+    {"tissue:brain_white",
+     {1895, usual_poisson, 1040},
+     1303,
+     2487,
+     "budday2015mechanical",
+     "bovine, indentation"},
+    {"tissue:fat", {3250, usual_poisson, 950}, 2340, 4160, "samani2007elastic", "of the breast, indentation"},
+    {"tissue:breast_gland",
+     {3240, usual_poisson, 1020},
+     2630,
+     3850,
+     "samani2007elastic",
+     "fibroglandular, indentation"},
+    {"tissue:fibroadenoma",
+     {6410, usual_poisson, 1020},
+     3550,
+     9270,
+     "samani2007elastic",
+     "benign tumour of the breast, indentation"},
+    {"tissue:carcinoma",
+     {19990, usual_poisson, 1020},
+     10400,
+     42520,
+     "samani2007elastic",
+     "invasive ductal, intermediate grade, indentation; means of low and high grade"},
+    {"tissue:skin",
+     {344e3, usual_poisson, 1090},
+     195e3,
+     480e3,
+     "sutradhar2013vivo",
+     "of the breast, suction"},
+    {"tissue:epidermis", {1.5e6, usual_poisson, 1090}, 1e6, 2e6, "geerligs2011vitro", "indentation"},
+    {"tissue:cartilage",
+     {639e3, 0.03, 1100},
+     420e3,
+     859e3,
+     "soltz2000conewise",
+     "bovine, equilibrium in compression, from the aggregate modulus 0.64 MPa"},
+    {"tissue:tendon",
+     {1.2e9, usual_poisson, 1120},
+     1.16e9,
+     1.2e9,
+     "maganaris2002tensile",
+     "along its fibres at maximum load, tibialis anterior and gastrocnemius"},
+}};
 }  // namespace
+
+std::span<const PublishedTissue> published_tissues() { return tissues; }
+
+const PublishedTissue* find_published_tissue(std::string_view id) {
+  const auto* const found = std::ranges::find(tissues, id, &PublishedTissue::id);
+  return found == tissues.end() ? nullptr : found;
+}
 
 std::vector<std::string> tissue_material_ids() {
   std::vector<std::string> ids;

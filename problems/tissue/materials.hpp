@@ -1,6 +1,7 @@
-/// The liver materials of the study as tissue.
+/// The liver materials of the study as tissue, and tissues as other studies have measured them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,5 +29,18 @@ std::vector<std::string> tissue_material_ids();
 ///   same here.
 /// @throws std::invalid_argument  for an unknown id, naming the known ones
 TissueSettings with_tissue_material(TissueSettings base, std::string_view id);
+
+/// A tissue as a study has measured it. Densities are those of [woodard1986composition]; Poisson's ratio is
+/// the 0.45 of with_tissue_material() where the study measures none.
+struct PublishedTissue {
+  std::string_view id;  ///< "tissue:muscle"
+  TissueMaterial material;
+  double young_low, young_high;  ///< one standard deviation, or the range of the study [Pa]
+  std::string_view source;       ///< bibliography key of Young's modulus
+  std::string_view note;         ///< what was measured
+};
+std::span<const PublishedTissue> published_tissues();
+/// Null where none is called so.
+const PublishedTissue* find_published_tissue(std::string_view id);
 
 }  // namespace hmax

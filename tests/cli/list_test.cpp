@@ -53,8 +53,9 @@ TEST(List, ModelsHaveTheKeysOfTheContract) {
 
 TEST(List, MaterialsHaveTheKeysOfTheContract) {
   const Json materials = Shell().hmax("list materials --json").json();
-  ASSERT_EQ(materials.size(), 6U);
+  ASSERT_EQ(materials.size(), 6U + 17U);
   for (const Json& material : materials) expect_keys(material, {"id", "parameters", "source"});
+  EXPECT_EQ(materials.at(6).at("parameters").at("E"), 5500);
 }
 
 TEST(List, AsksWhatToListWhenNothingIsNamed) {

@@ -1,0 +1,93 @@
+/// Tissues as studies have measured them, of bodies and of regions.
+#include <gtest/gtest.h>
+
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
+#include "problems/tissue/body.hpp"
+#include "problems/tissue/materials.hpp"
+#include "tests/results/scratch.hpp"
+
+namespace hmax {
+namespace {
+
+/// Two tetrahedra of the regions 1 and 2 on a common face.
+constexpr const char* two_regions =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+    "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
+    "$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 2 2 2 3 4 5\n$EndElements\n";
+
+class PublishedTissueOf : public ::testing::Test {
+ protected:
+  PublishedTissueOf() { write_text(folder / "two.msh", two_regions); }
+
+  Problem body(const std::string& text, Parameters parameters = {},
+               const std::string& model = "fem_green") const {
+    // One point is fixed, so that the other tetrahedron is free.
+    if (parameters.empty()) parameters = {{"support:points:1", 1}};
+    return make_problem(model + "@" + (folder / "two.msh").string(),
+                        {.material = text, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+  }
+  std::vector<TissueMaterial> materials(const std::string& text, Parameters parameters = {}) const {
+    return body(text, std::move(parameters)).body->settings().materials;
+  }
+  std::string refused(const std::string& text) const {
+    try {
+      materials(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "taken";
+  }
+
+  const Scratch folder;
+};
+
+// [arda2011quantitative] and [samani2007elastic], by hand.
+TEST_F(PublishedTissueOf, IsThatOfTheWholeBodyOrOfARegion) {
+  for (const TissueMaterial& each : materials("tissue:muscle")) {
+    EXPECT_EQ(each.young, 11100);
+    EXPECT_EQ(each.density, 1050);
+  }
+  const auto two = materials("tissue:fat,2=tissue:carcinoma");
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two[0].young, 3250);
+  EXPECT_EQ(two[0].density, 950);
+  EXPECT_EQ(two[1].young, 19990);
+  EXPECT_EQ(two[1].density, 1020);
+  // The rest of the body keeps its own.
+  EXPECT_EQ(materials("1=tissue:spleen")[1].young, TissueMaterial{}.young);
+}
+
+TEST_F(PublishedTissueOf, IsOverriddenByParameters) {
+  const auto two = materials("tissue:fat,2=tissue:carcinoma", {{"E:2", 1000}, {"rho", 1000}});
+  EXPECT_EQ(two[1].young, 1000);
+  EXPECT_EQ(two[1].density, 1020);
+  EXPECT_EQ(two[0].density, 1000);
+}
+
+TEST_F(PublishedTissueOf, OfARegionStandsBesideALiverOfTheStudy) {
+  const Problem problem = body("liver:male_normal,2=tissue:fibroadenoma", {}, "mass_spring");
+  EXPECT_EQ(problem.body->settings().materials[1].young, 6410);
+  EXPECT_NEAR(problem.body->point_mass().sum(), 1.45, 1e-12);
+  // What is listed of a body makes it again.
+  const Problem again = body({}, problem.parameters, "mass_spring");
+  EXPECT_EQ(again.body->settings().materials[1].young, 6410);
+}
+
+TEST_F(PublishedTissueOf, IsRefusedWithTheNearestName) {
+  EXPECT_NE(refused("tissue:muscel").find("tissue:muscle"), std::string::npos);
+  EXPECT_NE(refused("2=tissue:bone").find("of the region 2"), std::string::npos);
+  EXPECT_NE(refused("9=tissue:fat").find("has no region 9"), std::string::npos);
+  EXPECT_NE(refused("tissue:fat,tissue:skin").find("two materials of the whole body"), std::string::npos);
+}
+
+TEST(PublishedTissue, HasARangeAroundItsModulus) {
+  for (const PublishedTissue& tissue : published_tissues()) {
+    EXPECT_LE(tissue.young_low, tissue.material.young) << tissue.id;
+    EXPECT_GE(tissue.young_high, tissue.material.young) << tissue.id;
+    EXPECT_LT(tissue.young_low, tissue.young_high) << tissue.id;
+  }
+}
+
+}  // namespace
+}  // namespace hmax
