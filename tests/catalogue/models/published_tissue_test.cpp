@@ -66,11 +66,11 @@ TEST_F(PublishedTissueOf, IsOverriddenByParameters) {
 }
 
 TEST_F(PublishedTissueOf, OfARegionStandsBesideALiverOfTheStudy) {
-  const Problem problem = body("liver:male_normal,2=tissue:fibroadenoma", {}, "mass_spring");
+  const Problem problem = body("liver:male_normal,2=tissue:fibroadenoma");
   EXPECT_EQ(problem.body->settings().materials[1].young, 6410);
   EXPECT_NEAR(problem.body->point_mass().sum(), 1.45, 1e-12);
   // What is listed of a body makes it again.
-  const Problem again = body({}, problem.parameters, "mass_spring");
+  const Problem again = body({}, problem.parameters);
   EXPECT_EQ(again.body->settings().materials[1].young, 6410);
 }
 

@@ -104,7 +104,7 @@ TEST(SuggestedSupport, IsTheEndWithTheLeastSagWhereNoneIsChosen) {
 
 // Conjugate gradients above 6000 unknowns, a factor below.
 TEST(SuggestedSupport, OfLargerBodiesIsThatOfAFactor) {
-  const Problem problem = block("fem_cauchy@beam:n=6", {});
+  const Problem problem = block("fem_cauchy@beam:n=8", {});
   ASSERT_GT(problem.body->dofs(), 6000);
   const auto suggested = suggested_support(problem);
   ASSERT_TRUE(suggested);
