@@ -80,7 +80,8 @@ void list_models(Console& console) {
                         {"note", model.note},
                         {"is_linear", model.is_linear},
                         {"is_of_springs", model.is_of_springs()},
-                        {"resists_inversion", model.resists_inversion}});
+                        {"resists_inversion", model.resists_inversion},
+                        {"resists_locking", model.resists_locking}});
     table.add({std::string(model.id), std::string(model.note)});
   }
   if (console.json) return console.print_json(document);

@@ -140,10 +140,11 @@ ElementSum elements_of(const TissueBody& body) {
 std::vector<double> mass_weights(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   std::vector<double> weights;
-  if (settings.model.is_of_springs() || settings.skin.kind != SkinSettings::Kind::none ||
-      !settings.elastic_supports.empty())
-    return weights;
   const TetMesh& mesh = body.mesh();
+  const bool only_tetrahedra = body.element_pieces() == at(mesh.tetrahedron_count()) &&
+                               settings.skin.kind == SkinSettings::Kind::none &&
+                               settings.elastic_supports.empty();
+  if (!only_tetrahedra) return weights;
   for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     const std::size_t region = settings.materials.size() > 1 ? at(mesh.regions.at(at(t))) : 0;
     weights.push_back(signed_volume(corners_of(mesh, t)) * settings.materials.at(region).density);

@@ -75,6 +75,30 @@ EdgeTable edge_table(const TetMesh& mesh) {
   });
 }
 
+MeshEdges two_edge_pairs(const EdgeTable& table) {
+  const std::size_t count = table.first.size() - 1;
+  std::vector<std::vector<Index>> beside(count);
+  for (const auto& edge : table.edges.colwise())
+    for (const int own : {0, 1}) beside[static_cast<std::size_t>(edge[own])].push_back(edge[1 - own]);
+  std::vector<std::array<Index, 2>> pairs;
+  std::vector<Index> near;
+  for (std::size_t a = 0; a < count; ++a) {
+    near = beside[a];
+    for (const Index b : beside[a]) {
+      const auto& beyond = beside[static_cast<std::size_t>(b)];
+      near.insert(near.end(), beyond.begin(), beyond.end());
+    }
+    std::ranges::sort(near);
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    for (const Index b : near)
+      if (b > static_cast<Index>(a)) pairs.push_back({static_cast<Index>(a), b});
+  }
+  MeshEdges all(2, static_cast<Eigen::Index>(pairs.size()));
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    all.col(static_cast<Eigen::Index>(k)) << pairs[k][0], pairs[k][1];
+  return all;
+}
+
 MeshSurface surface_of(const TetMesh& mesh) {
   MeshSurface surface;
   std::vector<std::int64_t> owners;

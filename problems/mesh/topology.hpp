@@ -28,6 +28,10 @@ struct EdgeTable {
 EdgeTable edge_table(const TetMesh& mesh);
 inline MeshEdges edges_of(const TetMesh& mesh) { return edge_table(mesh).edges; }
 
+/// The pairs of points with at most two edges between them, each once, lower point first, sorted: points of
+/// tetrahedra that share a point.
+MeshEdges two_edge_pairs(const EdgeTable& table);
+
 /// What a mesh looks like from outside.
 struct MeshSurface {
   MeshTriangles triangles;              ///< faces of one tetrahedron only, outward, in the order of these

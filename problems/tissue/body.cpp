@@ -226,7 +226,7 @@ void TissueBody::build_elastic_parts() {
   const bool skin = settings_.skin.kind != SkinSettings::Kind::none;
   const bool on_surface = springs || skin || !settings_.tools.empty();
   const MeshSurface surface = on_surface ? surface_of(mesh_) : MeshSurface{};
-  MeshEdges pairs = edges.edges;
+  MeshEdges pairs = settings_.model.averages_at_points ? two_edge_pairs(edges) : edges.edges;
   if (springs && settings_.springs.surface_bending > 0) pairs = both(pairs, bending_pairs(surface));
   if (springs && settings_.springs.second_ring > 0) pairs = both(pairs, second_ring_pairs(mesh_));
 
@@ -488,7 +488,7 @@ Eigen::VectorXd TissueBody::energy_densities(double t, const Dofs& q) const {
   Scratch& rows = scratch();
   place(t, q, rows);
   Eigen::VectorXd density(mesh_.tetrahedron_count());
-  for (Eigen::Index e = 0; e < density.size(); ++e) density[e] = elements_->energy_density(rows.u, at(e));
+  elements_->write_energy_densities(rows.u, density);
   return density;
 }
 
@@ -528,11 +528,9 @@ std::pair<double, Eigen::Index> TissueBody::least_volume(double t, const Dofs& q
   return least;
 }
 
-void TissueBody::visit_rest_stiffness(const ElementVisitor& visit) const {
+void TissueBody::visit_rest_stiffness(const StiffnessVisitor& visit) const {
   const Scratch still = rest();
-  if (elements_)
-    for (std::size_t e = 0; e < elements_->size(); ++e)
-      visit(elements_->points(e), elements_->stiffness(still.u, e));
+  if (elements_) elements_->visit_stiffness(still.u, visit);
   for (const SpringSet& set : springs_)
     for (std::size_t i = 0; i < set.size(); ++i) {
       const Eigen::Matrix3d B = set.stiffness(still.x, i);

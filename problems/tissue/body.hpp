@@ -1,7 +1,6 @@
 /// A body of soft tissue as a mechanical system M q'' = F(t, q, v).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -115,13 +114,13 @@ class TissueBody {
   /// The least volume of a tetrahedron relative to that at rest, and the tetrahedron; below 0 it is inverted.
   [[nodiscard]] std::pair<double, Eigen::Index> least_volume(double t, const Dofs& q) const;
 
-  /// Calls visit(points, K) with the stiffness at rest of each element, spring, triangle of the skin and
-  /// spring of an elastic support, which has one point:
+  /// Calls visit(points, K) with the stiffness at rest of each piece of the elements, spring, triangle of the
+  /// skin and spring of an elastic support, which has one point:
   /// `points` of the mesh, K of shape (3 points, 3 points). Their sum over the free points is the stiffness
   /// at q = 0 without contact.
-  using ElementVisitor =
-      std::function<void(std::span<const Index>, const Eigen::Ref<const Eigen::MatrixXd>&)>;
-  void visit_rest_stiffness(const ElementVisitor& visit) const;
+  void visit_rest_stiffness(const StiffnessVisitor& visit) const;
+  /// How many of these come from finite elements: first the tetrahedra, then what acts on several of them.
+  [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
 
  private:
   struct Scratch {

@@ -73,8 +73,9 @@ BodyPieces::BodyPieces(const TetMesh& mesh, TissueSettings settings) : settings_
     }
   number_free_points();
   set_masses();
-  edges_ = edges_of(mesh_);
-  for (const auto& edge : edges_.colwise()) width_ = std::max(width_, edge[1] - edge[0]);
+  EdgeTable table = edge_table(mesh_);
+  for (const auto& edge : table.edges.colwise()) width_ = std::max(width_, edge[1] - edge[0]);
+  pairs_ = settings_.model.averages_at_points ? two_edge_pairs(table) : std::move(table.edges);
 }
 
 bool BodyPieces::has_dampers() const {
@@ -111,8 +112,7 @@ void BodyPieces::set_masses() {
     for (TissueMaterial& material : materials) material.density *= given / mass;
 }
 
-TetMesh BodyPieces::around(Index begin, Index end, std::vector<Index>& points) const {
-  const Index first = free_points_[at(begin)], last = free_points_[at(end) - 1];
+std::vector<BodyPieces::Index> BodyPieces::touching(const std::vector<Index>& points) const {
   const auto lowest = [&](Index t) { return mesh_.tetrahedra.col(t).minCoeff(); };
   // Tetrahedra come in the order of their lowest points.
   const auto first_from = [&](Index point) {
@@ -123,23 +123,38 @@ TetMesh BodyPieces::around(Index begin, Index end, std::vector<Index>& points) c
     }
     return low;
   };
-  const Index stop = first_from(last + 1);
-  std::vector<Index> touching;
-  for (Index t = first_from(first - width_); t < stop; ++t)
+  const Index stop = first_from(points.back() + 1);
+  std::vector<Index> found;
+  for (Index t = first_from(points.front() - width_); t < stop; ++t)
     if (std::ranges::any_of(mesh_.tetrahedra.col(t),
-                            [&](Index i) { return i >= first && i <= last && number_[at(i)] >= 0; })) {
-      touching.push_back(t);
-      for (const Index corner : mesh_.tetrahedra.col(t)) points.push_back(corner);
-    }
+                            [&](Index i) { return std::ranges::binary_search(points, i); }))
+      found.push_back(t);
+  return found;
+}
+
+std::vector<BodyPieces::Index> BodyPieces::points_of(const std::vector<Index>& tetrahedra) const {
+  std::vector<Index> points;
+  for (const Index t : tetrahedra)
+    for (const Index corner : mesh_.tetrahedra.col(t)) points.push_back(corner);
   std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+TetMesh BodyPieces::around(Index begin, Index end, std::vector<Index>& points) const {
+  std::vector<Index> tetrahedra = touching({free_points_.begin() + begin, free_points_.begin() + end});
+  points = points_of(tetrahedra);
+  if (settings_.model.averages_at_points) {
+    tetrahedra = touching(points);
+    points = points_of(tetrahedra);
+  }
   TetMesh piece;
   piece.points = mesh_.points(Eigen::all, points);
-  piece.tetrahedra = mesh_.tetrahedra(Eigen::all, touching).unaryExpr([&](Index corner) {
+  piece.tetrahedra = mesh_.tetrahedra(Eigen::all, tetrahedra).unaryExpr([&](Index corner) {
     return static_cast<Index>(std::ranges::lower_bound(points, corner) - points.begin());
   });
   if (!mesh_.regions.empty())
-    for (const Index each : touching) piece.regions.push_back(mesh_.region(each));
+    for (const Index each : tetrahedra) piece.regions.push_back(mesh_.region(each));
   return piece;
 }
 
@@ -177,7 +192,7 @@ BodyPieces::Neighbours BodyPieces::neighbours(Index begin, Index end) const {
   const auto is_inside = [&](Index number) { return number >= begin && number < end; };
   Neighbours counts{.inside = std::vector<int>(at(end - begin), 1),
                     .outside = std::vector<int>(at(end - begin), 0)};
-  for (const auto& edge : edges_.colwise())
+  for (const auto& edge : pairs_.colwise())
     for (const int own : {0, 1}) {
       const Index number = number_[at(edge[own])], other = number_[at(edge[1 - own])];
       if (number >= 0 && other >= 0 && is_inside(number))

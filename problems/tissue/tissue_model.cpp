@@ -5,6 +5,7 @@
 #include <string>
 
 #include "problems/tissue/forces/green_elements.hpp"
+#include "problems/tissue/forces/nodal_pressure.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
 namespace hmax {
@@ -36,6 +37,12 @@ constexpr auto models = std::to_array<TissueModel>({
      .resists_inversion = true,
      .sofa = SofaField::neo_hookean,
      .make_elements = make<TetElements<StableNeoHookean>>},
+    {.id = "fem_nodal_pressure",
+     .note = "fem_neo_hookean with pressures averaged at the points, which do not lock near nu = 1/2",
+     .resists_inversion = true,
+     .resists_locking = true,
+     .averages_at_points = true,
+     .make_elements = make<NodalPressure>},
     {.id = "mass_spring", .note = "springs along the edges of the mesh, Poisson's ratio 1/4"},
 });
 

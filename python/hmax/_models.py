@@ -63,7 +63,8 @@ class Body:
     Parameters
     ----------
     mesh : a Mesh, or what read_mesh() takes
-    model : "fem_green" (default), "fem_cauchy", "fem_corotational", "fem_neo_hookean" or "mass_spring"
+    model : "fem_green" (default), "fem_cauchy", "fem_corotational", "fem_neo_hookean",
+        "fem_nodal_pressure" or "mass_spring"
     material : such as "liver:male_normal"; see `hmax list materials`
     load : such as "gravity" or "press"
     unit : of a mesh file, as of read_mesh()

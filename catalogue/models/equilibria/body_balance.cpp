@@ -248,30 +248,33 @@ std::int64_t point_number(const Problem& problem, Eigen::Index point) {
 
 NamedElement named_element(const Problem& problem, Eigen::Index element) {
   const TissueBody& body = *problem.body;
-  const bool springs = body.settings().model.is_of_springs();
-  const Eigen::Index tetrahedra = springs ? 0 : body.mesh().tetrahedron_count();
+  const auto pieces = static_cast<Eigen::Index>(body.element_pieces());
   NamedElement named{.kind = "tetrahedron", .number = 0, .points = {}};
-  if (element < tetrahedra) {
+  if (element < std::min(pieces, body.mesh().tetrahedron_count())) {
     named.number = tetrahedron_number(problem, element);
     for (const auto corner : body.mesh().tetrahedra.col(element))
       named.points.push_back(point_number(problem, corner));
     return named;
   }
-  named.number = element - tetrahedra + 1;
   Eigen::Index e = 0;
   body.visit_rest_stiffness([&](std::span<const TissueBody::Index> points, const auto&) {
     if (e++ != element) return;
-    named.kind = points.size() == 1 ? "support spring" : springs ? "spring" : "skin triangle";
     for (const auto point : points) named.points.push_back(point_number(problem, point));
   });
+  const bool averages = element < pieces;
+  named.kind = averages                                ? "nodal pressure"
+               : named.points.size() == 1              ? "support spring"
+               : body.settings().model.is_of_springs() ? "spring"
+                                                       : "skin triangle";
+  named.number = averages ? named.points.front() : element - pieces + 1;
   return named;
 }
 
 std::string in_words(const NamedElement& element) {
-  return element.kind == "tetrahedron"
-             ? fmt::format("tetrahedron {}", element.number)
-             : fmt::format("the {} of point{} {}", element.kind, element.points.size() == 1 ? "" : "s",
-                           fmt::join(element.points, ", "));
+  if (element.kind == "tetrahedron") return fmt::format("tetrahedron {}", element.number);
+  if (element.kind == "nodal pressure") return fmt::format("the pressure at node {}", element.number);
+  return fmt::format("the {} of point{} {}", element.kind, element.points.size() == 1 ? "" : "s",
+                     fmt::join(element.points, ", "));
 }
 
 }  // namespace hmax

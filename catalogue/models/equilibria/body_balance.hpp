@@ -47,14 +47,15 @@ std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron
 /// The same of a point, as `--support points:` takes it.
 std::int64_t point_number(const Problem& problem, Eigen::Index point);
 
-/// A tetrahedron by its number; springs and skin triangles in hmax's order, from 1, since files do not number
-/// them.
+/// A tetrahedron by its number, an averaged pressure by that of its point; springs and skin triangles in
+/// hmax's order, from 1, since files do not number them.
 struct NamedElement {
-  std::string_view kind;  ///< "tetrahedron", "spring", "skin triangle" or "support spring"
+  /// "tetrahedron", "nodal pressure", "spring", "skin triangle" or "support spring"
+  std::string_view kind;
   std::int64_t number;
   std::vector<std::int64_t> points;  ///< by point_number()
 };
-/// "tetrahedron 17", "the spring of points 4, 9".
+/// "tetrahedron 17", "the pressure at node 4", "the spring of points 4, 9".
 std::string in_words(const NamedElement& element);
 /// @param element  in the order of elements_of(body) (limits/modes/fastest_mode.hpp)
 NamedElement named_element(const Problem& problem, Eigen::Index element);

@@ -51,14 +51,24 @@ Matrix3d cross_matrix(const Vector3d& w) {
   return W;
 }
 
-/// Columns f2 x f3, f3 x f1, f1 x f2: the derivative of the determinant of (f1, f2, f3).
+}  // namespace
+
 Matrix3d cofactors(const Matrix3d& F) {
   Matrix3d C;
   for (int j = 0; j < 3; ++j) C.col(j) = F.col((j + 1) % 3).cross(F.col((j + 2) % 3));
   return C;
 }
 
-}  // namespace
+Matrix3d cofactor_differential(const Matrix3d& F, const Matrix3d& dF) {
+  Matrix3d dC;
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    dC.col(j) = dF.col(k).cross(F.col(l)) + F.col(k).cross(dF.col(l));
+  }
+  return dC;
+}
+
+double volume_change(const Matrix3d& H) { return H.trace() + cofactors(H).trace() + H.determinant(); }
 
 Lame lame(double young, double poisson) {
   if (!(young > 0) || !std::isfinite(young))
@@ -116,7 +126,7 @@ StableNeoHookean::StableNeoHookean(const Matrix3d& H, const Lame& lame)
     : mu_(4 * lame.mu / 3),
       lambda_(lame.lambda + 5 * lame.mu / 6),
       square_(2 * H.trace() + H.squaredNorm()),
-      volume_(H.trace() + cofactors(H).trace() + H.determinant()),
+      volume_(volume_change(H)),
       H_(H),
       F_(Matrix3d::Identity() + H),
       cofactors_(cofactors(F_)) {}
@@ -132,14 +142,9 @@ Matrix3d StableNeoHookean::stress() const {
   return mu_ * (3 * shear / 4 + square_ / (4 * (square_ + 4)) * F_) + lambda_ * volume_ * cofactors_;
 }
 Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
-  Matrix3d dC;
-  for (int j = 0; j < 3; ++j) {
-    const int k = (j + 1) % 3, l = (j + 2) % 3;
-    dC.col(j) = dF.col(k).cross(F_.col(l)) + F_.col(k).cross(dF.col(l));
-  }
   const double n = square_ + 4, excess = volume_ - 3 * mu_ / (4 * lambda_);
   return mu_ * ((1 - 1 / n) * dF + 2 * dot(F_, dF) / (n * n) * F_) +
-         lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * dC);
+         lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * cofactor_differential(F_, dF));
 }
 
 }  // namespace hmax

@@ -1,8 +1,9 @@
 /// The finite elements of a mesh, whatever their law.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <functional>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -12,12 +13,16 @@
 
 namespace hmax {
 
+/// Takes the points of a piece of an elastic body and its symmetric K = -dF/du [N/m], points after one
+/// another, shape (3 points, 3 points).
+using StiffnessVisitor =
+    std::function<void(std::span<const TetMesh::Index>, const Eigen::Ref<const Eigen::MatrixXd>&)>;
+
 /// Tetrahedra with elastic forces. A virtual call serves the whole mesh. Rows u are the displacements [m] of
 /// all points.
 class Elements {
  public:
   using Index = TetMesh::Index;
-  using Stiffness = Eigen::Matrix<double, 12, 12>;  ///< -dF/du of one element, points after one another
 
   Elements() = default;
   Elements(const Elements&) = default;
@@ -33,14 +38,13 @@ class Elements {
   /// values = K = -dF/du [N/m] at u, in the pattern that the elements were made with.
   virtual void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const = 0;
 
-  /// The number of elements. Element e is tetrahedron e of the mesh.
-  [[nodiscard]] virtual std::size_t size() const = 0;
-  /// The corners of an element, in the order of its stiffness.
-  [[nodiscard]] virtual std::array<Index, 4> points(std::size_t element) const = 0;
-  /// Energy density [J/m^3] of an element.
-  [[nodiscard]] virtual double energy_density(const NodeRows& u, std::size_t element) const = 0;
-  /// The stiffness of an element.
-  [[nodiscard]] virtual Stiffness stiffness(const NodeRows& u, std::size_t element) const = 0;
+  /// W = energy densities [J/m^3] of the tetrahedra at u, shape (tetrahedra).
+  virtual void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const = 0;
+  /// Calls visit(points, K) for the pieces that the stiffness at u is the sum of: the tetrahedra of the mesh
+  /// in their order, then what acts on several of them.
+  virtual void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const = 0;
+  /// The number of these pieces.
+  [[nodiscard]] virtual std::size_t pieces() const = 0;
 };
 
 }  // namespace hmax

@@ -38,6 +38,7 @@ struct GreenElements::Element {
     const Matrix3d C = H + H.transpose() + H.transpose() * H;
     return half_lambda * C.trace() * C.trace() / 4 + mu * C.squaredNorm() / 4;
   }
+  [[nodiscard]] ElementStiffness stiffness() const;
 };
 
 GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
@@ -171,13 +172,15 @@ double GreenElements::energy(const NodeRows& u) const {
   return sum;
 }
 
-double GreenElements::energy_density(const NodeRows& u, std::size_t i) const {
-  const Element e = element(u, at(place_[i]));
-  return e.energy() / e.volume();
+void GreenElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    const Element e = element(u, at(place_[i]));
+    W[static_cast<Eigen::Index>(i)] = e.energy() / e.volume();
+  }
 }
 
 void GreenElements::add_force(const NodeRows& u, NodeRows& f) const {
-  add_by_strips(strips_, size() / least_forces, f, [&](std::size_t begin, std::size_t end, double* rows) {
+  add_by_strips(strips_, pieces() / least_forces, f, [&](std::size_t begin, std::size_t end, double* rows) {
     kernels_->green_force(blocks_.data() + begin, end - begin, &u.front().x, rows);
   });
 }
@@ -204,7 +207,7 @@ void GreenElements::write_stiffness(const NodeRows& u, const BlockPattern& patte
   // The calling thread keeps them from call to call.
   thread_local std::vector<BlockPattern::Pairs> kept(1);
   std::vector<BlockPattern::Pairs>& own = kept;
-  const std::size_t most = size() / least_stiffness, count = most > 1 ? std::min(threads(), most) : 1;
+  const std::size_t most = pieces() / least_stiffness, count = most > 1 ? std::min(threads(), most) : 1;
   std::vector<Strip> strips;
   if (count > 1) strips = stiffness_strips(count);
   if (strips.size() < 2) return write_strip(u, pattern, {0, pattern.columns(), 0}, own.front(), values);
@@ -260,23 +263,26 @@ std::array<GreenElements::Index, 4> GreenElements::corners_at(std::size_t place)
   return p;
 }
 
-GreenElements::Stiffness GreenElements::stiffness(const NodeRows& u, std::size_t i) const {
+ElementStiffness GreenElements::Element::stiffness() const {
   // As TissueKernels::green_stiffness has it.
-  const Element e = element(u, at(place_[i]));
-  const Matrix3d F = Matrix3d::Identity() + e.H, B = F * F.transpose();
+  const Matrix3d F = Matrix3d::Identity() + H, B = F * F.transpose();
   Eigen::Matrix<double, 3, 4> g;
-  g << -e.gradients.colwise().sum().transpose(), e.gradients.transpose();
+  g << -gradients.colwise().sum().transpose(), gradients.transpose();
   const Eigen::Matrix<double, 3, 4> h = F * g;
-  const double c = e.half_lambda * (B.trace() - 3) - e.mu;
-  Stiffness K;
+  const double c = half_lambda * (B.trace() - 3) - mu;
+  ElementStiffness K;
   for (Eigen::Index a = 0; a < 4; ++a)
     for (Eigen::Index b = 0; b < 4; ++b) {
       const double k = g.col(a).dot(g.col(b));
-      K.block<3, 3>(3 * a, 3 * b) = 2 * e.half_lambda * h.col(a) * h.col(b).transpose() +
-                                    e.mu * h.col(b) * h.col(a).transpose() + e.mu * k * B +
-                                    (c * k + e.mu * h.col(a).dot(h.col(b))) * Matrix3d::Identity();
+      K.block<3, 3>(3 * a, 3 * b) = 2 * half_lambda * h.col(a) * h.col(b).transpose() +
+                                    mu * h.col(b) * h.col(a).transpose() + mu * k * B +
+                                    (c * k + mu * h.col(a).dot(h.col(b))) * Matrix3d::Identity();
     }
   return K;
+}
+
+void GreenElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {
+  for (const Index place : place_) visit(corners_at(at(place)), element(u, at(place)).stiffness());
 }
 
 }  // namespace hmax

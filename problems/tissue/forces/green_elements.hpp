@@ -31,13 +31,10 @@ class GreenElements final : public Elements {
   void add_force(const NodeRows& u, NodeRows& f) const override;
   void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const override;
 
-  [[nodiscard]] std::size_t size() const override { return place_.size(); }
-  /// Corners of a tetrahedron of the mesh, in ascending order.
-  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const override {
-    return corners_at(static_cast<std::size_t>(place_[element]));
-  }
-  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const override;
-  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const override;
+  void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
+  /// Corners of a tetrahedron come in ascending order.
+  void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
+  [[nodiscard]] std::size_t pieces() const override { return place_.size(); }
 
  private:
   /// One tetrahedron taken out of its block.

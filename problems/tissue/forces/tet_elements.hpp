@@ -27,6 +27,31 @@ struct RestShape {
 /// Ds = (u1 - u0, u2 - u0, u3 - u0).
 [[nodiscard]] Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points);
 
+/// f -= V P g_a at the points of an element of stress P.
+void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,
+                   const Eigen::Matrix3d& stress, NodeRows& f);
+
+/// -dF/du of one element, points after one another.
+using ElementStiffness = Eigen::Matrix<double, 12, 12>;
+
+/// K of an element from differential(dF), that of its stress.
+template <class Differential>
+ElementStiffness element_stiffness(const RestShape& rest, const Differential& differential) {
+  ElementStiffness K;
+  for (Eigen::Index b = 1; b < 4; ++b)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      // Point b moves along axis c: dF = e_c g_b^T.
+      Eigen::Matrix3d dF = Eigen::Matrix3d::Zero();
+      dF.row(c) = rest.gradients.row(b - 1);
+      const Eigen::Matrix3d pull = rest.volume * differential(dF) * rest.gradients.transpose();
+      auto column = K.col(3 * b + c);
+      column.head<3>() = -pull.rowwise().sum();
+      for (Eigen::Index a = 1; a < 4; ++a) column.segment<3>(3 * a) = pull.col(a - 1);
+    }
+  for (Eigen::Index c = 0; c < 3; ++c) K.col(c) = -(K.col(3 + c) + K.col(6 + c) + K.col(9 + c));
+  return K;
+}
+
 /// The finite elements of a mesh, each with a constant displacement gradient
 ///   H = Ds Bm,   Ds = (u1 - u0, u2 - u0, u3 - u0),
 /// energy V W(H) and forces -V P(H) g_a at its points, where the gradients g_1 ... g_3 of the shape functions
@@ -46,13 +71,9 @@ class TetElements final : public Elements {
   /// values += K = -dF/du [N/m] at u.
   void add_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const;
 
-  [[nodiscard]] std::size_t size() const override { return elements_.size(); }
-  [[nodiscard]] std::array<Index, 4> points(std::size_t element) const override {
-    return elements_[element].points;
-  }
-  [[nodiscard]] double volume(std::size_t element) const { return elements_[element].rest.volume; }
-  [[nodiscard]] double energy_density(const NodeRows& u, std::size_t element) const override;
-  [[nodiscard]] Stiffness stiffness(const NodeRows& u, std::size_t element) const override;
+  void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
+  void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
+  [[nodiscard]] std::size_t pieces() const override { return elements_.size(); }
 
  private:
   struct Element {
@@ -61,6 +82,7 @@ class TetElements final : public Elements {
     Lame lame;
   };
   static Law law(const NodeRows& u, const Element& e);
+  static ElementStiffness stiffness(const NodeRows& u, const Element& e);
 
   std::vector<Element> elements_;
   std::vector<std::array<Index, 16>> slots_;
@@ -91,37 +113,25 @@ double TetElements<Law>::energy(const NodeRows& u) const {
 }
 
 template <class Law>
-double TetElements<Law>::energy_density(const NodeRows& u, std::size_t element) const {
-  return law(u, elements_[element]).energy();
+void TetElements<Law>::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const {
+  for (std::size_t e = 0; e < elements_.size(); ++e)
+    W[static_cast<Eigen::Index>(e)] = law(u, elements_[e]).energy();
 }
 
 template <class Law>
 void TetElements<Law>::add_force(const NodeRows& u, NodeRows& f) const {
-  for (const Element& e : elements_) {
-    const Eigen::Matrix3d pull = e.rest.volume * law(u, e).stress() * e.rest.gradients.transpose();
-    for (std::size_t a = 1; a < 4; ++a)
-      as_vector(f[static_cast<std::size_t>(e.points[a])]) -= pull.col(static_cast<Eigen::Index>(a) - 1);
-    as_vector(f[static_cast<std::size_t>(e.points[0])]) += pull.rowwise().sum();
-  }
+  for (const Element& e : elements_) subtract_pull(e.rest, e.points, law(u, e).stress(), f);
 }
 
 template <class Law>
-Elements::Stiffness TetElements<Law>::stiffness(const NodeRows& u, std::size_t element) const {
-  const Element& e = elements_[element];
+ElementStiffness TetElements<Law>::stiffness(const NodeRows& u, const Element& e) {
   const Law at = law(u, e);
-  Stiffness K;
-  for (Eigen::Index b = 1; b < 4; ++b)
-    for (Eigen::Index c = 0; c < 3; ++c) {
-      // Point b moves along axis c: dF = e_c g_b^T.
-      Eigen::Matrix3d dF = Eigen::Matrix3d::Zero();
-      dF.row(c) = e.rest.gradients.row(b - 1);
-      const Eigen::Matrix3d pull = e.rest.volume * at.differential(dF) * e.rest.gradients.transpose();
-      auto column = K.col(3 * b + c);
-      column.template head<3>() = -pull.rowwise().sum();
-      for (Eigen::Index a = 1; a < 4; ++a) column.template segment<3>(3 * a) = pull.col(a - 1);
-    }
-  for (Eigen::Index c = 0; c < 3; ++c) K.col(c) = -(K.col(3 + c) + K.col(6 + c) + K.col(9 + c));
-  return K;
+  return element_stiffness(e.rest, [&](const Eigen::Matrix3d& dF) { return at.differential(dF); });
+}
+
+template <class Law>
+void TetElements<Law>::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {
+  for (const Element& e : elements_) visit(e.points, stiffness(u, e));
 }
 
 template <class Law>
@@ -133,12 +143,11 @@ void TetElements<Law>::write_stiffness(const NodeRows& u, const BlockPattern& pa
 template <class Law>
 void TetElements<Law>::add_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
   for (std::size_t t = 0; t < elements_.size(); ++t) {
-    const Stiffness K = stiffness(u, t);
+    const ElementStiffness K = stiffness(u, elements_[t]);
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < 4; ++b)
-        pattern.add(
-            values, slots_[t][4 * a + b], elements_[t].points[b],
-            K.template block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+        pattern.add(values, slots_[t][4 * a + b], elements_[t].points[b],
+                    K.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
   }
 }
 

@@ -89,18 +89,20 @@ TEST(BodyPieces, HaveTheMassesOfTheWhole) {
 }
 
 TEST(BodyPieces, CountTheNeighboursOfTheirPoints) {
-  TissueSettings settings;
-  settings.supports.push_back({.points = {0, 5, 7}});
-  const BodyPieces body(tissue_tests::uneven_box(), settings);
   const TetMesh::Index begin = 3, end = 11;
-  const BodyPieces::Neighbours counts = body.neighbours(begin, end);
-  const BodyPieces::Rows rows = body.piece(begin, end).stiffness;
-  for (TetMesh::Index point = begin; point < end; ++point) {
-    int inside = 0, outside = 0;
-    for (BodyPieces::Rows::InnerIterator entry(rows, 3 * (point - begin)); entry; ++entry)
-      ++(entry.col() >= 3 * begin && entry.col() < 3 * end ? inside : outside);
-    EXPECT_EQ(3 * counts.inside.at(static_cast<std::size_t>(point - begin)), inside);
-    EXPECT_EQ(3 * counts.outside.at(static_cast<std::size_t>(point - begin)), outside);
+  for (const char* model : {"fem_green", "fem_nodal_pressure"}) {
+    TissueSettings settings{.model = tissue_model(model)};
+    settings.supports.push_back({.points = {0, 5, 7}});
+    const BodyPieces body(tissue_tests::uneven_box(), settings);
+    const BodyPieces::Neighbours counts = body.neighbours(begin, end);
+    const BodyPieces::Rows rows = body.piece(begin, end).stiffness;
+    for (TetMesh::Index point = begin; point < end; ++point) {
+      int inside = 0, outside = 0;
+      for (BodyPieces::Rows::InnerIterator entry(rows, 3 * (point - begin)); entry; ++entry)
+        ++(entry.col() >= 3 * begin && entry.col() < 3 * end ? inside : outside);
+      EXPECT_EQ(3 * counts.inside.at(static_cast<std::size_t>(point - begin)), inside);
+      EXPECT_EQ(3 * counts.outside.at(static_cast<std::size_t>(point - begin)), outside) << model;
+    }
   }
 }
 

@@ -172,6 +172,22 @@ TEST(TissueBody, SmallStrainsAreTheSameInAllFiniteElements) {
   }
 }
 
+TEST(TissueBody, AveragedPressuresChangeNothingWhereNoVolumePushesAcross) {
+  // With lambda = 0 there is nothing to average, and a negative one stays with the elements.
+  const TetMesh mesh = uneven_box();
+  TissueSettings settings;
+  for (const double nu : {0.0, -0.3}) {
+    settings.materials = {{5300, nu, 1060}};
+    settings.model = tissue_model("fem_neo_hookean");
+    const TissueBody alone(mesh, settings);
+    settings.model = tissue_model("fem_nodal_pressure");
+    const TissueBody averaged(mesh, settings);
+    const Moment at(alone);
+    EXPECT_LT(largest(stiffness(averaged, 0, at.q, at.v) - stiffness(alone, 0, at.q, at.v)),
+              1e-13 * largest(stiffness(alone, 0, at.q, at.v)));
+  }
+}
+
 TEST(TissueBody, TheElementsAtRestSumToTheStiffnessAtRest) {
   const TetMesh mesh = uneven_box();
   for (auto [name, settings] : elastic_settings()) {
