@@ -1,6 +1,7 @@
 #include "problems/tissue/tissue_model.hpp"
 
 #include <array>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -18,9 +19,13 @@ std::shared_ptr<const Elements> make(const TetMesh& mesh, std::span<const Lame> 
   return std::make_shared<const ElementsT>(mesh, lame, pattern);
 }
 
+/// E s (s^2 - 1) / 2 is least at the stretch s = 1 / sqrt(3): E / (3 sqrt(3)) of compression.
+constexpr double most_compression_of_green = std::numbers::inv_sqrt3 / 3;
+
 constexpr auto models = std::to_array<TissueModel>({
     {.id = "fem_green",
      .note = "finite elements of Green's strain (St. Venant-Kirchhoff)",
+     .most_compression = most_compression_of_green,
      .sofa = SofaField::st_venant_kirchhoff,
      .make_elements = make<GreenElements>},
     {.id = "fem_cauchy",
@@ -30,16 +35,19 @@ constexpr auto models = std::to_array<TissueModel>({
      .make_elements = make<TetElements<SmallStrain>>},
     {.id = "fem_corotational",
      .note = "finite elements of small strain in the frame of their rotation",
+     .resists_inversion = true,
      .sofa = SofaField::polar,
      .make_elements = make<TetElements<Corotational>>},
     {.id = "fem_neo_hookean",
      .note = "finite elements of the stable neo-Hookean solid, which restore inverted ones",
      .resists_inversion = true,
+     .resists_crushing = true,
      .sofa = SofaField::neo_hookean,
      .make_elements = make<TetElements<StableNeoHookean>>},
     {.id = "fem_nodal_pressure",
      .note = "fem_neo_hookean with pressures averaged at the points, which do not lock near nu = 1/2",
      .resists_inversion = true,
+     .resists_crushing = true,
      .resists_locking = true,
      .averages_at_points = true,
      .make_elements = make<NodalPressure>},

@@ -25,7 +25,11 @@ struct TissueModel {
   std::string_view note;           ///< one line: what the forces are
   bool is_linear = false;          ///< forces are linear in the displacements, whatever their size
   bool resists_inversion = false;  ///< forces restore every element, flat and inverted ones included
-  bool resists_locking = false;    ///< bends as freely near nu = 1/2 as far from it
+  bool resists_crushing = false;   ///< its energy has the volume itself, so that lost volume pushes back
+  /// The largest nominal compression that it carries under uniaxial stress, relative to E; 0: no bound is
+  /// known.
+  double most_compression = 0;
+  bool resists_locking = false;  ///< bends as freely near nu = 1/2 as far from it
   /// All points of the tetrahedra around a point act on each other; false: those of a tetrahedron do.
   bool averages_at_points = false;
   SofaField sofa = SofaField::none;

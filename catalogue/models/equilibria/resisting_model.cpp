@@ -9,8 +9,8 @@
 namespace hmax {
 
 const TissueModel* resisting_model(const TissueModel& model) {
-  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_inversion);
-  return model.resists_inversion || other == tissue_models().end() ? nullptr : &*other;
+  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_crushing);
+  return model.resists_crushing || other == tissue_models().end() ? nullptr : &*other;
 }
 
 std::optional<Problem> with_resisting_model(const Problem& problem) {

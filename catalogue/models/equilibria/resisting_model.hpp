@@ -8,7 +8,7 @@
 
 namespace hmax {
 
-/// The first mesh model whose elements resist inversion; null where `model` does.
+/// The first mesh model whose elements resist being crushed as well as inversion; null where `model` does.
 const TissueModel* resisting_model(const TissueModel& model);
 /// The same body with that model, under the same name; nothing where there is none, and of springs.
 std::optional<Problem> with_resisting_model(const Problem& problem);
