@@ -17,10 +17,10 @@
 
 namespace hmax {
 
-/// The stable neo-Hookean solid on linear tetrahedra with averaged nodal pressure [bonet1998simple,
-/// bonet2001averaged]. Its energy is W(F; lambda, mu) = W(F; 0, mu) + lambda/2 (J - 1)^2 in this very form
-/// (StableNeoHookean). The first part stays with each element; the second takes the mean J of the elements e
-/// around each point a:
+/// The stable neo-Hookean solid on linear tetrahedra with averaged nodal pressure
+/// [bonet1998simple], [bonet2001averaged]. Its energy is W(F; lambda, mu) = W(F; 0, mu) + lambda/2 (J - 1)^2
+/// in this very form (StableNeoHookean). The first part stays with each element; the second takes the mean J
+/// of the elements e around each point a:
 ///   sum_e V_e W(F_e; 0, mu) + sum_a V_a lambda/2 (J_a - 1)^2,   V_a = sum_e V_e/4,   J_a = sum_e V_e/4 J_e /
 ///   V_a.
 /// An element thus keeps its volume with the stiffness of nu = 0 alone, which also damps the modes of
