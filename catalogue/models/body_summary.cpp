@@ -67,11 +67,31 @@ void judge_added_mass(const BodySummary& summary, std::vector<std::string>& sent
 }
 
 void judge_locking(const BodySummary& summary, std::vector<std::string>& sentences) {
-  if (summary.of_elements && summary.poisson[1] >= locking_from)
-    sentences.push_back(fmt::format(
-        "nu is {}, and linear tetrahedra lock from {} on: they are too stiff by volumetric locking; take nu 0.45, "
-        "or compare with a finer mesh",
-        rounded(summary.poisson[1]), rounded(locking_from)));
+  if (!summary.locks || summary.poisson[1] < locking_from) return;
+  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_locking);
+  sentences.push_back(fmt::format(
+      "nu is {}, and linear tetrahedra lock from {} on: they are too stiff by volumetric locking; take --model {}, or nu 0.45",
+      rounded(summary.poisson[1]), rounded(locking_from), other->id));
+}
+
+/// Where a number is a slip, the slip is what is wrong.
+void judge_compression(const BodySummary& summary, std::vector<std::string>& sentences) {
+  if (!sentences.empty() || summary.skin > 0 || summary.most_compression <= 0 ||
+      summary.weight_compression <= summary.most_compression)
+    return;
+  const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_crushing);
+  sentences.push_back(fmt::format(
+      "this model carries at most {} Pa of compression, at 0.58 of its length; the weight above the support needs {} Pa; "
+      "--model {} restores inverted elements",
+      rounded(summary.most_compression), rounded(summary.weight_compression), other->id));
+}
+
+/// rho g L of the part above the points that are held.
+double weight_above(const TetMesh& mesh, const std::vector<TetMesh::Index>& held, double density,
+                    const Eigen::Vector3d& gravity) {
+  if (held.empty() || gravity.isZero(0)) return 0;
+  const Eigen::RowVectorXd potential = -gravity.transpose() * mesh.points;  // g times the height
+  return density * (potential.maxCoeff() - potential(held).maxCoeff());
 }
 
 }  // namespace
@@ -112,6 +132,7 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
     summary.force = std::max(summary.force, load.force.norm());
   if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
   summary.of_elements = !settings.model.is_of_springs();
+  summary.locks = summary.of_elements && !settings.model.resists_locking;
   if (!summary.of_elements) summary.poisson.fill(poisson_of_springs);
   double volume = 0, mass = 0;
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
@@ -123,6 +144,8 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   summary.mass = settings.total_mass.value_or(mass);
   summary.from_mass = settings.total_mass.has_value();
   if (summary.from_mass) summary.density.fill(summary.mass / volume);
+  summary.most_compression = settings.model.most_compression * summary.young[0];
+  summary.weight_compression = weight_above(mesh, held, summary.density[1], settings.gravity);
   return summary;
 }
 
@@ -164,6 +187,7 @@ std::vector<std::string> unusual_values(const BodySummary& summary) {
   judge_loads(summary, sentences);
   judge_added_mass(summary, sentences);
   judge_locking(summary, sentences);
+  judge_compression(summary, sentences);
   return sentences;
 }
 

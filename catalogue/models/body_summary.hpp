@@ -14,12 +14,17 @@ namespace hmax {
 struct BodySummary {
   /// The least and the largest over the regions.
   using Span = std::array<double, 2>;
-  Span young{};             ///< E [Pa]
-  Span poisson{};           ///< nu [1]
-  Span density{};           ///< as it results where the mass is given [kg/m^3]
-  bool of_elements = true;  ///< tetrahedra, which may lock; false: springs
-  bool from_mass = false;   ///< densities result from a mass that is given
-  double skin = 0;          ///< Young's modulus of the skin [Pa]; 0: there is none
+  Span young{};                 ///< E [Pa]
+  Span poisson{};               ///< nu [1]
+  Span density{};               ///< as it results where the mass is given [kg/m^3]
+  bool of_elements = true;      ///< tetrahedra; false: springs
+  bool locks = true;            ///< near nu = 1/2
+  bool from_mass = false;       ///< densities result from a mass that is given
+  double most_compression = 0;  ///< that the model carries under uniaxial stress where E is least [Pa]; 0: no
+                                ///< bound is known
+  /// rho g L of what stands above the support [Pa], which a column has there; bending adds to it.
+  double weight_compression = 0;
+  double skin = 0;  ///< Young's modulus of the skin [Pa]; 0: there is none
   std::size_t regions = 1;
   double mass = 0;                                    ///< of all points, without what mass_step adds [kg]
   double added_mass = 0;                              ///< by mass_step [kg]
@@ -52,7 +57,8 @@ double slowed_by(double added_share);
 std::string in_words(const BodySummary& summary);
 
 /// A sentence for each value that no tissue has, as slips in units make them, with the unit that is expected;
-/// and where mass scaling changes the body, or linear tetrahedra lock.
+/// and where mass scaling changes the body, linear tetrahedra lock, or the weight is more than the model
+/// carries.
 std::vector<std::string> unusual_values(const BodySummary& summary);
 
 }  // namespace hmax

@@ -36,6 +36,8 @@ Json body_json(const BodySummary& body) {
           {"held", body.held},  // the old name
           {"held_by_springs", body.on_springs},
           {"gravity", {body.gravity.x(), body.gravity.y(), body.gravity.z()}},
+          {"most_compression_pa", body.most_compression > 0 ? Json(body.most_compression) : Json()},
+          {"weight_compression_pa", body.weight_compression},
           {"unusual", unusual_values(body)}};
 }
 

@@ -1,6 +1,8 @@
 /// What a body was taken to be, and which values are slips in units.
 #include "catalogue/models/body_summary.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
@@ -65,6 +67,22 @@ TEST(BodySummary, SlipsInUnitsAreUnusual) {
   EXPECT_NE(heavy.front().find("--unit"), std::string::npos) << heavy.front();
 }
 
+TEST(BodySummary, GreensStrainSaysHowFarItCanBeCompressed) {
+  // Nominal stress E s (s^2 - 1) / 2 of a bar at the stretch s = 1 / sqrt(3), and rho g L.
+  const double s = 1 / std::sqrt(3.0), most = 3000 * s * (1 - s * s) / 2, weight = 1060 * 9.81 * 0.1;
+  const BodySummary soft = made("fem_green@cube:n=2", {{"E", 3000}});
+  EXPECT_NEAR(soft.most_compression, most, 1e-9);
+  EXPECT_NEAR(soft.weight_compression, weight, 1e-9);
+  ASSERT_EQ(unusual_values(soft).size(), 1U);
+  EXPECT_EQ(
+      unusual_values(soft)[0],
+      "this model carries at most 577.4 Pa of compression, at 0.58 of its length; the weight above the support "
+      "needs 1040 Pa; --model fem_neo_hookean restores inverted elements");
+  EXPECT_TRUE(unusual_values(made("fem_green@cube:n=2", {{"E", 6000}})).empty()) << "it carries its weight";
+  EXPECT_TRUE(unusual_values(made("fem_green@cube:n=2", {{"E", 3000}, {"axis", -3}})).empty()) << "it hangs";
+  EXPECT_TRUE(unusual_values(made("fem_neo_hookean@cube:n=2", {{"E", 3000}})).empty());
+}
+
 TEST(BodySummary, WarnsWhereMassScalingMakesAnotherBody) {
   const auto told = [](double step) {
     return unusual_values(made("fem_green@cube:n=2", {{"mass_step", step}}));
@@ -88,6 +106,8 @@ TEST(BodySummary, WarnsOfLockingWhereLinearTetrahedraLoseAQuarterOfTheSag) {
     const auto told = unusual_values(made("fem_green@beam:n=2", {{"nu", nu}}));
     ASSERT_EQ(told.size(), 1U) << nu;
     EXPECT_NE(told[0].find("volumetric locking"), std::string::npos) << told[0];
+    EXPECT_NE(told[0].find("--model fem_nodal_pressure"), std::string::npos) << told[0];
+    EXPECT_TRUE(unusual_values(made("fem_nodal_pressure@beam:n=2", {{"nu", nu}})).empty()) << nu;
   }
   const auto sag = [](double nu) {
     ProblemSettings settings;
