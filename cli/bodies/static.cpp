@@ -315,7 +315,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       fmt::format("load step {} of {}, residual {}", iterate.load_step, iterate.load_steps,
                                   short_number(iterate.residual, 3)));
     };
-    return found_equilibrium(problem, scale, shown, clock);
+    return beyond_inversion(problem, scale, shown, clock, found_equilibrium(problem, scale, shown, clock));
   }();
   const double seconds = clock() - start, t = equilibrium_time(*problem.body);
   StaticAnswer answer{.problem = problem,

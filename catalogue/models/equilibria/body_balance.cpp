@@ -201,6 +201,20 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
   return solution;
 }
 
+StaticSolution beyond_inversion(const Problem& problem, double load_scale, const StaticSettings& settings,
+                                const Clock& clock, StaticSolution solution) {
+  if (!solution.barred || !problem.body->settings().model.resists_crushing) return solution;
+  if (equilibrium_time(*problem.body) > 0) return solution;
+  StaticModel model = static_model(problem, load_scale);
+  model.admissible = nullptr;
+  StaticSolution other = solve_static(model, settings, clock);
+  if (!other.converged) return solution;
+  prepend(solution, other);
+  other.converged = problem.body->least_volume(equilibrium_time(*problem.body), other.q).first > 0;
+  if (!other.converged) other.note = "the only equilibrium found has inverted elements";
+  return other;
+}
+
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution) {
   if (!(problem.body->least_volume(equilibrium_time(*problem.body), solution.q).first > 0)) return "inverted";
   if (solution.unstable) return "buckles";

@@ -225,9 +225,15 @@ SupportAdvice advice_without_equilibrium(const Problem& problem) {
 std::string words_of_resisting_model(const Problem& problem) {
   const auto other = with_resisting_model(problem);
   if (!other) return {};
-  const StaticSolution solution = found_equilibrium(*other, 1, {.tolerance = 1e-9}, [] { return 0.0; });
-  const std::string_view id = other->body->settings().model.id;
-  if (outcome_of(*other, solution) != "converged") return fmt::format("; {} has no equilibrium either", id);
+  const StaticSettings settings{.tolerance = 1e-9};
+  const Clock no_clock = [] { return 0.0; };
+  const StaticSolution solution =
+      beyond_inversion(*other, 1, settings, no_clock, found_equilibrium(*other, 1, settings, no_clock));
+  const std::string_view id = other->body->settings().model.id, outcome = outcome_of(*other, solution);
+  if (outcome == "inverted")
+    return fmt::format("; {} has an equilibrium only with inverted elements, at {}", id,
+                       millimetres(largest_displacement(solution.q)));
+  if (outcome != "converged") return fmt::format("; {} has no equilibrium either", id);
   return fmt::format("; {} has an equilibrium, at {}, and inverts no element", id,
                      millimetres(largest_displacement(solution.q)));
 }
@@ -243,8 +249,10 @@ std::string status_without_equilibrium(const Problem& problem, const StaticSolut
   if (solution.converged || !(solution.remedy.empty() || solution.unstable || solution.barred))
     return status_of(problem, solution);
   const SupportAdvice advice = advice_without_equilibrium(problem);
-  if (advice.is_the_cause) return cause_of(problem, solution) + "; " + advice.words;
   const bool by_elements = solution.barred || outcome_of(problem, solution) == "inverted";
+  const bool resists = problem.body->settings().model.resists_crushing;
+  if (advice.is_the_cause || (by_elements && resists && !solution.barred))
+    return cause_of(problem, solution) + "; " + advice.words;
   return status_of(problem, solution) + (by_elements ? words_of_resisting_model(problem) : "");
 }
 

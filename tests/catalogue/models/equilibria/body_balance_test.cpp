@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/models/problems.hpp"
+#include "problems/tissue/body.hpp"
 
 namespace hmax {
 namespace {
@@ -29,6 +30,34 @@ TEST(BodyBalance, FindsTheUnstableEquilibriumWhereThereIsNoOther) {
   EXPECT_LT(Eigen::MatrixXd(K).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0);
   // Methods that stay on any equilibrium have none to look for.
   EXPECT_FALSE(found_equilibrium(beam, 1, {.leave_saddles = false}, [] { return 0.0; }).unstable);
+}
+
+/// Full gravity on a ball so soft that elements at its support invert, though each pushes back.
+TEST(BodyBalance, FindsTheEquilibriumBeyondInversionOfElementsThatPushBack) {
+  const auto ball = [](const char* model) {
+    return make_problem(model, {.material = {}, .parameters = {{"E", 1500}}, .y0 = {}});
+  };
+  const auto no_clock = [] { return 0.0; };
+  const Problem soft = ball("fem_neo_hookean@ball:n=4");
+  const StaticSolution found = found_equilibrium(soft, 1, {}, no_clock);
+  ASSERT_TRUE(found.barred);
+  EXPECT_EQ(outcome_of(soft, found), "collapsed");
+  const StaticSolution beyond = beyond_inversion(soft, 1, {}, no_clock, found);
+  EXPECT_EQ(outcome_of(soft, beyond), "inverted");
+  EXPECT_FALSE(beyond.converged);
+  EXPECT_LT(soft.body->least_volume(0, beyond.q).first, 0);
+  const StaticModel model = static_model(soft, 1);
+  VectorXd left, load;
+  model.force(beyond.q, left);
+  model.force(VectorXd::Zero(model.dofs), load);
+  EXPECT_LT(left.norm(), 1e-8 * load.norm());
+  EXPECT_LT(model.energy(beyond.q), model.energy(found.q));
+  EXPECT_GT(beyond.history.size(), found.history.size());
+  // Green's strain has no force that restores them, so that nothing is beyond.
+  const Problem green = ball("fem_green@ball:n=4");
+  const StaticSolution crushed = found_equilibrium(green, 1, {}, no_clock);
+  ASSERT_TRUE(crushed.barred);
+  EXPECT_EQ(outcome_of(green, beyond_inversion(green, 1, {}, no_clock, crushed)), "collapsed");
 }
 
 }  // namespace
