@@ -385,23 +385,31 @@ void add_point(TrajectoryLimit& limit, const Prediction& here, const Path& path,
   limit.y_least = path.y[i];
 }
 
-/// Of each state, on a thread each, whose tangents are long and all different: the limits of the methods that
-/// have one along a path.
+/// Of each state, whose tangents are long and all different: the limits of the methods that have one along a
+/// path.
 /// @returns shape (states, methods)
 std::vector<std::vector<Prediction>> predicted_along_body(std::span<const Method> methods,
                                                           const Problem& problem, const Path& path,
                                                           const Watcher& watcher) {
   std::vector<std::vector<Prediction>> rows(path.at.size(), std::vector<Prediction>(methods.size()));
+  const auto predict_at = [&](std::size_t i) {
+    Linearised near{.point = operating_point(problem, path.at[i], path.y[i])};
+    near.modes = modes_along(problem, near.point);
+    for (std::size_t k = 0; k < methods.size(); ++k)
+      if (methods[k].amplification && suits(methods[k], problem)) rows[i][k] = predict(methods[k], near);
+  };
+  // One factor at a time where they are large, by all threads: several fill the memory.
+  if (problem.body->dofs() > most_cheaply_factored) {
+    for (std::size_t i = 0; i < path.at.size(); ++i) {
+      look(watcher);
+      predict_at(i);
+    }
+    return rows;
+  }
   std::exception_ptr end;
   std::atomic<bool> ended = false;
   parallel_for(
-      path.at.size(),
-      [&](std::size_t i, std::size_t) {
-        Linearised near{.point = operating_point(problem, path.at[i], path.y[i])};
-        near.modes = modes_along(problem, near.point);
-        for (std::size_t k = 0; k < methods.size(); ++k)
-          if (methods[k].amplification && suits(methods[k], problem)) rows[i][k] = predict(methods[k], near);
-      },
+      path.at.size(), [&](std::size_t i, std::size_t) { predict_at(i); },
       [&](std::size_t) {
         try {
           look(watcher);
