@@ -44,11 +44,9 @@ struct Scaling {
 };
 
 const std::vector<Scaling>& scalings() {
-  static const std::vector<Scaling> all{{"rho", {4, 16}},
-                                        {"mass", {4, 16}},
-                                        {"E", {0.25, 0.0625}},
-                                        {"skin", {0.25, 0.0625}},
-                                        {"skin_thickness", {0.25, 0.0625}},
+  static const std::vector<Scaling> all{{"rho", {4, 16}},           {"mass", {4, 16}},
+                                        {"E", {0.25, 0.0625}},      {"fibre_E", {0.25, 0.0625}},
+                                        {"skin", {0.25, 0.0625}},   {"skin_thickness", {0.25, 0.0625}},
                                         {"beta", {0.25, 0.0625, 0}}};
   return all;
 }

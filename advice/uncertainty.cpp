@@ -20,7 +20,7 @@ struct Quantity {
 };
 
 const std::array<Quantity, 3>& quantities() {
-  static const std::array<Quantity, 3> all{{{"stiffness", 0.29, {"E", "k", "k1", "k3"}},
+  static const std::array<Quantity, 3> all{{{"stiffness", 0.29, {"E", "fibre_E", "k", "k1", "k3"}},
                                             {"mass", 0.077, {"rho", "mass", "m"}},
                                             {"damping", 0.33, {"alpha", "beta", "damper", "c"}}}};
   return all;

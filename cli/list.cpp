@@ -110,7 +110,7 @@ void list_materials(Console& console) {
   }
   TextTable tissues({"material", "E [kPa]", "range", "nu", "rho [kg/m3]", "source", "measured"});
   for (const PublishedTissue& tissue : published_tissues()) {
-    const auto& [E, nu, rho] = tissue.material;
+    const double E = tissue.material.young, nu = tissue.material.poisson, rho = tissue.material.density;
     document.push_back(
         {{"id", tissue.id},
          {"parameters",
@@ -131,8 +131,8 @@ void list_materials(Console& console) {
   console.print(fmt::format(
       "\nOf bodies on meshes: --material tissue:liver, or of regions too: --material "
       "tissue:liver,tumour=tissue:fibroadenoma\n\n{}\nThe range of E is one standard deviation, or that of the "
-      "study. nu is 0.45 where the study measures none; densities are\nthose of woodard1986composition. "
-      "Sources: references.bib.\n",
+      "study. nu is 0.45 where the study measures none; densities are\nthose of woodard1986composition, "
+      "where the note says nothing else. Sources: references.bib.\n",
       tissues.text(console)));
 }
 

@@ -222,6 +222,17 @@ void look_at_contact(OperatingPoint& point, const Problem& problem) {
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
+/// Says where fibres neither pull nor buckle yet. Motion about such a state changes the stiffness in every
+/// oscillation, which can amplify it below the limit of taut fibres (docs/reference/tissue.md).
+void look_at_fibres(OperatingPoint& point, const Problem& problem) {
+  if (!problem.body || problem.body->settings().model.is_linear) return;
+  const bool has_fibres = std::ranges::any_of(
+      problem.body->settings().materials, [](double E) { return E > 0; }, &TissueMaterial::fibre_young);
+  if (has_fibres && point.model.y.head(problem.body->dofs()).isZero(0))
+    point.state +=
+        "; fibres buckle from here on, and h_max takes all as taut: stable steps may be smaller, see --verify";
+}
+
 /// @throws InputError  where the rates of the initial state are no numbers: matrices that are say nothing
 /// then
 void require_rates(const Problem& problem) {
@@ -299,6 +310,7 @@ OperatingPoint operating_point(const Problem& problem, AskedState at, const Equi
   if (at_rest) {
     point.state = fmt::format("rest {}{}", point.state, at_equilibrium ? "" : "; the load acts on it");
     look_at_contact(point, problem);
+    look_at_fibres(point, problem);
     return point;
   }
   if (!search.found()) {
@@ -310,6 +322,7 @@ OperatingPoint operating_point(const Problem& problem, AskedState at, const Equi
         search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
   }
   look_at_contact(point, problem);
+  look_at_fibres(point, problem);
   return point;
 }
 

@@ -19,6 +19,7 @@ struct Usual {
   double least, most;
 };
 constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e10};
+constexpr Usual usual_fibres{"fibre_E", "Pa", "20 kPa are 20000 Pa", 50, 5e10};
 constexpr Usual usual_density{"rho", "kg/m^3", "1.06 g/cm^3 are 1060 kg/m^3", 50, 1e4};
 constexpr Usual usual_density_from_mass{"the density that mass and mesh make", "kg/m^3",
                                         "check --unit of the mesh, and the mass of the material", 50, 1e4};
@@ -115,6 +116,7 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   BodySummary summary{.young = span(&TissueMaterial::young),
                       .poisson = span(&TissueMaterial::poisson),
                       .density = span(&TissueMaterial::density),
+                      .fibre_young = span(&TissueMaterial::fibre_young),
                       .regions = std::max(materials.size(), region_count(mesh)),
                       .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
                       .points = mesh.point_count(),
@@ -166,17 +168,21 @@ std::string in_words(const BodySummary& summary) {
           : "";
   const std::string on_springs =
       summary.on_springs > 0 ? fmt::format(", {} held by springs", summary.on_springs) : "";
+  const std::string fibres =
+      summary.fibre_young[1] > 0 ? fmt::format(", fibres of {} Pa", rounded(summary.fibre_young)) : "";
   return fmt::format(
-      "E {} Pa, nu {}, {} kg/m^3{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}{}",
+      "E {} Pa, nu {}, {} kg/m^3{}{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}{}",
       rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
-      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "", rounded(summary.mass),
-      rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held, summary.points, on_springs, added);
+      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "", fibres,
+      rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held, summary.points,
+      on_springs, added);
 }
 
 std::vector<std::string> unusual_values(const BodySummary& summary) {
   std::vector<std::string> sentences;
   for (const double E : summary.young)
     if (sentences.empty()) judge(usual_young, E, sentences);
+  if (summary.fibre_young[1] > 0) judge(usual_fibres, summary.fibre_young[1], sentences);
   const std::size_t before = sentences.size();
   for (const double rho : summary.density)
     if (sentences.size() == before)

@@ -17,6 +17,7 @@ struct BodySummary {
   Span young{};                 ///< E [Pa]
   Span poisson{};               ///< nu [1]
   Span density{};               ///< as it results where the mass is given [kg/m^3]
+  Span fibre_young{};           ///< of fibres [Pa]; 0: there are none
   bool of_elements = true;      ///< tetrahedra; false: springs
   bool locks = true;            ///< near nu = 1/2
   bool from_mass = false;       ///< densities result from a mass that is given

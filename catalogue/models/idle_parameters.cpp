@@ -1,7 +1,10 @@
 #include "catalogue/models/idle_parameters.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "core/errors.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -12,6 +15,12 @@ namespace {
 /// stiffness of a tool.
 bool tool_takes_young(const TissueId& id, const TissueParameters& p) {
   return id.load == "tool" && p.tool_stiffness == 0;
+}
+
+bool has_fibres(const TissueParameters& p) {
+  return p.fibre_E != 0 || std::ranges::any_of(p.of_regions, [](const TissueParameters::OfRegion& set) {
+           return set.what == &TissueMaterial::fibre_young && set.value != 0;
+         });
 }
 
 bool holds_share(const TissueParameters& p) { return p.support > 0 && !p.has_box() && p.supports.empty(); }
@@ -42,12 +51,34 @@ std::string why_axis(const TissueId& id, const TissueParameters& p) {
 
 }  // namespace
 
+bool is_read(std::string_view readers, const TissueId& id) {
+  if (readers.empty() || readers == only_springs) return readers.empty() || id.is_of_springs();
+  if (readers == only_elements) return !id.is_of_springs();
+  return fmt::format(" {} ", readers).find(fmt::format(" {} ", id.load)) != std::string::npos;
+}
+
+void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
+  if (is_read(readers, id)) return;
+  if (readers == only_springs)
+    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take {}", parameter,
+                                 id.model,
+                                 std::ranges::find_if(tissue_models(), &TissueModel::is_of_springs)->id));
+  if (readers == only_elements)
+    throw InputError(fmt::format("{} is of finite elements, and {} has none; leave it out or take {}",
+                                 parameter, id.model, tissue_models().front().id));
+  const std::string_view first = readers.substr(0, readers.find(' '));
+  throw InputError(
+      fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
+}
+
 std::string why_idle(const TissueId& id, const TissueParameters& p, std::string_view name) {
   const std::string_view what = name.substr(0, name.find(':'));
   if (what == "nu" && id.is_of_springs())
     return fmt::format("{} does not act on {}, whose springs have a Poisson's ratio of 1/4; leave it out",
                        name, id.model);
   if (what == "E" || what == "inclusion") return why_young(id, p, name);
+  if ((what == "fibre_x" || what == "fibre_y" || what == "fibre_z") && !has_fibres(p))
+    return fmt::format("{} does not act where there are no fibres; give fibre_E, or leave it out", name);
   if (what == "rho") return why_density(p, name);
   if (name == "support" && p.has_box())
     return "support does not act beside a box from xmin, ymin, zmin to xmax, ymax, zmax; leave one of them out";

@@ -36,17 +36,16 @@ struct Named {
   double TissueParameters::*value;
   std::string_view unit;     ///< 1 of shares, directions and switches
   bool everybody = true;     ///< shown of every body, else where it is not the default
-  std::string_view of = {};  ///< `springs`, or the loads that read it; empty: all do
+  std::string_view of = {};  ///< its readers (catalogue/models/idle_parameters.hpp)
 };
-constexpr std::string_view springs = "springs";
-constexpr std::array<Named, 43> all_named{{
+constexpr std::array<Named, 47> all_named{{
     {"E", &TissueParameters::E, "Pa"},
     {"nu", &TissueParameters::nu, "1"},
     {"rho", &TissueParameters::rho, "kg/m³"},
     {"mass", &TissueParameters::mass, "kg"},
     {"alpha", &TissueParameters::alpha, "1/s"},
     {"beta", &TissueParameters::beta, "s"},
-    {"damper", &TissueParameters::damper, "s", true, springs},
+    {"damper", &TissueParameters::damper, "s", true, only_springs},
     {"g", &TissueParameters::g, "m/s²", true, "gravity"},
     {"force", &TissueParameters::force, "N", true, "press pull"},
     {"depth", &TissueParameters::depth, "m", true, "tool breathing"},
@@ -69,14 +68,18 @@ constexpr std::array<Named, 43> all_named{{
     {"support_stiffness", &TissueParameters::support_stiffness, "Pa/m", false},
     {"mass_step", &TissueParameters::mass_step, "s", false},
     {"inclusion", &TissueParameters::inclusion, "1", false},
+    {"fibre_E", &TissueParameters::fibre_E, "Pa", false, only_elements},
+    {"fibre_x", &TissueParameters::fibre_x, "1", false, only_elements},
+    {"fibre_y", &TissueParameters::fibre_y, "1", false, only_elements},
+    {"fibre_z", &TissueParameters::fibre_z, "1", false, only_elements},
     {"skin", &TissueParameters::skin, "1", false},
     {"skin_thickness", &TissueParameters::skin_thickness, "m", false},
-    {"k", &TissueParameters::k, "N/m", false, springs},
-    {"cubic", &TissueParameters::cubic, "1", false, springs},
-    {"exponential", &TissueParameters::exponential, "1", false, springs},
-    {"bending", &TissueParameters::bending, "1", false, springs},
-    {"second_ring", &TissueParameters::second_ring, "1", false, springs},
-    {"doubled_skin", &TissueParameters::doubled_skin, "1", false, springs},
+    {"k", &TissueParameters::k, "N/m", false, only_springs},
+    {"cubic", &TissueParameters::cubic, "1", false, only_springs},
+    {"exponential", &TissueParameters::exponential, "1", false, only_springs},
+    {"bending", &TissueParameters::bending, "1", false, only_springs},
+    {"second_ring", &TissueParameters::second_ring, "1", false, only_springs},
+    {"doubled_skin", &TissueParameters::doubled_skin, "1", false, only_springs},
     {"xmin", &TissueParameters::xmin, "m", false},
     {"xmax", &TissueParameters::xmax, "m", false},
     {"ymin", &TissueParameters::ymin, "m", false},
@@ -100,27 +103,14 @@ struct NamedOfRegion {
   std::string_view name;
   double TissueMaterial::*value;
 };
-constexpr std::array<NamedOfRegion, 3> named_of_region{
-    {{"E", &TissueMaterial::young}, {"nu", &TissueMaterial::poisson}, {"rho", &TissueMaterial::density}}};
+constexpr std::array<NamedOfRegion, 7> named_of_region{{{"E", &TissueMaterial::young},
+                                                        {"nu", &TissueMaterial::poisson},
+                                                        {"rho", &TissueMaterial::density},
+                                                        {"fibre_E", &TissueMaterial::fibre_young},
+                                                        {"fibre_x", &TissueMaterial::fibre_x},
+                                                        {"fibre_y", &TissueMaterial::fibre_y},
+                                                        {"fibre_z", &TissueMaterial::fibre_z}}};
 constexpr std::string_view table_name = "phi";
-
-/// Whether the model or the load is among those that read a parameter.
-bool is_read(std::string_view readers, const TissueId& id) {
-  if (readers.empty() || readers == springs) return readers.empty() || id.is_of_springs();
-  return fmt::format(" {} ", readers).find(fmt::format(" {} ", id.load)) != std::string::npos;
-}
-
-/// @throws InputError  when neither the model nor the load reads it: it would change nothing
-void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
-  if (is_read(readers, id)) return;
-  if (readers == springs)
-    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take {}", parameter,
-                                 id.model,
-                                 std::ranges::find_if(tissue_models(), &TissueModel::is_of_springs)->id));
-  const std::string_view first = readers.substr(0, readers.find(' '));
-  throw InputError(
-      fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
-}
 
 /// "E:tumour=8000", "phi:0.1=0.14" and "support:capsule=1". @returns false when the name is not of that kind
 bool take_indexed(TissueParameters& parameters, const std::string& name, double value, const TissueId& id) {
@@ -129,7 +119,7 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
   const std::string what = name.substr(0, colon), index = name.substr(colon + 1);
   const auto number = to_number(index);
   if (what == table_name) {
-    require_read(name, springs, id);
+    require_read(name, only_springs, id);
     if (!number || !std::isfinite(*number))
       throw InputError(fmt::format("'{}' in {} is no strain; write it like phi:0.1=0.14", index, name));
     parameters.table.emplace_back(*number, value);
@@ -144,7 +134,9 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
   }
   const auto it = std::ranges::find(named_of_region, what, &NamedOfRegion::name);
   if (it == named_of_region.end())
-    throw InputError(fmt::format("'{}' has no value for each region; E, nu and rho do, like E:3=8000", what));
+    throw InputError(
+        fmt::format("'{}' has no value for each region; E, nu, rho and fibre_E do, like E:3=8000", what));
+  if (value != 0) require_read(name, std::ranges::find(all_named, what, &Named::name)->of, id);
   parameters.of_regions.push_back({it->value, index, value});
   return true;
 }
@@ -229,7 +221,7 @@ void take_materials_of_regions(const std::string& text, const TissueId& id, Tiss
           });
       const bool acts = each.value == &TissueMaterial::density   ? parameters.mass == 0
                         : each.value == &TissueMaterial::poisson ? !id.is_of_springs()
-                                                                 : true;
+                                                                 : material.*each.value != 0;
       if (!is_set && acts) parameters.of_regions.push_back({each.value, region, material.*each.value});
     }
   }
@@ -278,6 +270,7 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
                                                                   {"second_ring", p.second_ring},
                                                                   {"doubled_skin", p.doubled_skin},
                                                                   {"inclusion", p.inclusion},
+                                                                  {"fibre_E", p.fibre_E},
                                                                   {"skin", p.skin},
                                                                   {"support_stiffness", p.support_stiffness},
                                                                   {"tool_radius", p.tool_radius},
@@ -632,7 +625,13 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   const TetMesh& mesh = loaded.mesh;
   require_sensible(id, p, mesh);
   TissueSettings settings{.model = tissue_model(id.model),
-                          .materials = {{.young = p.E, .poisson = p.nu, .density = p.rho}},
+                          .materials = {{.young = p.E,
+                                         .poisson = p.nu,
+                                         .density = p.rho,
+                                         .fibre_young = p.fibre_E,
+                                         .fibre_x = p.fibre_x,
+                                         .fibre_y = p.fibre_y,
+                                         .fibre_z = p.fibre_z}},
                           .alpha = p.alpha,
                           .beta = p.beta};
   if (p.mass != 0) settings.total_mass = p.mass;

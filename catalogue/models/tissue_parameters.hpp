@@ -26,9 +26,11 @@ struct TissueId {
 /// What a user may set of a body on a mesh.
 struct TissueParameters {
   double E = TissueMaterial{}.young, nu = TissueMaterial{}.poisson, rho = TissueMaterial{}.density;
-  double mass = 0;                ///< of the whole body [kg]; 0: by the density
-  double alpha = 0, beta = 0;     ///< Rayleigh [1/s], [s]
-  double damper = 0;              ///< of springs: c / k [s]
+  double mass = 0;             ///< of the whole body [kg]; 0: by the density
+  double alpha = 0, beta = 0;  ///< Rayleigh [1/s], [s]
+  double damper = 0;           ///< of springs: c / k [s]
+  double fibre_E = 0;          ///< of fibres along (fibre_x, fibre_y, fibre_z) [Pa]; 0: none
+  double fibre_x = 0, fibre_y = 0, fibre_z = 0;
   double g = 9.81;                ///< along -z [m/s^2], under the load gravity; 0 where gx, gy or gz is set
   double gx = 0, gy = 0, gz = 0;  ///< gravity in other directions [m/s^2]
   double force = 0.5;             ///< towards the held end or away from it, of press and pull [N]

@@ -28,6 +28,7 @@ Json body_json(const BodySummary& body) {
   return {{"E", span(body.young)},
           {"nu", span(body.poisson)},
           {"rho", span(body.density)},
+          {"fibre_E", span(body.fibre_young)},
           {"regions", body.regions},
           {"mass", body.mass},
           {"size", {body.size.x(), body.size.y(), body.size.z()}},

@@ -10,6 +10,7 @@
 
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/spring_sets.hpp"
 
 namespace hmax {
@@ -235,13 +236,20 @@ void TissueBody::build_elastic_parts() {
   pattern_ = BlockPattern(std::move(free), pairs);
 
   std::vector<Lame> coefficients;
-  for (const TissueMaterial& material : settings_.materials)
+  std::vector<Fibre> fibres;
+  for (const TissueMaterial& material : settings_.materials) {
     coefficients.push_back(lame(material.young, material.poisson));
+    fibres.push_back({material.fibre_young, {material.fibre_x, material.fibre_y, material.fibre_z}});
+    if (springs && material.fibre_young != 0)
+      throw std::invalid_argument("fibres lie in finite elements, and " + std::string(settings_.model.id) +
+                                  " has none; leave fibre_E out or choose another model");
+  }
   if (springs)
     springs_.emplace_back(mesh_.points, tissue_springs(mesh_, edges, surface, settings_),
                           settings_.springs.law, pattern_);
   else
-    elements_ = settings_.model.make_elements(mesh_, coefficients, pattern_);
+    elements_ = with_fibres(settings_.model.make_elements(mesh_, coefficients, pattern_), mesh_, fibres,
+                            settings_.model.is_linear, pattern_);
   const SkinSettings& s = settings_.skin;
   if (skin) {
     lame(s.young, s.poisson);

@@ -47,6 +47,9 @@ void check(const TissueSettings& settings, double step) {
                                 "; choose another model");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
   require_none(settings.tools.empty(), "tools");
+  require_none(std::ranges::all_of(
+                   settings.materials, [](double E) { return E == 0; }, &TissueMaterial::fibre_young),
+               "fibres");
   for (const PressingForce& force : settings.forces)
     require_none(force.profile.kind == TimeProfile::Kind::steady, "forces that change with time");
   for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
@@ -84,7 +87,7 @@ std::string young_moduli(const TissueBody& body) {
 /// @param moduli  Young's modulus, or one of each tetrahedron; hyperelastic fields take that of the
 ///                material instead
 std::string force_field(SofaField field, const TissueMaterial& material, const std::string& moduli) {
-  const auto& [young, poisson, density] = material;
+  const double young = material.young, poisson = material.poisson;
   const double mu = young / (2 * (1 + poisson));
   const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
   const std::string linear = "<TetrahedronFEMForceField template=\"Vec3d\" youngModulus=\"" + moduli +

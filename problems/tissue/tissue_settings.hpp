@@ -19,6 +19,9 @@ struct TissueMaterial {
   double young = 5500;    ///< E [Pa]
   double poisson = 0.45;  ///< nu [1]; springs have 1/4 whatever it says
   double density = 1060;  ///< [kg/m^3]
+  // Of fibres in finite elements (problems/tissue/forces/fibres.hpp).
+  double fibre_young = 0;                        ///< [Pa]; 0: there are none
+  double fibre_x = 0, fibre_y = 0, fibre_z = 0;  ///< where they run at rest, of any length
 };
 
 /// The springs of a model of springs: one on every edge of the mesh, and further sets on demand.

@@ -18,6 +18,7 @@
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"
 #include "problems/tissue/body.hpp"
+#include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
@@ -66,6 +67,49 @@ TEST(MeshLimits, AreObservedWithoutDamping) {
       {"symplectic_euler", "central_difference", "velocity_verlet", "stormer_verlet", "explicit_newmark"});
   expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 0}}), one_of_each);
   expect_observed(mesh_problem("mass_spring@phantom", {{"alpha", 0}}), {"rk4", "stormer_verlet"});
+}
+
+TEST(MeshLimits, OfFibresHaveAClosedFormAndAreObserved) {
+  // One tetrahedron of three equal edges L along the axes, hardly any stiffness but that of fibres along x:
+  // two opposite forces V E_f / L^2 u on points of mass rho V / 4, so that omega^2 = 8 E_f / (rho L^2).
+  const Scratch folder;
+  const std::string file = (folder / "one.msh").string();
+  write_text(file,
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.01 0 0\n3 0 0.01 0\n4 0 0 0.01\n"
+             "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n");
+  const double fibres = 2e4, rho = 1000, exact = 2 / std::sqrt(8 * fibres / (rho * 1e-4));
+  for (const char* model :
+       {"fem_green", "fem_cauchy", "fem_corotational", "fem_neo_hookean", "fem_nodal_pressure"}) {
+    const Problem problem =
+        make_problem(fmt::format("{}@{}", model, file), {.material = {},
+                                                         .parameters = {{"g", 0},
+                                                                        {"support", 0},
+                                                                        {"E", 1e-4},
+                                                                        {"nu", 0},
+                                                                        {"rho", rho},
+                                                                        {"fibre_E", fibres},
+                                                                        {"fibre_x", -3}},
+                                                         .y0 = {},
+                                                         .unit = 1});
+    const Prediction row = predict(find_method("central_difference"), linearised(problem));
+    ASSERT_TRUE(row.h_max) << model << ": " << row.note;
+    EXPECT_NEAR(*row.h_max / exact, 1, 1e-6) << model;
+  }
+  expect_observed(mesh_problem("fem_cauchy@cube:n=2", {{"fibre_E", 5e4}, {"fibre_x", 1}, {"fibre_z", 2}}),
+                  some_methods);
+}
+
+TEST(MeshLimits, SayThatTheStiffnessOfFibresJumpsAtRestAndNotUnderALoad) {
+  const auto state = [](const std::string& model, double g) {
+    return linearised(
+               make_problem(
+                   model + "@cube:n=1",
+                   {.material = {}, .parameters = {{"g", g}, {"fibre_E", 2e4}, {"fibre_x", 1}}, .y0 = {}}))
+        .point.state;
+  };
+  EXPECT_NE(state("fem_green", 0).find("fibres buckle from here on"), std::string::npos);
+  EXPECT_EQ(state("fem_green", 9.81).find("fibres"), std::string::npos);
+  EXPECT_EQ(state("fem_cauchy", 0).find("fibres"), std::string::npos) << "linear ones push too";
 }
 
 TEST(MeshLimits, AreObservedWithRayleighDamping) {

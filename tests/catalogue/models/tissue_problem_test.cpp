@@ -7,6 +7,7 @@
 
 #include "bench/timing/reference.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/body_summary.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
@@ -184,6 +185,58 @@ TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
   EXPECT_NE(refusal("fem_green@phantom", {{"skin", -1}}).find("negative"), std::string::npos);
   EXPECT_NE(refusal("fem_green/breathing@phantom", {{"support", 0}}).find("support"), std::string::npos);
   EXPECT_NE(refusal("fem_green@phantom", {{"skin_thickness", 0}}).find("positive"), std::string::npos);
+}
+
+TEST(TissueProblem, TakesFibresOfTheBodyAndOfARegion) {
+  const Scratch folder;
+  const std::string file = (folder / "two.msh").string();
+  write_text(file,
+             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+             "$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
+             "$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 2 2 2 3 4 5\n$EndElements\n");
+  const auto materials = [&](Parameters parameters) {
+    parameters.emplace_back("support:points:1", 1);
+    return make_problem("fem_green@" + file,
+                        {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1})
+        .body->settings()
+        .materials;
+  };
+  const auto two = materials({{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_E:2", 5e4}, {"fibre_z:2", -1}});
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(two[0].fibre_young, 2e4);
+  EXPECT_EQ(two[1].fibre_young, 5e4);
+  for (const TissueMaterial& each : two) EXPECT_EQ(each.fibre_x, 1);
+  EXPECT_EQ(two[0].fibre_z, 0);
+  EXPECT_EQ(two[1].fibre_z, -1);
+  // What is listed of a body makes it again.
+  const Problem problem = make_problem(
+      "fem_green@cube:n=1", {.material = {}, .parameters = {{"fibre_E", 2e4}, {"fibre_y", 3}}, .y0 = {}});
+  const Problem again =
+      make_problem(problem.id, {.material = {}, .parameters = problem.parameters, .y0 = {}});
+  EXPECT_EQ(again.body->settings().materials[0].fibre_young, 2e4);
+  EXPECT_EQ(again.body->settings().materials[0].fibre_y, 3);
+  EXPECT_NE(in_words(summary_of(*problem.body)).find("fibres of 2e+04 Pa"), std::string::npos);
+}
+
+TEST(TissueProblem, RefusesFibresWithoutDirectionModulusOrElements) {
+  const auto refusal = [](const std::string& id, Parameters parameters) {
+    try {
+      make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+    } catch (const std::exception& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(refusal("fem_green@cube:n=1", {{"fibre_E", 2e4}}).find("give a vector like fibre_x=1"),
+            std::string::npos);
+  EXPECT_NE(refusal("fem_green@cube:n=1", {{"fibre_E", -1}, {"fibre_x", 1}}).find("negative"),
+            std::string::npos);
+  EXPECT_NE(refusal("fem_green@cube:n=1", {{"fibre_x", 1}}).find("give fibre_E"), std::string::npos);
+  EXPECT_NE(refusal("fem_green@cube:n=1", {{"fibre_z:1", 1}}).find("give fibre_E"), std::string::npos);
+  for (const char* name : {"fibre_E", "fibre_E:1", "fibre_x"})
+    EXPECT_NE(refusal("mass_spring@cube:n=1", {{name, 1}}).find("is of finite elements"), std::string::npos)
+        << name;
+  EXPECT_EQ(refusal("fem_green@cube:n=1", {{"fibre_E:0", 2e4}, {"fibre_z", 1}}), "taken");
 }
 
 TEST(TissueProblem, RefusesNumbersThatNothingReads) {

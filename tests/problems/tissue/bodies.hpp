@@ -1,11 +1,14 @@
 /// Bodies of every model and with every load, and derivatives by differences, for the tests of tissue models.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 
 #include "problems/mesh/mesh_generators.hpp"
 #include "problems/mesh/topology.hpp"
@@ -48,6 +51,16 @@ inline std::vector<NamedSettings> elastic_settings() {
   };
   for (const TissueModel& model : tissue_models())
     add(std::string(model.id), [&](TissueSettings& s) { s.model = model; });
+  for (const TissueModel& model : tissue_models())
+    if (!model.is_of_springs())
+      add("fibres in " + std::string(model.id), [&](TissueSettings& s) {
+        s.model = model;
+        s.materials[0].fibre_young = 2e4;
+        s.materials[0].fibre_x = 1;
+        s.materials[0].fibre_y = -2;
+        s.materials[1].fibre_young = 6e3;
+        s.materials[1].fibre_z = 0.5;
+      });
   const auto springs = [&](std::string name, SpringLaw law) {
     add(std::move(name), [&](TissueSettings& s) {
       s.model = tissue_model("mass_spring");
@@ -127,6 +140,40 @@ inline Eigen::MatrixXd damping(const TissueBody& body, double t, const Eigen::Ve
   Eigen::SparseMatrix<double> C;
   body.damping(t, q, v, C);
   return C;
+}
+
+/// A quarter of each triangle at x = length would weigh its corners by their area: what a constant traction
+/// does.
+inline std::vector<double> area_shares(const TetMesh& mesh, const std::vector<TetMesh::Index>& points) {
+  std::vector<double> shares(points.size(), 0);
+  const auto place = [&](TetMesh::Index i) {
+    return std::find(points.begin(), points.end(), i) - points.begin();
+  };
+  const auto count = static_cast<std::ptrdiff_t>(points.size());
+  const MeshSurface surface = surface_of(mesh);
+  for (const auto& triangle : surface.triangles.colwise()) {
+    const std::array at{place(triangle[0]), place(triangle[1]), place(triangle[2])};
+    if (std::find(at.begin(), at.end(), count) != at.end()) continue;
+    const Eigen::Vector3d u = mesh.points.col(triangle[1]) - mesh.points.col(triangle[0]),
+                          w = mesh.points.col(triangle[2]) - mesh.points.col(triangle[0]);
+    for (const auto corner : at) shares[static_cast<std::size_t>(corner)] += u.cross(w).norm() / 6;
+  }
+  return shares;
+}
+
+/// The displacement at which all forces balance, by Newton's method from rest.
+inline Eigen::VectorXd equilibrium(const TissueBody& body) {
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs()), f(body.dofs());
+  const Eigen::VectorXd still = q;
+  Eigen::SparseMatrix<double> K;
+  for (int i = 0; i < 30; ++i) {
+    body.force(0, q, still, f);
+    body.stiffness(0, q, still, K);
+    const Eigen::VectorXd change = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(K).solve(f);
+    q += change;
+    if (change.norm() <= 1e-12 * (1e-3 + q.norm())) break;
+  }
+  return q;
 }
 
 }  // namespace hmax::tissue_tests

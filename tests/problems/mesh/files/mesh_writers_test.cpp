@@ -244,6 +244,10 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   refused([](TissueSettings& s) { s.supports[0].travel = {0, 0, 0.1}; });
   refused([](TissueSettings& s) { s.skin.kind = SkinSettings::Kind::membrane; });
   refused([](TissueSettings& s) {
+    s.materials[0].fibre_young = 1e4;
+    s.materials[0].fibre_x = 1;
+  });
+  refused([](TissueSettings& s) {
     s.forces = {{.points = {1}, .force = {1, 0, 0}, .profile = {.kind = TimeProfile::Kind::ramp}}};
   });
   refused([](TissueSettings&) {}, 0);

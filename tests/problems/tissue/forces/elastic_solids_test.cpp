@@ -26,40 +26,6 @@ const std::vector<TissueModel> finite_elements = [] {
   return models;
 }();
 
-/// A quarter of each triangle at x = length would weigh its corners by their area: what a constant traction
-/// does.
-std::vector<double> area_shares(const TetMesh& mesh, const std::vector<TetMesh::Index>& points) {
-  std::vector<double> shares(points.size(), 0);
-  const auto place = [&](TetMesh::Index i) {
-    return std::find(points.begin(), points.end(), i) - points.begin();
-  };
-  const auto count = static_cast<std::ptrdiff_t>(points.size());
-  const MeshSurface surface = surface_of(mesh);
-  for (const auto& triangle : surface.triangles.colwise()) {
-    const std::array at{place(triangle[0]), place(triangle[1]), place(triangle[2])};
-    if (std::find(at.begin(), at.end(), count) != at.end()) continue;
-    const Vector3d u = mesh.points.col(triangle[1]) - mesh.points.col(triangle[0]),
-                   w = mesh.points.col(triangle[2]) - mesh.points.col(triangle[0]);
-    for (const auto corner : at) shares[static_cast<std::size_t>(corner)] += u.cross(w).norm() / 6;
-  }
-  return shares;
-}
-
-/// The displacement at which all forces balance, by Newton's method from rest.
-VectorXd equilibrium(const TissueBody& body) {
-  VectorXd q = VectorXd::Zero(body.dofs()), f(body.dofs());
-  const VectorXd still = q;
-  Eigen::SparseMatrix<double> K;
-  for (int i = 0; i < 30; ++i) {
-    body.force(0, q, still, f);
-    body.stiffness(0, q, still, K);
-    const VectorXd change = Cholesky(K).solve(f);
-    q += change;
-    if (change.norm() <= 1e-12 * (1e-3 + q.norm())) break;
-  }
-  return q;
-}
-
 /// The lowest angular frequency [rad/s] whose mode is not orthogonal to `start`, by inverse iteration.
 double lowest_frequency(const TissueBody& body, const VectorXd& start) {
   Eigen::SparseMatrix<double> K;
@@ -301,6 +267,35 @@ TEST(ElasticSolids, ASkinOfTrianglesHasTheStiffnessOfItsThickness) {
   const VectorXd q = displaced(body, 0, [&](const Vector3d& x) { return strain * x[0]; });
   const double skin = body.energy(0, q) - bare.energy(0, q);
   EXPECT_NEAR(skin / (4 * 0.01 * 5e6 * 1e-4 * strain * strain / (2 * (1 - 0.16))), 1, 1e-5);
+}
+
+TEST(ElasticSolids, TwoSkinsOnOneAnotherAreOneWithTheSumOfTheirStiffnesses) {
+  // Layers on the same triangles stretch alike: what counts is E1 h1 + E2 h2. Epidermis on dermis, and one
+  // skin as thick as both.
+  const TetMesh mesh = uneven_box();
+  const EdgeTable edges = edge_table(mesh);
+  std::vector<TetMesh::Index> free(static_cast<std::size_t>(mesh.point_count()));
+  for (std::size_t i = 0; i < free.size(); ++i) free[i] = static_cast<TetMesh::Index>(i);
+  const BlockPattern pattern(free, edges.edges);
+  const MeshSurface surface = surface_of(mesh);
+  const auto skin = [&](double young, double thickness) {
+    return Membrane(mesh.points, surface.triangles, young, 0.45, thickness, pattern);
+  };
+  const Membrane epidermis = skin(1.5e6, 1e-4), dermis = skin(344e3, 1.55e-3),
+                 one = skin((1.5e6 * 1e-4 + 344e3 * 1.55e-3) / 1.65e-3, 1.65e-3);
+  NodeRows x = node_rows(mesh.points), f(x.size()), whole(x.size());
+  const VectorXd by = random_vector(3 * mesh.point_count(), 0.01, 3);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    as_vector(x[i]) += by.segment<3>(3 * static_cast<Eigen::Index>(i));
+  epidermis.add_force(x, f);
+  dermis.add_force(x, f);
+  one.add_force(x, whole);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_LT((as_vector(f[i]) - as_vector(whole[i])).norm(), 1e-12 * (1 + as_vector(whole[i]).norm()));
+  EXPECT_NEAR(epidermis.energy(x) + dermis.energy(x), one.energy(x), 1e-12 * one.energy(x));
+  for (std::size_t t = 0; t < one.size(); ++t)
+    EXPECT_LT((epidermis.stiffness(x, t) + dermis.stiffness(x, t) - one.stiffness(x, t)).norm(),
+              1e-12 * one.stiffness(x, t).norm());
 }
 
 TEST(TableSpring, StoresTheAreaUnderItsLines) {
