@@ -35,6 +35,7 @@ FibreElements::FibreElements(std::shared_ptr<const Elements> matrix, const TetMe
     const Fibre& fibre = fibres[at(mesh.region(t))];
     if (fibre.young == 0) continue;
     Element e{.tetrahedron = t,
+              .piece = t,
               .points = {},
               .slopes = {},
               .direction = fibre.direction.normalized(),
@@ -115,20 +116,23 @@ void FibreElements::write_stiffness(const NodeRows& u, const BlockPattern& patte
 
 void FibreElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {
   auto next = elements_.begin();
-  Eigen::Index piece = 0;
+  Eigen::Index piece = -1;
   Eigen::MatrixXd sum;
   matrix_->visit_stiffness(u, [&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
-    if (next == elements_.end() || next->tetrahedron != piece++) return visit(points, K);
-    const Element& e = *next++;
-    const Stretched now = stretched(u, e);
-    if (!now.taut) return visit(points, K);
-    const Matrix3d B = resistance(now, e);
-    std::array<Eigen::Index, 4> place;
-    for (std::size_t a = 0; a < 4; ++a) place[a] = std::ranges::find(points, e.points[a]) - points.begin();
+    ++piece;
+    if (next == elements_.end() || next->piece != piece) return visit(points, K);
     sum = K;
-    for (Eigen::Index a = 0; a < 4; ++a)
-      for (Eigen::Index b = 0; b < 4; ++b)
-        sum.block<3, 3>(3 * place[at(a)], 3 * place[at(b)]) += e.slopes[a] * e.slopes[b] * B;
+    for (; next != elements_.end() && next->piece == piece; ++next) {
+      const Stretched now = stretched(u, *next);
+      if (!now.taut) continue;
+      const Matrix3d B = resistance(now, *next);
+      std::array<Eigen::Index, 4> place;
+      for (std::size_t a = 0; a < 4; ++a)
+        place[a] = std::ranges::find(points, next->points[a]) - points.begin();
+      for (Eigen::Index a = 0; a < 4; ++a)
+        for (Eigen::Index b = 0; b < 4; ++b)
+          sum.block<3, 3>(3 * place[at(a)], 3 * place[at(b)]) += next->slopes[a] * next->slopes[b] * B;
+    }
     visit(points, sum);
   });
 }

@@ -50,7 +50,7 @@ class FibreElements final : public Elements {
 
  private:
   struct Element {
-    Eigen::Index tetrahedron;
+    Eigen::Index tetrahedron, piece;  ///< of the mesh, and of `matrix`
     std::array<Index, 4> points;
     Eigen::Vector4d slopes;     ///< g_i . a of its shape functions [1/m]
     Eigen::Vector3d direction;  ///< a
