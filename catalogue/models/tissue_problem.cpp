@@ -80,6 +80,9 @@ struct SharedBody {
       const Dofs zero = Dofs::Zero(dofs());
       body->stiffness(0, zero, zero, at_rest_->matrices.first);
       body->damping(0, zero, zero, at_rest_->matrices.second);
+      // Most of C is zero, but has the pattern of K.
+      at_rest_->matrices.second.prune(0.0);
+      at_rest_->matrices.second.data().squeeze();
     });
     return at_rest_->matrices;
   }

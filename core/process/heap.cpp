@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <new>
 
 #include <climits>
 
@@ -13,6 +14,13 @@
 #endif
 
 namespace hmax {
+
+namespace {
+
+/// As the widest registers want it.
+constexpr std::align_val_t alignment{64};
+
+}  // namespace
 
 #ifdef __GLIBC__
 
@@ -48,10 +56,28 @@ void return_freed_memory() {
   if (keeps) extend_heap();
 }
 
+void* allocate_block(std::size_t bytes) {
+  if (bytes < least_own_pages) return ::operator new(bytes, alignment);
+  malloc_trim(0);
+  void* const block = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (block == MAP_FAILED) throw std::bad_alloc();
+  madvise(block, bytes, MADV_HUGEPAGE);
+  return block;
+}
+
+void free_block(void* block, std::size_t bytes) {
+  if (bytes < least_own_pages)
+    ::operator delete(block, alignment);
+  else
+    munmap(block, bytes);
+}
+
 #else
 
 void keep_freed_memory() {}
 void return_freed_memory() {}
+void* allocate_block(std::size_t bytes) { return ::operator new(bytes, alignment); }
+void free_block(void* block, std::size_t) { ::operator delete(block, alignment); }
 
 #endif
 

@@ -266,7 +266,7 @@ class Planner {
   void find_rows();
   /// Where T and B of each panel are; tallest, widest and work of the plan.
   void place_values();
-  /// Where updates are, and how large the two stacks become.
+  /// Where updates are, and how many numbers they hold at most.
   void place_updates();
   /// plan_.joins: runs of rows of a panel that are contiguous in its parent.
   void join_rows();
@@ -380,27 +380,35 @@ void Planner::place_values() {
   }
 }
 
-/// Where updates lie: on the two stacks by turns, down the tree. While a panel writes its update those of its
-/// children are still read, and postorder frees updates in the reverse order of their making.
+/// Where updates lie: on two stacks by turns, down the tree, which grow towards each other from the ends of
+/// one array. While a panel writes its update those of its children are still read, and postorder frees
+/// updates in the reverse order of their making.
 void Planner::place_updates() {
+  const auto size_of_update = [](const PanelAnalysis::Panel& panel) {
+    return static_cast<std::size_t>(PanelShape::padded(panel.height)) *
+           static_cast<std::size_t>(panel.height);
+  };
   std::vector<PanelAnalysis::Panel>& panels = plan_.panels;
   // Depth in the tree: a panel and its children use different stacks.
   // eldest: the first child in postorder, whose update lies below those of its siblings.
   Indices depth(count(), 0), eldest(count(), -1);
   for (Index p = count(); p-- > 0;)
     if (panels[p].parent >= 0) depth[p] = depth[panels[p].parent] + 1;
+  // How far each stack reaches, and did below the update of a panel.
   std::size_t top[2] = {};
+  std::vector<std::size_t> below(panels.size());
   for (Index p = 0; p < count(); ++p) {
-    PanelAnalysis::Panel& here = panels[p];
-    const auto tall = static_cast<std::size_t>(PanelShape::padded(here.height));
-    here.stack = depth[p] % 2;
-    here.update = top[here.stack];
-    top[here.stack] += tall * static_cast<std::size_t>(here.height);
-    plan_.stacks[here.stack] = std::max(plan_.stacks[here.stack], top[here.stack]);
+    const PanelAnalysis::Panel& here = panels[p];
+    const Index stack = depth[p] % 2;
+    below[p] = top[stack];
+    top[stack] += size_of_update(here);
+    plan_.updates = std::max(plan_.updates, top[0] + top[1]);
     // The updates of the children are used up: their stack falls to where the eldest began.
-    if (eldest[p] >= 0) top[1 - here.stack] = panels[eldest[p]].update;
+    if (eldest[p] >= 0) top[1 - stack] = below[eldest[p]];
     if (here.parent >= 0 && eldest[here.parent] < 0) eldest[here.parent] = p;
   }
+  for (Index p = 0; p < count(); ++p)
+    panels[p].update = depth[p] % 2 == 0 ? below[p] : plan_.updates - below[p] - size_of_update(panels[p]);
 }
 
 /// Where rows stand in parents. A panel without a parent has no rows and keeps three equal ends.

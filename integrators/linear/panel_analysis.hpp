@@ -28,22 +28,21 @@ struct PanelAnalysis {
     Index first, width;    ///< its unknowns, in the order of elimination
     Index height;          ///< rows below them
     Index parent;          ///< -1: none
-    Index stack;           ///< 0 or 1, on which of two stacks its update lies: not on that of its children
     std::size_t rows;      ///< where its rows begin in `rows`
     std::size_t entries;   ///< where its entries of A begin in `entries`; they end where the next ones begin
     std::size_t joins[3];  ///< where its rows stand in its parent: begin of `joins` of those that are
                            ///< unknowns there, begin of those that are rows there too, end
     std::size_t values;    ///< where its triangle begins, shape (padded width, width), B behind it
-    std::size_t update;    ///< where its update begins on its stack, shape (padded height, height)
+    std::size_t update;    ///< where its update begins, shape (padded height, height)
   };
 
-  std::vector<Panel> panels;   ///< children before their parents
-  std::vector<Index> rows;     ///< ascending in each panel
-  std::vector<Run> entries;    ///< from the values of A to `values`
-  std::vector<Run> joins;      ///< from rows of a panel to unknowns, or to rows, of its parent
-  std::vector<Index> to;       ///< unknown i of A is unknown to[i] of L
-  std::size_t values = 0;      ///< how many numbers all panels hold
-  std::size_t stacks[2] = {};  ///< how many a stack holds at most
+  std::vector<Panel> panels;  ///< children before their parents
+  std::vector<Index> rows;    ///< ascending in each panel
+  std::vector<Run> entries;   ///< from the values of A to `values`
+  std::vector<Run> joins;     ///< from rows of a panel to unknowns, or to rows, of its parent
+  std::vector<Index> to;      ///< unknown i of A is unknown to[i] of L
+  std::size_t values = 0;     ///< how many numbers all panels hold
+  std::size_t updates = 0;    ///< how many the updates that wait hold at most
   Index tallest = 0, widest = 0;
   double work = 0;  ///< multiplications and additions of one factorisation
 

@@ -6,7 +6,6 @@
 #include <complex>
 #include <cstddef>
 #include <functional>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -14,6 +13,7 @@
 #include <Eigen/SparseCore>
 
 #include "core/parallel_for.hpp"
+#include "core/process/heap.hpp"
 #include "integrators/linear/panel_analysis.hpp"
 #include "integrators/linear/panel_kernels.hpp"
 #include "integrators/linear/panel_loops.hpp"
@@ -51,21 +51,18 @@ struct SingleLane<std::complex<Real>> {
   static void store(Scalar* p, const V& v) { *p = {v.re, v.im}; }
 };
 
-/// Memory at addresses that the widest registers may load from: multiples of 64. The interface is that which
+/// Memory of allocate_block(), at multiples of 64 as PanelShape asks for. The interface is that which
 /// std::vector asks of an allocator.
 template <class T>
 struct AlignedAllocator {
   using value_type = T;
-  static constexpr std::align_val_t alignment{64};  ///< bytes, as PanelShape asks for
 
   AlignedAllocator() = default;
   template <class U>
   explicit AlignedAllocator(const AlignedAllocator<U>&) {}
   /// @throws std::bad_alloc
-  static T* allocate(std::size_t count) {
-    return static_cast<T*>(::operator new(count * sizeof(T), alignment));
-  }
-  static void deallocate(T* at, std::size_t) { ::operator delete(at, alignment); }
+  static T* allocate(std::size_t count) { return static_cast<T*>(allocate_block(count * sizeof(T))); }
+  static void deallocate(T* at, std::size_t count) { free_block(at, count * sizeof(T)); }
   bool operator==(const AlignedAllocator&) const = default;
 };
 
@@ -122,9 +119,9 @@ class PanelFactor {
   bool factor(const Matrix& A) {
     if (values_.empty()) {  // the first time, since iterations may come to need none
       values_.resize(plan_.values);
-      for (int k : {0, 1}) stacks_[k].resize(plan_.stacks[k]);
+      updates_.resize(plan_.updates);
     }
-    // Children before their parents: updates wait on two stacks for the panel that takes them up.
+    // Children before their parents: updates wait for the panel that takes them up.
     waiting_.clear();
     for (std::size_t p = 0; p < plan_.panels.size(); ++p)
       if (!eliminate(p, A.valuePtr())) return false;
@@ -184,7 +181,7 @@ class PanelFactor {
     return {T, T + PanelShape::padded(panel.width) * panel.width};
   }
   /// The update of a panel, lower triangle of shape (padded height, height).
-  Scalar* update(const Panel& panel) { return stacks_[panel.stack].data() + panel.update; }
+  Scalar* update(const Panel& panel) { return updates_.data() + panel.update; }
 
   /// Copies `count` numbers and fills up to the padded length with zeros, which the kernels calculate with.
   static void load(const Scalar* from, Index count, Scalar* to) {
@@ -344,8 +341,8 @@ class PanelFactor {
 
   const PanelKernels<Scalar>* kernels_ = &detail::panel_kernels<Scalar>();
   PanelAnalysis plan_;
-  /// Panels, updates by stack, and the vectors of one panel in solve(); all begin at multiples of 64 bytes.
-  AlignedVector values_, stacks_[2], own_, part_;
+  /// Panels, updates that wait, and the vectors of one panel in solve(); all begin at multiples of 64 bytes.
+  AlignedVector values_, updates_, own_, part_;
   /// D, its reciprocals and the unknowns, in the order of elimination, shape (n).
   std::vector<Scalar> d_, inverse_, x_;
   std::vector<Index> waiting_;  ///< panels whose updates have not been taken up

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <unistd.h>
 #include <vector>
@@ -63,6 +64,20 @@ TEST_F(Heap, GrowsInOneStrideAlsoWhereItHasAHole) {
   delete hole;
   return_freed_memory();
   EXPECT_GT(room(), 8 * size);
+}
+
+TEST_F(Heap, ReturnsLargeBlocksAtOnce) {
+  for (const std::size_t bytes : {least_own_pages / 2, 2 * least_own_pages}) {
+    reset_peak_memory();  // nothing is left to be returned
+    const std::int64_t before = memory();
+    void* const block = allocate_block(bytes);
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(block) % 64, 0U);
+    std::memset(block, 1, bytes);
+    EXPECT_NEAR(static_cast<double>(memory() - before), static_cast<double>(bytes), little);
+    free_block(block, bytes);
+    const double left = bytes < least_own_pages ? static_cast<double>(bytes) : 0;
+    EXPECT_NEAR(static_cast<double>(memory() - before), left, little);
+  }
 }
 
 }  // namespace
