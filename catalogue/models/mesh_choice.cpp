@@ -68,21 +68,23 @@ MeshFile from_file(const MeshRequest& request) {
 
 }  // namespace
 
-OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident) {
+OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident, ElementNodes nodes) {
   return told_to_user([&] {
     if (text.empty()) throw InputError("no mesh is given; name one, like liver or ball:n=6, or a file");
     const MeshRequest request = parse_mesh_request(text);
     const bool named = has_name(request.name);
     OpenedMesh opened{.file = named ? counted_from_one(unmodified_mesh(request), text) : from_file(request),
                       .from_file = !named};
+    if (nodes == ElementNodes::four) opened.file.middles.resize(6, 0);
     const MeshModifiers modifiers = modifiers_of(request);
     const bool merges = !named && coincident == CoincidentPoints::merged;
     if (const double tolerance = modifiers.merge.value_or(merges ? 0 : merge_off); tolerance >= 0)
       merge_points(opened.file, tolerance);
-    if (modifiers.any()) {
+    if (modifiers.any() || nodes == ElementNodes::ten) {
       require_valid(opened.file);
       opened.mending = modify(opened.file, modifiers);
     }
+    if (nodes == ElementNodes::ten) opened.file = with_ten_nodes(opened.file);
     return opened;
   });
 }
@@ -153,8 +155,9 @@ double unit_in_metres(std::string_view text) {
 namespace {
 
 /// @param least_renumbered  tetrahedra of a mesh by name
-LoadedMesh load(const std::string& text, std::optional<double> unit, Eigen::Index least_renumbered) {
-  OpenedMesh opened = open_mesh(text);
+LoadedMesh load(const std::string& text, std::optional<double> unit, ElementNodes nodes,
+                Eigen::Index least_renumbered) {
+  OpenedMesh opened = open_mesh(text, CoincidentPoints::merged, nodes);
   if (!opened.from_file && unit.value_or(1) != 1)
     throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
   if (opened.from_file && !unit)
@@ -163,7 +166,7 @@ LoadedMesh load(const std::string& text, std::optional<double> unit, Eigen::Inde
         "METRES",
         text, box_in_words(opened.file.mesh)));
   return told_to_user([&] {
-    const bool keeps_order = !opened.from_file && opened.file.mesh.tetrahedron_count() < least_renumbered;
+    const bool keeps_order = !opened.from_file && opened.file.mesh.element_count() < least_renumbered;
     MeshImport import = keeps_order ? import_as_it_is(std::move(opened.file))
                                     : import_mesh(std::move(opened.file), unit.value_or(1));
     return LoadedMesh{.name = text,
@@ -174,12 +177,12 @@ LoadedMesh load(const std::string& text, std::optional<double> unit, Eigen::Inde
 
 }  // namespace
 
-LoadedMesh load_mesh(const std::string& text, std::optional<double> unit) {
-  return load(text, unit, least_named_renumbered);
+LoadedMesh load_mesh(const std::string& text, std::optional<double> unit, ElementNodes nodes) {
+  return load(text, unit, nodes, least_named_renumbered);
 }
 
-LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit) {
-  return load(text, unit, std::numeric_limits<Eigen::Index>::max());
+LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit, ElementNodes nodes) {
+  return load(text, unit, nodes, std::numeric_limits<Eigen::Index>::max());
 }
 
 std::string box_in_words(const TetMesh& mesh, double unit) {

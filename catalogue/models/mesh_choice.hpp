@@ -9,6 +9,7 @@
 
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
+#include "problems/mesh/files/ten_nodes.hpp"
 
 namespace hmax {
 
@@ -24,9 +25,11 @@ struct OpenedMesh {
 /// would pass through each other. So models merge them; whoever looks at a file sees it as it is.
 enum class CoincidentPoints { merged, kept };
 
-/// @param text  a name such as `ball:n=6`, or a file; both take `:refine=K`, `:mend=N` and `:merge=TOL`
+/// @param text   a name such as `ball:n=6`, or a file; both take `:refine=K`, `:mend=N` and `:merge=TOL`
+/// @param nodes  ten: the mesh has TetMesh::ten_node, with the middles of the file or inserted ones
 /// @throws InputError naming file, line and remedy, or the nearest known name
-OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident = CoincidentPoints::merged);
+OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident = CoincidentPoints::merged,
+                     ElementNodes nodes = ElementNodes::four);
 
 /// What is to be said of points that were merged, and of those that nearly coincide and were not. Sentences.
 std::vector<std::string> remarks_on_points(const MeshFile& file);
@@ -54,10 +57,12 @@ struct LoadedMesh {
 ///              is never guessed: without it a file is refused with the size of its box. Meshes by name are
 ///              in metres, and refuse any other unit.
 /// @throws InputError as open_mesh, and for defects of the mesh and a unit that is missing or too much
-LoadedMesh load_mesh(const std::string& text, std::optional<double> unit = {});
+LoadedMesh load_mesh(const std::string& text, std::optional<double> unit = {},
+                     ElementNodes nodes = ElementNodes::four);
 
 /// The same where the caller renumbers the mesh: one by name keeps its order.
-LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit = {});
+LoadedMesh load_mesh_to_renumber(const std::string& text, std::optional<double> unit = {},
+                                 ElementNodes nodes = ElementNodes::four);
 
 /// "0.22 x 0.15 x 0.16", the sides of the box around a mesh.
 std::string box_in_words(const TetMesh& mesh, double unit = 1);

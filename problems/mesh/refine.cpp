@@ -1,9 +1,12 @@
 #include "problems/mesh/refine.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+
+#include <Eigen/LU>
 
 #include "problems/mesh/topology.hpp"
 
@@ -59,7 +62,42 @@ constexpr bool all_are_eighths() {
 }
 static_assert(all_are_eighths(), "every part is an eighth and oriented as the whole");
 
-TetMesh refined_once(const TetMesh& mesh) {
+}  // namespace
+
+std::array<std::array<Index, 4>, 8> parts_of(const Eigen::Matrix3Xd& points, const TenPoints& own) {
+  const auto point = [&](int i) { return own[static_cast<std::size_t>(i)]; };
+  const auto is_positive = [&](const Part& part) {
+    Eigen::Matrix3d edges;
+    for (std::size_t i = 1; i < 4; ++i)
+      edges.col(static_cast<Eigen::Index>(i) - 1) = points.col(point(part[i])) - points.col(point(part[0]));
+    return edges.determinant() > 0;
+  };
+  std::size_t chosen = 0;
+  double shortest = 0;
+  bool good = false;
+  for (std::size_t d = 0; d < diagonals.size(); ++d) {
+    const double length =
+        (points.col(point(diagonals[d][0])) - points.col(point(diagonals[d][1]))).squaredNorm();
+    // Curved sides may turn over the parts that a diagonal makes.
+    const bool positive = std::ranges::all_of(inner_parts[d], is_positive);
+    // What differs by rounding is equal: the choice must not depend on where the mesh lies.
+    if (d == 0 || (positive && !good) || (positive == good && length < shortest * (1 - 1e-9))) {
+      chosen = d;
+      shortest = length;
+      good = positive;
+    }
+  }
+  std::array<std::array<Index, 4>, 8> all{};
+  auto next = all.begin();
+  for (const auto& parts : {corner_parts, inner_parts[chosen]})
+    for (const Part& part : parts) {
+      std::ranges::transform(part, next->begin(), point);
+      ++next;
+    }
+  return all;
+}
+
+TetMesh ten_node_mesh(const TetMesh& mesh) {
   const EdgeTable table = edge_table(mesh);
   const Eigen::Index points = mesh.point_count(), edges = table.edges.cols();
   TetMesh fine;
@@ -69,40 +107,24 @@ TetMesh refined_once(const TetMesh& mesh) {
     fine.points.col(points + e) =
         0.5 * (mesh.points.col(table.edges(0, e)) + mesh.points.col(table.edges(1, e)));
   fine.tetrahedra.resize(4, 8 * mesh.tetrahedron_count());
+  fine.ten_node.resize(10, mesh.tetrahedron_count());
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
-    std::array<Index, 10> p{};
+    TenPoints p{};
     for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.tetrahedra(static_cast<Eigen::Index>(i), t);
     for (std::size_t e = 0; e < 6; ++e) {
       const auto& [i, j] = tetrahedron_edges[e];
       p[4 + e] = static_cast<Index>(points) +
                  table.find(p[static_cast<std::size_t>(i)], p[static_cast<std::size_t>(j)]);
     }
-    std::size_t chosen = 0;
-    double shortest = 0;
-    for (std::size_t d = 0; d < diagonals.size(); ++d) {
-      const double length = (fine.points.col(p[static_cast<std::size_t>(diagonals[d][0])]) -
-                             fine.points.col(p[static_cast<std::size_t>(diagonals[d][1])]))
-                                .squaredNorm();
-      // What differs by rounding is equal: the choice must not depend on where the mesh lies.
-      if (d == 0 || length < shortest * (1 - 1e-9)) {
-        chosen = d;
-        shortest = length;
-      }
-    }
+    std::ranges::copy(p, fine.ten_node.col(t).begin());
     Eigen::Index column = 8 * t;
-    for (const auto& parts : {corner_parts, inner_parts[chosen]})
-      for (const Part& part : parts) {
-        for (int i = 0; i < 4; ++i)
-          fine.tetrahedra(i, column) = p[static_cast<std::size_t>(part[static_cast<std::size_t>(i)])];
-        ++column;
-      }
+    for (const auto& part : parts_of(fine.points, p))
+      std::ranges::copy(part, fine.tetrahedra.col(column++).begin());
   }
   fine.regions.reserve(8 * mesh.regions.size());
   for (const Index region : mesh.regions) fine.regions.insert(fine.regions.end(), 8, region);
   return fine;
 }
-
-}  // namespace
 
 TetMesh refined(const TetMesh& mesh, int times) {
   if (times < 0)
@@ -119,7 +141,8 @@ TetMesh refined(const TetMesh& mesh, int times) {
                                 std::to_string(most) + (most == 1 ? " time" : " times"));
   }
   TetMesh fine = mesh;
-  for (int i = 0; i < times; ++i) fine = refined_once(fine);
+  for (int i = 0; i < times; ++i) fine = ten_node_mesh(fine);
+  fine.ten_node.resize(10, 0);
   return fine;
 }
 

@@ -1,6 +1,8 @@
 /// Uniform refinement of tetrahedral meshes.
 #pragma once
 
+#include <array>
+
 #include "problems/mesh/tet_mesh.hpp"
 
 namespace hmax {
@@ -15,5 +17,15 @@ inline constexpr Eigen::Index most_tetrahedra = 100'000'000;
 /// @param times  how often, one after the other
 /// @throws std::invalid_argument when times is negative or the result would be too large
 TetMesh refined(const TetMesh& mesh, int times = 1);
+
+/// Corners, then the middles of the edges in the order of tetrahedron_edges.
+using TenPoints = std::array<TetMesh::Index, 10>;
+
+/// The eight parts of a tetrahedron with these points, as refined() cuts it: part k < 4 is at corner k. Where
+/// curved sides would turn parts over, along the shortest diagonal that keeps them positive.
+std::array<std::array<TetMesh::Index, 4>, 8> parts_of(const Eigen::Matrix3Xd& points, const TenPoints& own);
+
+/// refined() once, with the parts of each tetrahedron kept together as one of ten nodes (TetMesh::ten_node).
+TetMesh ten_node_mesh(const TetMesh& mesh);
 
 }  // namespace hmax

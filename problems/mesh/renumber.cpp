@@ -105,18 +105,23 @@ Renumbering local_order(const TetMesh& mesh) {
   std::vector<Index> now(order.points.size());
   for (std::size_t i = 0; i < now.size(); ++i)
     now[static_cast<std::size_t>(order.points[i])] = static_cast<Index>(i);
-  std::vector<std::pair<std::array<Index, 4>, Index>> keys(
-      static_cast<std::size_t>(mesh.tetrahedron_count()));
-  for (std::size_t t = 0; t < keys.size(); ++t) {
-    for (std::size_t i = 0; i < 4; ++i)
-      keys[t].first[i] = now[static_cast<std::size_t>(
-          mesh.tetrahedra(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(t)))];
-    std::ranges::sort(keys[t].first);
-    keys[t].second = static_cast<Index>(t);
+  // Elements by their four lowest points.
+  std::vector<std::pair<std::array<Index, 4>, Index>> keys(static_cast<std::size_t>(mesh.element_count()));
+  for (std::size_t e = 0; e < keys.size(); ++e) {
+    const std::span<const Index> element = mesh.element(static_cast<Eigen::Index>(e));
+    std::array<Index, 10> points{};
+    const auto end = std::ranges::transform(element, points.begin(), [&](Index a) {
+                       return now[static_cast<std::size_t>(a)];
+                     }).out;
+    std::partial_sort(points.begin(), points.begin() + 4, end);
+    std::copy_n(points.begin(), 4, keys[e].first.begin());
+    keys[e].second = static_cast<Index>(e);
   }
   std::ranges::sort(keys);
-  order.tetrahedra.reserve(keys.size());
-  for (const auto& key : keys) order.tetrahedra.push_back(key.second);
+  order.tetrahedra.reserve(static_cast<std::size_t>(mesh.tetrahedron_count()));
+  for (const auto& key : keys)
+    for (Eigen::Index part = 0; part < mesh.parts(); ++part)
+      order.tetrahedra.push_back(static_cast<Index>(mesh.first_part(key.second) + part));
   return order;
 }
 
@@ -131,6 +136,11 @@ TetMesh renumbered(const TetMesh& mesh, const Renumbering& order) {
   });
   if (!mesh.regions.empty())
     for (const Index t : order.tetrahedra) result.regions.push_back(mesh.region(t));
+  result.ten_node.resize(10, mesh.ten_node.cols());
+  for (Eigen::Index e = 0; e < mesh.ten_node.cols(); ++e)
+    for (int i = 0; i < 10; ++i)
+      result.ten_node(i, e) = now[static_cast<std::size_t>(
+          mesh.ten_node(i, order.tetrahedra[static_cast<std::size_t>(8 * e)] / 8))];
   return result;
 }
 
@@ -143,6 +153,11 @@ TetMesh restored(const TetMesh& mesh, const Renumbering& order) {
   result.regions.resize(mesh.regions.size());
   for (std::size_t t = 0; t < mesh.regions.size(); ++t)
     result.regions[static_cast<std::size_t>(order.tetrahedra[t])] = mesh.regions[t];
+  result.ten_node.resize(10, mesh.ten_node.cols());
+  for (Eigen::Index e = 0; e < mesh.ten_node.cols(); ++e)
+    for (int i = 0; i < 10; ++i)
+      result.ten_node(i, order.tetrahedra[static_cast<std::size_t>(8 * e)] / 8) =
+          order.points[static_cast<std::size_t>(mesh.ten_node(i, e))];
   return result;
 }
 

@@ -14,7 +14,8 @@ struct Renumbering {
 };
 
 /// Reverse Cuthill-McKee on the edges [cuthill1969reducing], each part from an end found as in
-/// [george1979implementation]; points in no tetrahedron last. The tetrahedra follow their points.
+/// [george1979implementation]; points in no tetrahedron last. The elements follow their points, and the parts
+/// of one of ten nodes stay together.
 Renumbering local_order(const TetMesh& mesh);
 
 /// The mesh in the new order; the four corners of a tetrahedron keep theirs.

@@ -75,6 +75,21 @@ EdgeTable edge_table(const TetMesh& mesh) {
   });
 }
 
+MeshEdges element_pairs(const TetMesh& mesh) {
+  if (!mesh.has_ten_nodes()) return edges_of(mesh);
+  std::vector<std::array<int, 2>> own;
+  for (int a = 0; a < 10; ++a)
+    for (int b = a + 1; b < 10; ++b) own.push_back({a, b});
+  const auto each = static_cast<Eigen::Index>(own.size());
+  return unique_edges(mesh.point_count(), each * mesh.element_count(),
+                      [&](Eigen::Index k) {
+                        const auto& [i, j] = own[static_cast<std::size_t>(k % each)];
+                        const Index a = mesh.ten_node(i, k / each), b = mesh.ten_node(j, k / each);
+                        return std::pair(std::min(a, b), std::max(a, b));
+                      })
+      .edges;
+}
+
 MeshEdges two_edge_pairs(const EdgeTable& table) {
   const std::size_t count = table.first.size() - 1;
   std::vector<std::vector<Index>> beside(count);

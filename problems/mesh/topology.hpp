@@ -28,6 +28,10 @@ struct EdgeTable {
 EdgeTable edge_table(const TetMesh& mesh);
 inline MeshEdges edges_of(const TetMesh& mesh) { return edge_table(mesh).edges; }
 
+/// The pairs of points of each element, each once, lower point first, sorted: the edges, and of ten nodes all
+/// pairs of them.
+MeshEdges element_pairs(const TetMesh& mesh);
+
 /// The pairs of points with at most two edges between them, each once, lower point first, sorted: points of
 /// tetrahedra that share a point.
 MeshEdges two_edge_pairs(const EdgeTable& table);

@@ -109,6 +109,8 @@ inline void read_physical_names(MeshText& text, MeshBuilder& builder) {
   }
 }
 
+inline constexpr MiddleOrder middles_of_gmsh{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
+
 /// Adds a tetrahedron, or what belongs to a physical group. @param node  reads the next node
 template <class Node>
 void add_gmsh_element(MeshBuilder& builder, const GmshType& type, std::int64_t number, std::int64_t place,
@@ -116,15 +118,20 @@ void add_gmsh_element(MeshBuilder& builder, const GmshType& type, std::int64_t n
   const bool tetrahedron = type.kind == CellKind::tetrahedron;
   const std::size_t count = corner_count(type.kind);
   std::array<TetMesh::Index, 4> corners{};
+  std::array<TetMesh::Index, 6> middles{};
   for (std::size_t i = 0; i < type.nodes; ++i) {
     const TetMesh::Index point =
         builder.numbered_point(node(), text, number, tetrahedron ? "tetrahedron" : "element");
-    if (i < count) corners[i] = point;
+    if (i < count)
+      corners[i] = point;
+    else if (i - count < middles.size())
+      middles[i - count] = point;
   }
   if (type.kind == CellKind::triangle) builder.add_triangles(1);
   if (tetrahedron) {
-    if (type.nodes > count) builder.add_second_order();
-    return builder.add_tetrahedron(corners, number, place, groups.empty() ? 0 : groups.front(), text);
+    builder.add_tetrahedron(corners, number, place, groups.empty() ? 0 : groups.front(), text);
+    if (type.nodes > count) builder.add_middles(middles, middles_of_gmsh);
+    return;
   }
   // The sign of a group of Gmsh is that of its orientation.
   if (count > 0)

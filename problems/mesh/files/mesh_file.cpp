@@ -10,6 +10,7 @@
 
 #include "core/process/whole_file.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
+#include "problems/mesh/topology.hpp"
 
 namespace hmax {
 
@@ -179,6 +180,15 @@ void MeshBuilder::add_tetrahedron(const std::array<Index, 4>& corners, std::int6
   set_region(regions_.size() - 1, region, text);
 }
 
+void MeshBuilder::add_middles(std::span<const Index, 6> middles, const MiddleOrder& edges) {
+  ++second_order_;
+  middles_.resize(6 * tetrahedron_count(), -1);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto place = std::ranges::find(tetrahedron_edges, edges[k]) - tetrahedron_edges.begin();
+    middles_[middles_.size() - 6 + static_cast<std::size_t>(place)] = middles[k];
+  }
+}
+
 void MeshBuilder::set_region(std::size_t tetrahedron, std::int64_t region, const MeshText& text) {
   if (region < std::numeric_limits<Index>::min() || region > std::numeric_limits<Index>::max())
     text.fail("tetrahedron " + std::to_string(element_numbers_[tetrahedron]) + " has the region " +
@@ -216,6 +226,10 @@ MeshFile MeshBuilder::finish(const MeshText& text, std::string format) {
       Eigen::Map<const Eigen::Matrix3Xd>(points_.data(), 3, static_cast<Eigen::Index>(point_count()));
   file.mesh.tetrahedra = Eigen::Map<const TetMesh::Tetrahedra>(
       corners_.data(), 4, static_cast<Eigen::Index>(tetrahedron_count()));
+  if (!middles_.empty()) {
+    middles_.resize(6 * tetrahedron_count(), -1);
+    file.middles = Eigen::Map<const MeshFile::Middles>(middles_.data(), 6, file.mesh.tetrahedron_count());
+  }
   if (regions_differ_) file.mesh.regions = std::move(regions_);
   file.numbers = std::move(element_numbers_);
   file.places = std::move(places_);

@@ -30,19 +30,26 @@ inline constexpr std::array<std::string_view, 4> group_kinds{"vertices", "curve"
 /// A mesh as it was read. Indices are in range and coordinates finite, or reading would have failed; whether
 /// the tetrahedra make a valid mesh is for mesh_defects.hpp to say.
 struct MeshFile {
+  using Middles = Eigen::Matrix<TetMesh::Index, 6, Eigen::Dynamic>;
+
   std::string name;                   ///< of the file, as messages tell it
   std::string format;                 ///< "Gmsh 2.2, binary"
   TetMesh mesh;                       ///< coordinates as in the file
   std::vector<std::int64_t> numbers;  ///< of the tetrahedra, as the file counts them
   std::vector<std::int64_t> places;   ///< lines (from 1) or bytes (from 0) where they stand
   bool places_are_bytes = false;
-  Eigen::Index triangles = 0;                     ///< elements of a surface
-  Eigen::Index second_order = 0;                  ///< tetrahedra of ten nodes, of which four are kept
+  Eigen::Index triangles = 0;     ///< elements of a surface
+  Eigen::Index second_order = 0;  ///< tetrahedra of ten nodes
+  /// Points in the middles of the edges of each tetrahedron, in the order of tetrahedron_edges, shape (6,
+  /// tetrahedra); -1 in tetrahedra of four nodes. Empty where all have four.
+  Middles middles{};
   std::vector<std::int64_t> point_numbers{};      ///< of the points, as the file counts them
   std::map<TetMesh::Index, std::string> names{};  ///< of those regions that have one
   std::vector<MeshGroup> groups{};                ///< by dimension and number
   /// Points that were merged: the number of each in the file, and the point that stands for it.
   std::vector<std::pair<std::int64_t, TetMesh::Index>> merged{};
+  /// Points that no file has, each halfway between two others (ten_nodes.hpp): point, one, other.
+  std::vector<std::array<TetMesh::Index, 3>> inserted{};
 
   /// "NAME, line 12: tetrahedron 7"
   [[nodiscard]] std::string where(Eigen::Index tetrahedron) const;
@@ -54,8 +61,8 @@ struct MeshFile {
 MeshFile counted_from_one(TetMesh mesh, std::string name = {});
 
 /// Reads Gmsh .msh (1, 2, 4.0, 4.1; ASCII and binary), VTK .vtk and .vtu, TetGen .node/.ele (either of the
-/// pair), Medit .mesh, Vega .veg. Tetrahedra are kept, those of second order by their corners; points, lines
-/// and triangles are kept where they belong to a group; other volumes are refused.
+/// pair), Medit .mesh, Vega .veg. Tetrahedra are kept, those of second order as their corners and `middles`;
+/// points, lines and triangles are kept where they belong to a group; other volumes are refused.
 /// @throws std::invalid_argument one sentence with file, line or byte, and remedy
 MeshFile read_mesh_file(const std::filesystem::path& file);
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
+#include "problems/mesh/files/ten_nodes.hpp"
 #include "problems/mesh/refine.hpp"
 #include "problems/mesh/renumber.hpp"
 #include "problems/mesh/topology.hpp"
@@ -27,30 +29,6 @@ Eigen::MatrixXd scattered(const Eigen::MatrixXd& now, const std::vector<Index>& 
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(now.rows(), columns);
   for (std::size_t i = 0; i < order.size(); ++i) result.col(order[i]) = now.col(static_cast<Eigen::Index>(i));
   return result;
-}
-
-/// A group on the mesh that refined() makes of `mesh`, whose new points stand in the order of its edges.
-/// Elements whose sides are no edges of the mesh are left out.
-MeshGroup refined_group(const MeshGroup& group, const TetMesh& mesh, const EdgeTable& table) {
-  MeshGroup fine{.dimension = group.dimension, .number = group.number, .name = group.name};
-  const std::size_t size = at(group.dimension) + 1;
-  for (std::size_t begin = 0; begin < group.corners.size(); begin += size) {
-    const Index* p = group.corners.data() + begin;
-    std::array<Index, 3> middle{};
-    bool known = true;
-    for (std::size_t k = 0; k < size && size > 1; ++k) {
-      const Index edge = table.find(p[k], p[(k + 1) % size]);
-      known = known && edge >= 0;
-      middle[k] = static_cast<Index>(mesh.point_count()) + edge;
-    }
-    if (!known) continue;
-    if (size == 1) fine.corners.push_back(p[0]);
-    if (size == 2) fine.corners.insert(fine.corners.end(), {p[0], middle[0], middle[0], p[1]});
-    if (size == 3)
-      fine.corners.insert(fine.corners.end(), {p[0], middle[0], middle[2], middle[0], p[1], middle[1],
-                                               middle[2], middle[1], p[2], middle[0], middle[1], middle[2]});
-  }
-  return fine;
 }
 
 }  // namespace
@@ -154,6 +132,8 @@ Eigen::Index merge_points(MeshFile& file, double tolerance) {
   file.mesh.points.conservativeResize(3, static_cast<Eigen::Index>(numbers.size()));
   file.point_numbers = std::move(numbers);
   for (Index& corner : file.mesh.tetrahedra.reshaped()) corner = now[at(corner)];
+  for (Index& middle : file.middles.reshaped())
+    if (middle >= 0) middle = now[at(middle)];
   for (MeshGroup& group : file.groups)
     for (Index& corner : group.corners) corner = now[at(corner)];
   for (auto& [number, point] : file.merged) point = now[at(point)];  // those merged before, too
@@ -162,17 +142,19 @@ Eigen::Index merge_points(MeshFile& file, double tolerance) {
 
 MeshFile refined(const MeshFile& file, int times) {
   MeshFile fine = file;
-  fine.mesh = refined(file.mesh, times);  // says first whether so often is too often
+  const bool ten_nodes = file.middles.cols() > 0;
+  TetMesh result = refined(file.mesh, times);  // says first whether so often is too often
   TetMesh coarse = file.mesh;
-  for (int i = 0; i < times && !fine.groups.empty(); ++i) {
+  for (int i = 0; i < times && !ten_nodes && !fine.groups.empty(); ++i) {
     const EdgeTable table = edge_table(coarse);
-    for (MeshGroup& group : fine.groups) group = refined_group(group, coarse, table);
+    std::vector<Index> middles(at(table.edges.cols()));
+    std::iota(middles.begin(), middles.end(), static_cast<Index>(coarse.point_count()));
+    for (MeshGroup& group : fine.groups) group = refined_group(group, table, middles);
     coarse = i + 1 < times ? refined(coarse) : TetMesh{};
   }
-  const auto last = std::ranges::max_element(file.point_numbers);
-  std::int64_t next = last == file.point_numbers.end() ? 0 : *last + 1;
-  for (const auto& [number, point] : file.merged) next = std::max(next, number + 1);
-  while (fine.point_numbers.size() < at(fine.mesh.point_count())) fine.point_numbers.push_back(next++);
+  if (!ten_nodes) fine.mesh = std::move(result);
+  for (int i = 0; i < times && ten_nodes; ++i) fine = refined_ten_nodes(fine);
+  number_new_points(fine);
   fine.numbers.resize(at(fine.mesh.tetrahedron_count()));
   std::iota(fine.numbers.begin(), fine.numbers.end(), 1);
   fine.places.assign(fine.numbers.size(), 0);
@@ -184,6 +166,17 @@ Mending mend(MeshFile& file, TetMesh::Index count) {
   for (const MeshGroup& group : file.groups)
     fixed.insert(fixed.end(), group.corners.begin(), group.corners.end());
   MendedMesh done = mended(file.mesh, count, fixed);
+  // The middles of edges go along with their ends.
+  std::vector<char> moved(at(file.mesh.point_count()), 0);
+  for (Eigen::Index t = 0; t < file.middles.cols(); ++t)
+    for (std::size_t e = 0; e < tetrahedron_edges.size(); ++e) {
+      const Index middle = file.middles(static_cast<Eigen::Index>(e), t);
+      if (middle < 0 || std::exchange(moved[at(middle)], 1) != 0) continue;
+      for (const int end : tetrahedron_edges[e]) {
+        const Index corner = file.mesh.tetrahedra(end, t);
+        done.mesh.points.col(middle) += (done.mesh.points.col(corner) - file.mesh.points.col(corner)) / 2;
+      }
+    }
   file.mesh = std::move(done.mesh);
   return std::move(done.mending);
 }

@@ -47,11 +47,12 @@ MeshImport import_as_it_is(MeshFile file);
 Eigen::Index merge_points(MeshFile& file, double tolerance);
 
 /// Each tetrahedron into eight (refine.hpp), each triangle of a group into four, each line into two. Points
-/// keep their numbers and the new ones follow; tetrahedra count from 1.
+/// keep their numbers and the new ones follow; tetrahedra count from 1. With `middles` the parts have ten
+/// nodes again, on the same curved sides.
 MeshFile refined(const MeshFile& file, int times);
 
-/// Mends `count` tetrahedra (mend.hpp); points of groups stay. Lengths of the result are in the unit of the
-/// file.
+/// Mends `count` tetrahedra (mend.hpp); points of groups stay, and `middles` go along. Lengths of the result
+/// are in the unit of the file.
 Mending mend(MeshFile& file, TetMesh::Index count);
 
 /// The file in local_order(), points and tetrahedra counted from 1.

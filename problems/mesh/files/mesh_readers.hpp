@@ -35,6 +35,11 @@ class ExtraColumns {
   std::optional<std::size_t> count_;
 };
 
+/// The edges in whose middles the nodes 4 to 9 of a tetrahedron of second order lie, by their two corners.
+using MiddleOrder = std::array<std::array<int, 2>, 6>;
+/// Of VTK and Medit.
+inline constexpr MiddleOrder middles_of_vtk{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+
 /// Collects a mesh point by point, in whatever order and numbering.
 class MeshBuilder {
  public:
@@ -67,7 +72,9 @@ class MeshBuilder {
   /// Several tetrahedra at once get their regions afterwards.
   void set_region(std::size_t tetrahedron, std::int64_t region, const MeshText& text);
   void add_triangles(std::size_t count) { triangles_ += count; }
-  void add_second_order() { ++second_order_; }
+  /// The last tetrahedron has ten nodes. @param middles  in the order of the format
+  /// @param edges  of the middles, in that order
+  void add_middles(std::span<const Index, 6> middles, const MiddleOrder& edges);
   /// An element of the group with this number; 0 is none. @param corners  dimension + 1 points
   void add_to_group(std::int64_t group, std::span<const Index> corners);
   /// @param dimension  3 for a region
@@ -80,6 +87,7 @@ class MeshBuilder {
   std::int64_t first_;
   std::vector<double> points_;
   std::vector<Index> corners_, regions_;
+  std::vector<Index> middles_;  ///< six of each tetrahedron up to the last one that has them
   std::vector<std::int64_t> element_numbers_, places_;
   std::vector<std::pair<std::int64_t, Index>> by_number_;
   std::vector<Index>

@@ -110,9 +110,9 @@ bool counts(const std::vector<std::int64_t>& numbers) {
   return first == 0 || first == 1;
 }
 
-/// The same numbers, or 1, 2, ... where one of them is below 1.
-std::vector<std::int64_t> from_one_on(std::vector<std::int64_t> numbers) {
-  if (std::ranges::any_of(numbers, [](std::int64_t number) { return number < 1; }))
+/// The same numbers, or 1, 2, ... where one of them is below 1, or where `parts` share them.
+std::vector<std::int64_t> from_one_on(std::vector<std::int64_t> numbers, bool parts = false) {
+  if (parts || std::ranges::any_of(numbers, [](std::int64_t number) { return number < 1; }))
     std::iota(numbers.begin(), numbers.end(), 1);
   return numbers;
 }
@@ -177,7 +177,7 @@ void add_field_data(std::string& text, VtuArrays& arrays, const MeshFile& file) 
 std::string msh_text(const MeshFile& file) {
   const TetMesh& mesh = file.mesh;
   const std::vector<std::int64_t> points = from_one_on(file.point_numbers),
-                                  numbers = from_one_on(file.numbers);
+                                  numbers = from_one_on(file.numbers, file.mesh.has_ten_nodes());
   std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\n";
   text.append(own_mark).append("\n$EndComments\n");
   text.reserve(static_cast<std::size_t>(64 * mesh.point_count() + 48 * mesh.tetrahedron_count()) + 128);

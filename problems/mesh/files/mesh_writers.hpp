@@ -27,7 +27,8 @@ enum class VtuEncoding { ascii, base64, raw };
 std::string msh_text(const MeshFile& file);
 
 /// VTK XML for ParaView in the order of the file; regions become the cell data "region". Numbers that do not
-/// simply count are the data GlobalNodeId and GlobalElementId. Names of regions are the field data
+/// simply count are the data GlobalNodeId and GlobalElementId; the parts of a tetrahedron of ten nodes share
+/// its number. Names of regions are the field data
 /// "region_names", and the corners of a group field data such as "surface:30 capsule". A displacement is a
 /// field of three components, by which ParaView warps the rest positions.
 /// @throws std::invalid_argument when a field has another number of columns than the mesh has points or

@@ -64,17 +64,21 @@ void read_elements(MeshText& text, MeshBuilder& builder, const MeditSection& sec
     const auto number = static_cast<std::int64_t>(tetrahedra ? builder.tetrahedron_count() : i) + 1;
     const std::int64_t place = text.place();
     std::array<TetMesh::Index, 4> corners{};
+    std::array<TetMesh::Index, 6> middles{};
     for (std::size_t k = 0; k < section.points; ++k) {
       const TetMesh::Index vertex = builder.counted_point(text.integer("a corner of an element"), text,
                                                           number, tetrahedra ? "tetrahedron" : "element");
-      if (k < corner_count(section.kind)) corners[k] = vertex;
+      if (k < corner_count(section.kind))
+        corners[k] = vertex;
+      else
+        middles[k - corner_count(section.kind)] = vertex;
     }
     const std::int64_t reference = text.label("the reference of an element");
     if (tetrahedra)
       builder.add_tetrahedron(corners, number, place, reference, text);
     else
       builder.add_to_group(reference, std::span(corners).first(corner_count(section.kind)));
-    if (tetrahedra && section.points > 4) builder.add_second_order();
+    if (tetrahedra && section.points > 4) builder.add_middles(middles, middles_of_vtk);
   }
 }
 

@@ -8,6 +8,8 @@ namespace hmax {
 
 namespace {
 
+constexpr MiddleOrder middles_of_tetgen{{{2, 3}, {0, 3}, {0, 1}, {1, 2}, {1, 3}, {0, 2}}};
+
 /// The numbers of a head: attributes and markers are 0 where it ends before them, and what follows is no
 /// number of the mesh.
 struct Counts {
@@ -67,9 +69,10 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
     std::array<TetMesh::Index, 4> points_of{};
     for (TetMesh::Index& point : points_of)
       point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
-    for (std::int64_t k = 4; k < corners; ++k)
-      builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
-    if (corners > 4) builder.add_second_order();
+    std::array<TetMesh::Index, 6> middles{};
+    if (corners > 4)
+      for (TetMesh::Index& point : middles)
+        point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
     std::int64_t region = 0;
     if (values > 0)
       if (const double value = elements.number("the region of a tetrahedron"); std::abs(value) < 1e9)
@@ -77,6 +80,7 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
     for (std::size_t k = 1; k < values; ++k) elements.word("an attribute of a tetrahedron");
     behind_tetrahedra.skip(elements, "a tetrahedron");
     builder.add_tetrahedron(points_of, number, place, region, elements);
+    if (corners > 4) builder.add_middles(middles, middles_of_tetgen);
   }
   elements.require_end();
   return builder.finish(elements, "TetGen");

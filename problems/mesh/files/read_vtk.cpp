@@ -392,18 +392,22 @@ void add_vtk_cells(MeshBuilder& builder, const VtkCells& cells, std::span<const 
       text.fail("cell " + std::to_string(cell) + " has only " + std::to_string(end - begin) +
                 " points; export the mesh again");
     std::array<TetMesh::Index, 4> corners{};
+    std::array<TetMesh::Index, 6> middles{};
     for (std::size_t i = 0; i < static_cast<std::size_t>(end - begin); ++i) {
       const std::int64_t its = cells.connectivity[static_cast<std::size_t>(begin) + i];
       const bool possible = its >= 0 && its <= std::numeric_limits<TetMesh::Index>::max();
       const TetMesh::Index point = builder.counted_point(possible ? cells.first_point + its : its, text,
                                                          number, tetrahedron ? "tetrahedron" : "cell");
-      if (i < used) corners[i] = point;
+      if (i < used)
+        corners[i] = point;
+      else if (i - used < middles.size())
+        middles[i - used] = point;
     }
-    if (type == second_order_tetrahedron) builder.add_second_order();
     if (tetrahedron)
       builder.add_tetrahedron(corners, number, places.size() == 1 ? places[0] : places[cell], region, text);
     else if (used > 0)
       builder.add_to_group(region, std::span(corners).first(used));
+    if (type == second_order_tetrahedron) builder.add_middles(middles, middles_of_vtk);
   }
 }
 

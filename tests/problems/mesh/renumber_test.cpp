@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "problems/mesh/refine.hpp"
 #include "tests/problems/mesh/meshes.hpp"
 
 namespace hmax {
@@ -51,6 +52,25 @@ TEST(Renumbering, IsUndoneExactly) {
   EXPECT_EQ(back.tetrahedra, mesh.tetrahedra);
   EXPECT_EQ(back.regions, mesh.regions);
   EXPECT_EQ(restored(now.points, order.points), mesh.points);
+}
+
+TEST(Renumbering, KeepsThePartsOfElementsOfTenNodesTogether) {
+  TetMesh mesh = ten_node_mesh(ball_mesh(1, 2));
+  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
+    mesh.regions.push_back(static_cast<TetMesh::Index>(t / 8));
+  const Renumbering order = local_order(mesh);
+  const TetMesh now = renumbered(mesh, order), back = restored(now, order);
+  EXPECT_NE(now.ten_node, mesh.ten_node);
+  EXPECT_EQ(back.ten_node, mesh.ten_node);
+  EXPECT_EQ(back.tetrahedra, mesh.tetrahedra);
+  EXPECT_EQ(back.regions, mesh.regions);
+  TetMesh::Index lowest = 0;
+  for (Eigen::Index e = 0; e < now.element_count(); ++e) {
+    EXPECT_GE(now.ten_node.col(e).minCoeff(), lowest);
+    lowest = now.ten_node.col(e).minCoeff();
+    for (const auto point : now.tetrahedra.middleCols<8>(8 * e).reshaped())
+      EXPECT_EQ((now.ten_node.col(e).array() == point).count(), 1);
+  }
 }
 
 TEST(Renumbering, KeepsTheBodyAndItsRegions) {
