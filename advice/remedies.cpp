@@ -166,9 +166,7 @@ void try_coarser(Trials& trials, const Problem& problem, const std::function<Pro
   if (!trials.go_on()) return;
   const auto coarser = made(make);
   if (!coarser) return;
-  const auto count = [](const Problem& of) {
-    return static_cast<double>(of.body->mesh().tetrahedron_count());
-  };
+  const auto count = [](const Problem& of) { return static_cast<double>(of.body->mesh().element_count()); };
   trials.helps({.change = "tetrahedra", .from = count(problem), .to = count(*coarser)}, trials.question(),
                [&] { return *coarser; });
 }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/numbers.hpp"
-#include "problems/mesh/mesh_quality.hpp"
+#include "problems/mesh/ten_node.hpp"
 
 namespace hmax {
 
@@ -137,11 +137,12 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   summary.locks = summary.of_elements && !settings.model.resists_locking;
   if (!summary.of_elements) summary.poisson.fill(poisson_of_springs);
   double volume = 0, mass = 0;
-  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
-    const double of_tetrahedron = signed_volume(corners_of(mesh, t));
-    volume += of_tetrahedron;
-    mass += of_tetrahedron *
-            materials[materials.size() == 1 ? 0 : static_cast<std::size_t>(mesh.region(t))].density;
+  for (Eigen::Index e = 0; e < mesh.element_count(); ++e) {
+    const double of_element = element_volume(mesh, e);
+    volume += of_element;
+    mass += of_element *
+            materials[materials.size() == 1 ? 0 : static_cast<std::size_t>(mesh.region(mesh.first_part(e)))]
+                .density;
   }
   summary.mass = settings.total_mass.value_or(mass);
   summary.from_mass = settings.total_mass.has_value();

@@ -30,13 +30,17 @@ std::vector<FreePart> free_parts_of(const TissueBody& body) {
 
 /// "the body", "tetrahedron 7", "24 tetrahedra (25, 26, 27, ...)"
 std::string part_in_words(const Problem& problem, const FreePart& part) {
-  const std::size_t count = part.tetrahedra.size();
-  if (static_cast<Index>(count) == problem.body->mesh().tetrahedron_count()) return "the body";
+  if (static_cast<Index>(part.tetrahedra.size()) == problem.body->mesh().tetrahedron_count())
+    return "the body";
   constexpr std::size_t most = 3;
   std::vector<std::int64_t> numbers;
   for (const Index t : part.tetrahedra)
     numbers.push_back(problem.tetrahedron_numbers.at(static_cast<std::size_t>(t)));
   std::ranges::sort(numbers);
+  // Parts of one element share its number.
+  if (problem.body->mesh().has_ten_nodes())
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  const std::size_t count = numbers.size();
   if (count == 1) return fmt::format("tetrahedron {}", numbers.front());
   numbers.resize(std::min(numbers.size(), most));
   return fmt::format("the part of {} tetrahedra ({}{})", count, fmt::join(numbers, ", "),

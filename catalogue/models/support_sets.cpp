@@ -102,6 +102,21 @@ std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mes
   return found;
 }
 
+/// Points with those that were inserted between two of them: nobody can name these, and between points of
+/// four-node tetrahedra that are held nothing moves.
+std::vector<Index> with_inserted(std::vector<Index> points, const LoadedMesh& mesh) {
+  const MeshOrigin& origin = *mesh.origin;
+  if (origin.file.inserted.empty()) return points;
+  std::vector<char> is_in(static_cast<std::size_t>(mesh.mesh.point_count()), 0);
+  for (const Index point : points) is_in[static_cast<std::size_t>(point)] = 1;
+  const std::vector<Index> model_points = origin.model_points();
+  const auto model_point = [&](Index i) { return model_points[static_cast<std::size_t>(i)]; };
+  const auto has = [&](Index i) { return is_in[static_cast<std::size_t>(model_point(i))] != 0; };
+  for (const auto& [point, one, other] : origin.file.inserted)
+    if (has(one) && has(other)) points.push_back(model_point(point));
+  return points;
+}
+
 /// Six numbers with commas between them; nothing where the text is none.
 std::optional<std::array<double, 6>> box_of(const std::string& text) {
   const std::vector<std::string> parts = split(text, ",");
@@ -195,7 +210,7 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
     for (const Index corner : called.groups.front()->corners)
       if (const Index point = model_points[static_cast<std::size_t>(corner)]; point >= 0)
         points.push_back(point);
-    return points;
+    return called.groups.front()->dimension == 0 ? with_inserted(std::move(points), mesh) : points;
   }
   const auto region = std::ranges::find(origin.regions, called.regions.front()) - origin.regions.begin();
   for (Eigen::Index t = 0; t < mesh.mesh.tetrahedron_count(); ++t)
@@ -217,9 +232,9 @@ std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMe
   constexpr std::string_view list = "points:";
   std::vector<Index> points;
   if (set.starts_with(list))
-    points = listed_points(set.substr(list.size()), mesh);
+    points = with_inserted(listed_points(set.substr(list.size()), mesh), mesh);
   else if (set.starts_with('@'))
-    points = points_in_file(set.substr(1), mesh);
+    points = with_inserted(points_in_file(set.substr(1), mesh), mesh);
   else if (const auto box = box_of(set))
     points = points_in_box(mesh.mesh, {(*box)[0], (*box)[2], (*box)[4]}, {(*box)[1], (*box)[3], (*box)[5]});
   else if (const auto half = half_space_of(set))

@@ -16,7 +16,9 @@ namespace hmax {
 ///   XMIN,XMAX,YMIN,YMAX,ZMIN,ZMAX   all points in a box [m], its sides included; inf and -inf bound nothing
 ///   z<0.01, x>=0.2                  all points on one side of a plane across x, y or z [m], the plane
 ///   included
-/// Points of a group that are in no tetrahedron are left out.
+/// Points of a group that are in no tetrahedron are left out. Points that were inserted between two others
+/// (ElementNodes::ten) are in a box, a plane, a region or a surface like any other, and in a list of points
+/// or a group of vertices where both others are.
 /// @throws InputError  for a set that is unknown, ambiguous or empty, and for points that the mesh does not
 /// have
 std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh);

@@ -523,6 +523,10 @@ TissueId::TissueId(const std::string& id) {
   require_known("load", load, loads);
 }
 
+ElementNodes element_nodes(const TissueId& id) {
+  return tissue_model(id.model).has_ten_nodes ? ElementNodes::ten : ElementNodes::four;
+}
+
 TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& settings) {
   TissueParameters parameters;
   if (const NamedMesh* const named = find_named_mesh(parse_mesh_request(id.mesh).name))

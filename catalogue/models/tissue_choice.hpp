@@ -18,6 +18,9 @@ namespace hmax {
 std::vector<std::string_view> tissue_model_ids();
 std::span<const std::string_view> tissue_loads();
 
+/// How many nodes of its elements the model takes.
+ElementNodes element_nodes(const TissueId& id);
+
 /// Those of a mesh and material, with what the user sets.
 /// @throws InputError  for unknown names, numbers out of range, what the model or the load does not have, and
 /// what

@@ -156,14 +156,15 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
     throw InputError("--y0 is not for tissue, which starts at rest; choose what moves it with --load");
 
   const TissueParameters parameters = tissue_parameters(id, settings);
-  const LoadedMesh loaded = load_mesh(id.mesh, settings.unit);
+  const LoadedMesh loaded = load_mesh(id.mesh, settings.unit, element_nodes(id));
   const TetMesh& mesh = loaded.mesh;
   auto body =
       std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),
                   .material = settings.material,
-                  .note = fmt::format("{} points, {} tetrahedra, {} degrees of freedom", mesh.point_count(),
-                                      mesh.tetrahedron_count(), body->dofs()),
+                  .note = fmt::format("{} points, {} tetrahedra{}, {} degrees of freedom", mesh.point_count(),
+                                      body->mesh().element_count(),
+                                      body->mesh().has_ten_nodes() ? " of ten nodes" : "", body->dofs()),
                   .parameters = named_values(parameters),
                   .states = {},
                   .y0 = body->y0(),

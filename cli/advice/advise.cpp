@@ -17,6 +17,7 @@
 #include "bench/timing/timing.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/support_sets.hpp"
+#include "catalogue/models/tissue_choice.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
 #include "cli/bodies/body_scene.hpp"
@@ -108,7 +109,8 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
       if (options.problem.body.mesh.empty())
         throw InputError("--motion-at names points of --mesh; name a mesh");
       question.motion->points = points_of_sets(
-          options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres()));
+          options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres(),
+                                       element_nodes(TissueId(problem.id))));
     }
   }
   question.methods = options.methods.empty() ? choose_methods(simulator_methods(), {problem})

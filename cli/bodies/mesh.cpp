@@ -481,8 +481,9 @@ std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& optio
 }
 
 std::string second_order_in_words(const MeshFile& file) {
-  return fmt::format("{} tetrahedra of second order are read by their corners; their other nodes are idle",
-                     file.second_order);
+  return fmt::format(
+      "{} tetrahedra of second order are read by their corners; --model fem_quadratic takes all their nodes",
+      file.second_order);
 }
 
 void add_mesh_argument(CLI::App& command, MeshCommand& options) {

@@ -63,14 +63,15 @@ ProblemSettings settings_of(const MeshCommand& options) {
 
 /// A scene of the body that `hmax run --mesh` would make, without gravity and supports unless they are asked
 /// for.
-Scene scene_of(const MeshCommand& options, const MeshFile& file) {
+Scene scene_of(const MeshCommand& options, MeshFile file) {
+  const TissueId id(tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, ""));
+  if (element_nodes(id) == ElementNodes::ten) file = with_ten_nodes(file);
   MeshImport import = import_as_it_is(file);
   const std::vector<TetMesh::Index> idle = unused_points(file.mesh);
   if (!idle.empty()) import = import_mesh(file, 1);
   LoadedMesh loaded{.name = options.mesh,
                     .mesh = std::move(import.mesh),
                     .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
-  const TissueId id(tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, ""));
   const TissueParameters parameters = tissue_parameters(id, settings_of(options));
   const TissueBody body(loaded.mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   return {sofa_text(body, options.h.value_or(0.01)), lacking(body.settings())};

@@ -48,7 +48,8 @@ StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
 DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   const TissueParameters parameters = tissue_parameters(id, settings);
-  LoadedMesh loaded = load_mesh_to_renumber(id.mesh, settings.unit);  // BodyPieces does that
+  LoadedMesh loaded =
+      load_mesh_to_renumber(id.mesh, settings.unit, element_nodes(id));  // BodyPieces does that
   TissueSettings made = tissue_settings(id, parameters, loaded);
   if (!made.tools.empty())
     throw InputError(

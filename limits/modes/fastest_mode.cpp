@@ -7,6 +7,7 @@
 #include "analysis/spectrum/block_product.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "problems/mesh/mesh_quality.hpp"
+#include "problems/mesh/ten_node.hpp"
 #include "problems/mesh/topology.hpp"
 
 namespace hmax {
@@ -91,9 +92,11 @@ Sparse without(Sparse K, const ModePart& part) {
   return K;
 }
 
-/// The best move of an inner point of the owner towards the mean of its neighbours.
+/// The best move of an inner point of the owner towards the mean of its neighbours; none of elements of ten
+/// nodes, whose sides it would bend.
 void smooth(const TissueBody& body, FastestMode& mode) {
   const TetMesh& mesh = body.mesh();
+  if (mesh.has_ten_nodes()) return;
   const MeshSurface surface = surface_of(mesh);
   const std::set<TetMesh::Index> outer(surface.points.begin(), surface.points.end());
   for (const TetMesh::Index point : mode.points) {
@@ -141,13 +144,13 @@ std::vector<double> mass_weights(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   std::vector<double> weights;
   const TetMesh& mesh = body.mesh();
-  const bool only_tetrahedra = body.element_pieces() == at(mesh.tetrahedron_count()) &&
-                               settings.skin.kind == SkinSettings::Kind::none &&
-                               settings.elastic_supports.empty();
-  if (!only_tetrahedra) return weights;
-  for (Index t = 0; t < mesh.tetrahedron_count(); ++t) {
-    const std::size_t region = settings.materials.size() > 1 ? at(mesh.regions.at(at(t))) : 0;
-    weights.push_back(signed_volume(corners_of(mesh, t)) * settings.materials.at(region).density);
+  const bool only_elements = body.element_pieces() == at(mesh.element_count()) &&
+                             settings.skin.kind == SkinSettings::Kind::none &&
+                             settings.elastic_supports.empty();
+  if (!only_elements) return weights;
+  for (Index e = 0; e < mesh.element_count(); ++e) {
+    const std::size_t region = settings.materials.size() > 1 ? at(mesh.region(mesh.first_part(e))) : 0;
+    weights.push_back(element_volume(mesh, e) * settings.materials.at(region).density);
   }
   return weights;
 }

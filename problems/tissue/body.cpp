@@ -10,6 +10,7 @@
 
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
+#include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/spring_sets.hpp"
 
@@ -50,6 +51,16 @@ void subtract_product(const TissueBody::DofMatrix& C, Eigen::Ref<const Eigen::Ve
   }
 }
 
+/// The mesh with the elements that a model takes, of ten nodes or four.
+TetMesh with_elements_of(const TissueModel& model, TetMesh mesh) {
+  if (model.has_ten_nodes && !mesh.has_ten_nodes() && mesh.tetrahedron_count() > 0)
+    throw std::invalid_argument(std::string(model.id) +
+                                " takes a mesh of tetrahedra of ten nodes and this one has four; make them "
+                                "with ten_node_mesh()");
+  if (!model.has_ten_nodes) mesh.ten_node.resize(10, 0);
+  return mesh;
+}
+
 void check_profile(const TimeProfile& profile) {
   require(profile.kind != TimeProfile::Kind::ramp || profile.rise > 0, profile.rise, "the rise of a ramp",
           "positive");
@@ -62,7 +73,9 @@ void check_profile(const TimeProfile& profile) {
 }  // namespace
 
 TissueBody::TissueBody(const TetMesh& mesh, TissueSettings settings, std::shared_ptr<const MeshOrigin> origin)
-    : mesh_(mesh), origin_(std::move(origin)), settings_(std::move(settings)) {
+    : mesh_(with_elements_of(settings.model, mesh)),
+      origin_(std::move(origin)),
+      settings_(std::move(settings)) {
   number_free_points();
   distribute_mass();
   build_elastic_parts();
@@ -179,9 +192,12 @@ void TissueBody::distribute_mass() {
   }
 
   point_mass_ = Eigen::VectorXd::Zero(mesh_.point_count());
-  for (Eigen::Index t = 0; t < mesh_.tetrahedron_count(); ++t) {
-    const double mass = materials[at(mesh_.region(t))].density * volume_of(mesh_.points, mesh_.tetrahedra, t);
-    for (Eigen::Index a = 0; a < 4; ++a) point_mass_[mesh_.tetrahedra(a, t)] += mass / 4;
+  for (Eigen::Index e = 0; e < mesh_.element_count(); ++e) {
+    const double volume = mesh_.has_ten_nodes() ? ten_node_volume(ten_places(mesh_, e))
+                                                : volume_of(mesh_.points, mesh_.tetrahedra, e);
+    const double mass = materials[at(mesh_.region(mesh_.first_part(e)))].density * volume;
+    const std::span<const Index> points = mesh_.element(e);
+    for (std::size_t a = 0; a < points.size(); ++a) point_mass_[points[a]] += mass * mass_share(mesh_, a);
   }
   if (Eigen::Index lightest = 0; !(point_mass_.minCoeff(&lightest) > 0))
     throw std::invalid_argument("point " + std::to_string(lightest) +
@@ -227,7 +243,7 @@ void TissueBody::build_elastic_parts() {
   const bool skin = settings_.skin.kind != SkinSettings::Kind::none;
   const bool on_surface = springs || skin || !settings_.tools.empty();
   const MeshSurface surface = on_surface ? surface_of(mesh_) : MeshSurface{};
-  MeshEdges pairs = settings_.model.averages_at_points ? two_edge_pairs(edges) : edges.edges;
+  MeshEdges pairs = acting_pairs(settings_.model, mesh_, edges);
   if (springs && settings_.springs.surface_bending > 0) pairs = both(pairs, bending_pairs(surface));
   if (springs && settings_.springs.second_ring > 0) pairs = both(pairs, second_ring_pairs(mesh_));
 

@@ -41,7 +41,7 @@ class TissueBody {
   using DofMatrix = Eigen::SparseMatrix<double>;
   using Index = TetMesh::Index;
 
-  /// @param mesh  valid, without unused points
+  /// @param mesh  valid, without unused points; of ten nodes where the model takes them
   /// @throws std::invalid_argument  when the settings do not fit the mesh or each other, or a number is out
   /// of
   ///         range
@@ -64,7 +64,8 @@ class TissueBody {
   void offset(State& X) const;
 
   void rhs(double t, const State& y, State& dydt) const;
-  /// Lumped: a quarter of each tetrahedron at each of its points, shape (dofs) [kg].
+  /// Lumped: a mass_share() of each element at each of its points (problems/mesh/ten_node.hpp), shape (dofs)
+  /// [kg].
   [[nodiscard]] const Dofs& mass() const { return mass_; }
   /// F(t, q, v), shape (dofs) [N].
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const;
@@ -112,6 +113,7 @@ class TissueBody {
   /// Its mean over the tetrahedra at each point by their volumes [J/m^3], shape (points).
   [[nodiscard]] Eigen::VectorXd point_energy_densities(double t, const Dofs& q) const;
   /// The least volume of a tetrahedron relative to that at rest, and the tetrahedron; below 0 it is inverted.
+  /// Of elements of ten nodes: of their parts.
   [[nodiscard]] std::pair<double, Eigen::Index> least_volume(double t, const Dofs& q) const;
 
   /// Calls visit(points, K) with the stiffness at rest of each piece of the elements, spring, triangle of the
@@ -119,7 +121,8 @@ class TissueBody {
   /// `points` of the mesh, K of shape (3 points, 3 points). Their sum over the free points is the stiffness
   /// at q = 0 without contact.
   void visit_rest_stiffness(const StiffnessVisitor& visit) const;
-  /// How many of these come from finite elements: first the tetrahedra, then what acts on several of them.
+  /// How many of these come from finite elements: first the elements of the mesh, then what acts on several
+  /// of them.
   [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
 
  private:

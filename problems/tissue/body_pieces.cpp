@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "problems/mesh/at.hpp"
-#include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/renumber.hpp"
+#include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -73,9 +73,11 @@ BodyPieces::BodyPieces(const TetMesh& mesh, TissueSettings settings) : settings_
     }
   number_free_points();
   set_masses();
-  EdgeTable table = edge_table(mesh_);
-  for (const auto& edge : table.edges.colwise()) width_ = std::max(width_, edge[1] - edge[0]);
-  pairs_ = settings_.model.averages_at_points ? two_edge_pairs(table) : std::move(table.edges);
+  for (Eigen::Index e = 0; e < mesh_.element_count(); ++e) {
+    const auto [low, high] = std::ranges::minmax(mesh_.element(e));
+    width_ = std::max(width_, high - low);
+  }
+  pairs_ = acting_pairs(settings_.model, mesh_, edge_table(mesh_));
 }
 
 bool BodyPieces::has_dampers() const {
@@ -101,9 +103,9 @@ void BodyPieces::set_masses() {
   if (!settings_.total_mass && !settings_.equal_masses) return;
   double mass = 0;
   std::vector<TissueMaterial>& materials = settings_.materials;
-  for (Eigen::Index t = 0; t < mesh_.tetrahedron_count(); ++t)
-    mass += materials.at(materials.size() == 1 ? 0 : at(mesh_.region(t))).density *
-            signed_volume(corners_of(mesh_, t));
+  for (Eigen::Index e = 0; e < mesh_.element_count(); ++e)
+    mass += materials.at(materials.size() == 1 ? 0 : at(mesh_.region(mesh_.first_part(e)))).density *
+            element_volume(mesh_, e);
   const double given = settings_.total_mass.value_or(mass);
   settings_.total_mass.reset();
   if (settings_.equal_masses)
@@ -113,10 +115,10 @@ void BodyPieces::set_masses() {
 }
 
 std::vector<BodyPieces::Index> BodyPieces::touching(const std::vector<Index>& points) const {
-  const auto lowest = [&](Index t) { return mesh_.tetrahedra.col(t).minCoeff(); };
-  // Tetrahedra come in the order of their lowest points.
+  const auto lowest = [&](Index e) { return std::ranges::min(mesh_.element(e)); };
+  // Elements come in the order of their lowest points.
   const auto first_from = [&](Index point) {
-    Index low = 0, high = static_cast<Index>(mesh_.tetrahedron_count());
+    Index low = 0, high = static_cast<Index>(mesh_.element_count());
     while (low < high) {
       const Index middle = low + (high - low) / 2;
       lowest(middle) < point ? low = middle + 1 : high = middle;
@@ -125,34 +127,41 @@ std::vector<BodyPieces::Index> BodyPieces::touching(const std::vector<Index>& po
   };
   const Index stop = first_from(points.back() + 1);
   std::vector<Index> found;
-  for (Index t = first_from(points.front() - width_); t < stop; ++t)
-    if (std::ranges::any_of(mesh_.tetrahedra.col(t),
-                            [&](Index i) { return std::ranges::binary_search(points, i); }))
-      found.push_back(t);
+  for (Index e = first_from(points.front() - width_); e < stop; ++e)
+    if (std::ranges::any_of(mesh_.element(e), [&](Index i) { return std::ranges::binary_search(points, i); }))
+      found.push_back(e);
   return found;
 }
 
-std::vector<BodyPieces::Index> BodyPieces::points_of(const std::vector<Index>& tetrahedra) const {
+std::vector<BodyPieces::Index> BodyPieces::points_of(const std::vector<Index>& elements) const {
   std::vector<Index> points;
-  for (const Index t : tetrahedra)
-    for (const Index corner : mesh_.tetrahedra.col(t)) points.push_back(corner);
+  for (const Index e : elements) {
+    const std::span<const Index> own = mesh_.element(e);
+    points.insert(points.end(), own.begin(), own.end());
+  }
   std::ranges::sort(points);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
 
 TetMesh BodyPieces::around(Index begin, Index end, std::vector<Index>& points) const {
-  std::vector<Index> tetrahedra = touching({free_points_.begin() + begin, free_points_.begin() + end});
-  points = points_of(tetrahedra);
+  std::vector<Index> elements = touching({free_points_.begin() + begin, free_points_.begin() + end});
+  points = points_of(elements);
   if (settings_.model.averages_at_points) {
-    tetrahedra = touching(points);
-    points = points_of(tetrahedra);
+    elements = touching(points);
+    points = points_of(elements);
   }
+  std::vector<Index> tetrahedra;
+  for (const Index e : elements)
+    for (Eigen::Index part = 0; part < mesh_.parts(); ++part)
+      tetrahedra.push_back(static_cast<Index>(mesh_.first_part(e) + part));
+  const auto local = [&](Index point) {
+    return static_cast<Index>(std::ranges::lower_bound(points, point) - points.begin());
+  };
   TetMesh piece;
   piece.points = mesh_.points(Eigen::all, points);
-  piece.tetrahedra = mesh_.tetrahedra(Eigen::all, tetrahedra).unaryExpr([&](Index corner) {
-    return static_cast<Index>(std::ranges::lower_bound(points, corner) - points.begin());
-  });
+  piece.tetrahedra = mesh_.tetrahedra(Eigen::all, tetrahedra).unaryExpr(local);
+  if (mesh_.has_ten_nodes()) piece.ten_node = mesh_.ten_node(Eigen::all, elements).unaryExpr(local);
   if (!mesh_.regions.empty())
     for (const Index each : tetrahedra) piece.regions.push_back(mesh_.region(each));
   return piece;

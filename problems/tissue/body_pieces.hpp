@@ -17,7 +17,7 @@ namespace hmax {
 /// (problems/mesh/renumber.hpp), so that the rows of a range of points have most of their entries in columns
 /// of that range.
 ///
-/// Rows of a range are those of a TissueBody made of the tetrahedra that touch it, and of those around their
+/// Rows of a range are those of a TissueBody made of the elements that touch it, and of those around their
 /// points where a model averages there: all that acts on a point of the range.
 class BodyPieces {
  public:
@@ -55,11 +55,11 @@ class BodyPieces {
  private:
   void set_masses();
   void number_free_points();
-  /// The tetrahedra with a point among `points`, which rise.
+  /// The elements with a point among `points`, which rise.
   [[nodiscard]] std::vector<Index> touching(const std::vector<Index>& points) const;
   /// Their points, rising.
-  [[nodiscard]] std::vector<Index> points_of(const std::vector<Index>& tetrahedra) const;
-  /// The tetrahedra that act on free points begin to end, with points in their order; `points` are those of
+  [[nodiscard]] std::vector<Index> points_of(const std::vector<Index>& elements) const;
+  /// The elements that act on free points begin to end, with points in their order; `points` are those of
   /// the mesh.
   [[nodiscard]] TetMesh around(Index begin, Index end, std::vector<Index>& points) const;
 
@@ -67,7 +67,7 @@ class BodyPieces {
   TissueSettings settings_;  ///< as any piece has them: at rest, nothing acts
   double alpha_ = 0, beta_ = 0;
   double mass_of_point_ = 0;        ///< where all have the same [kg]
-  Index width_ = 0;                 ///< no tetrahedron has points that lie further apart in the order
+  Index width_ = 0;                 ///< no element has points that lie further apart in the order
   std::vector<Index> free_points_;  ///< their numbers in the mesh, rising
   std::vector<Index> number_;  ///< of each point of the mesh among the free ones; -1 of those that are held
   MeshEdges pairs_;            ///< of points that act on each other

@@ -7,6 +7,7 @@
 
 #include "problems/tissue/forces/green_elements.hpp"
 #include "problems/tissue/forces/nodal_pressure.hpp"
+#include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
 namespace hmax {
@@ -51,10 +52,20 @@ constexpr auto models = std::to_array<TissueModel>({
      .resists_locking = true,
      .averages_at_points = true,
      .make_elements = make<NodalPressure>},
+    {.id = "fem_quadratic",
+     .note = "fem_neo_hookean on tetrahedra of ten nodes, of the file or with inserted middles of edges",
+     .resists_locking = true,
+     .has_ten_nodes = true,
+     .make_elements = make<QuadraticElements>},
     {.id = "mass_spring", .note = "springs along the edges of the mesh, Poisson's ratio 1/4"},
 });
 
 }  // namespace
+
+MeshEdges acting_pairs(const TissueModel& model, const TetMesh& mesh, const EdgeTable& table) {
+  if (model.has_ten_nodes) return element_pairs(mesh);
+  return model.averages_at_points ? two_edge_pairs(table) : table.edges;
+}
 
 std::span<const TissueModel> tissue_models() { return models; }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "problems/mesh/tet_mesh.hpp"
+#include "problems/mesh/topology.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
@@ -32,12 +33,18 @@ struct TissueModel {
   bool resists_locking = false;  ///< bends as freely near nu = 1/2 as far from it
   /// All points of the tetrahedra around a point act on each other; false: those of a tetrahedron do.
   bool averages_at_points = false;
+  /// Its elements have ten nodes: it takes a mesh with TetMesh::ten_node, all others its tetrahedra.
+  bool has_ten_nodes = false;
   SofaField sofa = SofaField::none;
   MakeElements make_elements = nullptr;  ///< null: springs along the edges of the mesh
 
   [[nodiscard]] constexpr bool is_of_springs() const { return make_elements == nullptr; }
   bool operator==(const TissueModel& other) const { return id == other.id; }
 };
+
+/// The pairs of points that act on each other in elements of a model, or along the edges of the mesh.
+/// @param table  edges of the mesh
+[[nodiscard]] MeshEdges acting_pairs(const TissueModel& model, const TetMesh& mesh, const EdgeTable& table);
 
 /// Poisson's ratio of springs whose stiffness comes from Young's modulus [vangelder1998approximate].
 inline constexpr double poisson_of_springs = 0.25;

@@ -64,7 +64,7 @@ class Body:
     ----------
     mesh : a Mesh, or what read_mesh() takes
     model : "fem_green" (default), "fem_cauchy", "fem_corotational", "fem_neo_hookean",
-        "fem_nodal_pressure" or "mass_spring"
+        "fem_nodal_pressure", "fem_quadratic" or "mass_spring"
     material : such as "liver:male_normal"; see `hmax list materials`
     load : such as "gravity" or "press"
     unit : of a mesh file, as of read_mesh()

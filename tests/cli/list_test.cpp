@@ -45,7 +45,7 @@ TEST(List, ProblemsHaveTheKeysOfTheContract) {
 
 TEST(List, ModelsHaveTheKeysOfTheContract) {
   const Json models = Shell().hmax("list models --json").json();
-  ASSERT_EQ(models.size(), 6U);
+  ASSERT_EQ(models.size(), 7U);
   for (const Json& model : models)
     expect_keys(model, {"id", "note", "is_linear", "is_of_springs", "resists_inversion", "resists_locking"});
   EXPECT_EQ(models[0].at("id"), "fem_green") << "the default comes first";

@@ -112,6 +112,11 @@ TEST(MeshLimits, SayThatTheStiffnessOfFibresJumpsAtRestAndNotUnderALoad) {
   EXPECT_EQ(state("fem_cauchy", 0).find("fibres"), std::string::npos) << "linear ones push too";
 }
 
+TEST(MeshLimits, AreObservedOfElementsOfTenNodes) {
+  expect_observed(mesh_problem("fem_quadratic@cube:n=2", {}), {"rk4", "symplectic_euler", "stormer_verlet"});
+  expect_observed(mesh_problem("fem_quadratic@cube:n=1", {{"alpha", 4}, {"beta", 0.001}}), one_of_each);
+}
+
 TEST(MeshLimits, AreObservedWithRayleighDamping) {
   expect_observed(mesh_problem("fem_cauchy@phantom", {{"alpha", 4}, {"beta", 0.001}}), one_of_each);
 }

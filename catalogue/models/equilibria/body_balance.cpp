@@ -264,10 +264,10 @@ NamedElement named_element(const Problem& problem, Eigen::Index element) {
   const TissueBody& body = *problem.body;
   const auto pieces = static_cast<Eigen::Index>(body.element_pieces());
   NamedElement named{.kind = "tetrahedron", .number = 0, .points = {}};
-  if (element < std::min(pieces, body.mesh().tetrahedron_count())) {
-    named.number = tetrahedron_number(problem, element);
-    for (const auto corner : body.mesh().tetrahedra.col(element))
-      named.points.push_back(point_number(problem, corner));
+  if (element < std::min(pieces, body.mesh().element_count())) {
+    named.number = tetrahedron_number(problem, body.mesh().first_part(element));
+    for (const auto point : body.mesh().element(element))
+      named.points.push_back(point_number(problem, point));
     return named;
   }
   Eigen::Index e = 0;

@@ -38,10 +38,10 @@ class Elements {
   /// values = K = -dF/du [N/m] at u, in the pattern that the elements were made with.
   virtual void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const = 0;
 
-  /// W = energy densities [J/m^3] of the tetrahedra at u, shape (tetrahedra).
+  /// W = energy densities [J/m^3] of the tetrahedra at u, parts of elements among them, shape (tetrahedra).
   virtual void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const = 0;
-  /// Calls visit(points, K) for the pieces that the stiffness at u is the sum of: the tetrahedra of the mesh
-  /// in their order, then what acts on several of them.
+  /// Calls visit(points, K) for the pieces that the stiffness at u is the sum of: the elements of the mesh
+  /// (TetMesh::element) in their order, then what acts on several of them.
   virtual void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const = 0;
   /// The number of these pieces.
   [[nodiscard]] virtual std::size_t pieces() const = 0;

@@ -35,7 +35,7 @@ FibreElements::FibreElements(std::shared_ptr<const Elements> matrix, const TetMe
     const Fibre& fibre = fibres[at(mesh.region(t))];
     if (fibre.young == 0) continue;
     Element e{.tetrahedron = t,
-              .piece = t,
+              .piece = t / mesh.parts(),
               .points = {},
               .slopes = {},
               .direction = fibre.direction.normalized(),

@@ -55,6 +55,27 @@ class SupportSets : public ::testing::Test {
   LoadedMesh mesh;
 };
 
+/// The same with a point in the middle of each of the nine edges, numbered on from 13.
+class SupportSetsOfTenNodes : public SupportSets {
+ protected:
+  SupportSetsOfTenNodes() { mesh = load_mesh((folder / "two.msh").string(), 0.1, ElementNodes::ten); }
+
+  /// How many middles a set has, all of which must lie between two corners of the set.
+  int middles(const std::string& set) const {
+    const std::vector<TetMesh::Index> points = points_of_set(set, mesh);
+    const auto has = [&](TetMesh::Index i) { return std::ranges::find(points, i) != points.end(); };
+    const auto now = mesh.origin->model_points();
+    int count = 0;
+    for (const auto& [point, one, other] : mesh.origin->file.inserted) {
+      const auto at = [&](TetMesh::Index i) { return now.at(static_cast<std::size_t>(i)); };
+      if (!has(at(point))) continue;
+      ++count;
+      EXPECT_TRUE(has(at(one)) && has(at(other))) << set;
+    }
+    return count;
+  }
+};
+
 using Numbers = std::vector<std::int64_t>;
 
 TEST_F(SupportSets, AreGroupsAndRegionsByNameOrByKindAndNumber) {
@@ -64,6 +85,19 @@ TEST_F(SupportSets, AreGroupsAndRegionsByNameOrByKindAndNumber) {
   EXPECT_EQ(held("region:core"), (Numbers{2, 4, 6, 8}));
   EXPECT_EQ(held("region:9"), (Numbers{4, 6, 8, 10}));
   EXPECT_EQ(held("vertices:core"), Numbers{10});
+}
+
+TEST_F(SupportSetsOfTenNodes, HaveTheMiddlesOfTheirEdges) {
+  ASSERT_EQ(mesh.mesh.point_count(), 5 + 9);
+  EXPECT_EQ(middles("skin"), 3);
+  EXPECT_EQ(middles("region:core"), 6);
+  EXPECT_EQ(middles("region:9"), 6);
+  EXPECT_EQ(middles("z<0.001"), 3);
+  EXPECT_EQ(middles("points:2,4,6"), 3);
+  EXPECT_EQ(middles("points:2,10"), 0) << "no edge";
+  EXPECT_EQ(middles("vertices:core"), 0);
+  EXPECT_EQ(held("points:13"), Numbers{13});
+  EXPECT_EQ(middles("points:4,10"), 1);
 }
 
 TEST_F(SupportSets, ArePointsByTheirNumbersBoxesAndFiles) {

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
 #include "limits/linearised_problem.hpp"
 #include "problems/mesh/mesh_generators.hpp"
@@ -50,6 +51,23 @@ TEST(FastestMode, OfAMisplacedPointIsOwnedBesideItAndGainsFromPuttingItBack) {
     EXPECT_GT(mode.smoothed, 1.05);
     EXPECT_EQ(mode.moved_point, point);
   }
+}
+
+TEST(FastestMode, IsOwnedByAnElementOfTenNodesWithItsNumber) {
+  const Problem problem =
+      make_problem("fem_quadratic@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+  const TissueBody& body = *problem.body;
+  const FastestMode mode = fastest_mode_of(body);
+  EXPECT_NEAR(mode.kappa, fastest_by_all_of_them(body), 1e-6 * mode.kappa);
+  EXPECT_GE(mode.bounds.element, mode.kappa * (1 - 1e-9));
+  EXPECT_LT(mode.bounds.element, 3 * mode.kappa);
+  EXPECT_EQ(mode.points.size(), 10U);
+  EXPECT_EQ(mass_weights(body).size(), 48U);
+  EXPECT_FALSE(mode.moved_point) << "a side would bend";
+  const NamedElement named = named_element(problem, mode.owner.element);
+  EXPECT_EQ(named.kind, "tetrahedron");
+  EXPECT_EQ(named.number, mode.owner.element + 1);
+  EXPECT_EQ(named.points.size(), 10U);
 }
 
 TEST(FastestMode, GainsAreThoseOfTheChangedBodyAndCostNothingUnlessAsked) {

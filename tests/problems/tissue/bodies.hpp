@@ -11,6 +11,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "problems/mesh/mesh_generators.hpp"
+#include "problems/mesh/refine.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -23,6 +24,26 @@ inline TetMesh uneven_box(double size = 0.1) {
   std::uniform_real_distribution<double> by(-0.05 * size, 0.05 * size);
   for (double& x : mesh.points.reshaped()) x += by(random);
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) mesh.regions.push_back(t % 3 == 0 ? 1 : 0);
+  return mesh;
+}
+
+/// A mesh with the elements that a model takes.
+inline TetMesh mesh_for(const TissueModel& model, const TetMesh& mesh) {
+  return model.has_ten_nodes ? ten_node_mesh(mesh) : mesh;
+}
+
+/// The middles of the edges moved at random: no side is straight.
+inline void bend_sides(TetMesh& mesh, double by) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> to(-by, by);
+  const TetMesh::Index corners = mesh.ten_node.topRows<4>().maxCoeff() + 1;
+  for (double& x : mesh.points.rightCols(mesh.point_count() - corners).reshaped()) x += to(random);
+}
+
+/// uneven_box() for a model; elements of ten nodes have curved sides.
+inline TetMesh uneven_box_for(const TissueModel& model) {
+  TetMesh mesh = mesh_for(model, uneven_box());
+  if (model.has_ten_nodes) bend_sides(mesh, 0.002);
   return mesh;
 }
 
@@ -86,8 +107,8 @@ inline std::vector<NamedSettings> elastic_settings() {
   return all;
 }
 
-/// The same with supports that move, gravity, loads, a tool in contact and every damping.
-inline std::vector<NamedSettings> loaded_settings(const TetMesh& mesh) {
+/// The same on uneven_box_for() with supports that move, gravity, loads, a tool in contact and every damping.
+inline std::vector<NamedSettings> loaded_settings() {
   std::vector<NamedSettings> all = elastic_settings();
   for (NamedSettings& named : all) {
     TissueSettings& s = named.settings;
@@ -96,7 +117,7 @@ inline std::vector<NamedSettings> loaded_settings(const TetMesh& mesh) {
     s.gravity = {0, 0, -9.81};
     s.springs.damper = 0.3;
     s.springs.damper_time = 0.002;
-    s.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1}),
+    s.supports = {{points_in_box(uneven_box_for(s.model), {-1, -1, -1}, {0.01, 1, 1}),
                    {0.002, 0, 0.001},
                    {TimeProfile::Kind::ramp, 0, 2}}};
     s.elastic_supports = {{{9, 20, 35}, {40, 300, 20}}, {{20, 2}, {10, 50}}};

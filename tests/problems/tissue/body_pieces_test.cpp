@@ -61,9 +61,9 @@ bool is_relative(const TissueSettings& settings) {
 }
 
 TEST(BodyPieces, MakeTheMatricesOfEveryModel) {
-  const TetMesh mesh = tissue_tests::uneven_box();
   for (auto& [name, settings] : tissue_tests::elastic_settings()) {
     if (is_relative(settings)) continue;
+    const TetMesh mesh = tissue_tests::uneven_box_for(settings.model);
     settings.supports.push_back({.points = {0, 5, 7}});
     settings.elastic_supports = {{.points = {5, 20, 3}, .stiffness = {9, 300, 40}}};
     settings.springs.damper_time = 0.01;
@@ -90,10 +90,10 @@ TEST(BodyPieces, HaveTheMassesOfTheWhole) {
 
 TEST(BodyPieces, CountTheNeighboursOfTheirPoints) {
   const TetMesh::Index begin = 3, end = 11;
-  for (const char* model : {"fem_green", "fem_nodal_pressure"}) {
+  for (const char* model : {"fem_green", "fem_nodal_pressure", "fem_quadratic"}) {
     TissueSettings settings{.model = tissue_model(model)};
     settings.supports.push_back({.points = {0, 5, 7}});
-    const BodyPieces body(tissue_tests::uneven_box(), settings);
+    const BodyPieces body(tissue_tests::uneven_box_for(settings.model), settings);
     const BodyPieces::Neighbours counts = body.neighbours(begin, end);
     const BodyPieces::Rows rows = body.piece(begin, end).stiffness;
     for (TetMesh::Index point = begin; point < end; ++point) {

@@ -32,8 +32,8 @@ struct Moment {
 double largest(const MatrixXd& A) { return A.cwiseAbs().maxCoeff(); }
 
 TEST(TissueBody, ForceIsTheGradientOfTheEnergyForEveryModelAndLoad) {
-  const TetMesh mesh = uneven_box();
-  for (auto [name, settings] : loaded_settings(mesh)) {
+  for (auto [name, settings] : loaded_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     const TissueBody body(mesh, settings);
     const Moment at(body);
     // At rest: the velocities of supports and tool, which the dampers feel, are left out.
@@ -50,8 +50,8 @@ TEST(TissueBody, ForceIsTheGradientOfTheEnergyForEveryModelAndLoad) {
 }
 
 TEST(TissueBody, StiffnessAndDampingAreTheDerivativesOfTheForceForEveryModelAndLoad) {
-  const TetMesh mesh = uneven_box();
-  for (const auto& [name, settings] : loaded_settings(mesh)) {
+  for (const auto& [name, settings] : loaded_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     const TissueBody body(mesh, settings);
     const Moment at(body);
     const MatrixXd K = stiffness(body, at.t, at.q, at.v), C = damping(body, at.t, at.q, at.v);
@@ -71,7 +71,7 @@ TEST(TissueBody, StiffnessAndDampingAreTheDerivativesOfTheForceForEveryModelAndL
 
 TEST(TissueBody, TheRightHandSideIsTheForceOverTheMass) {
   const TetMesh mesh = uneven_box();
-  const TissueBody body(mesh, loaded_settings(mesh).front().settings);
+  const TissueBody body(mesh, loaded_settings().front().settings);
   const Moment at(body);
   VectorXd y(body.dim()), dydt(body.dim());
   y << at.q, at.v;
@@ -82,7 +82,7 @@ TEST(TissueBody, TheRightHandSideIsTheForceOverTheMass) {
 
 TEST(TissueBody, StiffnessAndDampingKeepOnePatternAndItsMemory) {
   const TetMesh mesh = uneven_box();
-  const TissueBody body(mesh, loaded_settings(mesh).front().settings);
+  const TissueBody body(mesh, loaded_settings().front().settings);
   const Moment at(body);
   Eigen::SparseMatrix<double> K, C;
   body.stiffness(at.t, at.q, at.v, K);
@@ -103,8 +103,8 @@ TEST(TissueBody, StiffnessAndDampingKeepOnePatternAndItsMemory) {
 }
 
 TEST(TissueBody, AFreeBodyHasSixRigidModesAndASymmetricStiffness) {
-  const TetMesh mesh = uneven_box();
   for (const auto& [name, settings] : elastic_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     const TissueBody body(mesh, settings);
     const VectorXd rest = VectorXd::Zero(body.dofs());
     const MatrixXd K = stiffness(body, 0, rest, rest);
@@ -120,10 +120,10 @@ TEST(TissueBody, AFreeBodyHasSixRigidModesAndASymmetricStiffness) {
 }
 
 TEST(TissueBody, ARigidMotionMeetsNoForce) {
-  const TetMesh mesh = uneven_box();
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
   for (const auto& [name, settings] : elastic_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     const TissueBody body(mesh, settings);
     const Eigen::Matrix3Xd moved = (R * mesh.points).colwise() + Eigen::Vector3d(0.3, -0.1, 0.2);
     const VectorXd q = (moved - mesh.points).reshaped(), rest = VectorXd::Zero(body.dofs());
@@ -140,8 +140,8 @@ TEST(TissueBody, ARigidMotionMeetsNoForce) {
 }
 
 TEST(TissueBody, InternalForcesKeepMomentumAndAngularMomentum) {
-  const TetMesh mesh = uneven_box();
   for (auto [name, settings] : elastic_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     settings.springs.damper = 0.4;
     const TissueBody body(mesh, settings);
     const Moment at(body);
@@ -189,8 +189,8 @@ TEST(TissueBody, AveragedPressuresChangeNothingWhereNoVolumePushesAcross) {
 }
 
 TEST(TissueBody, TheElementsAtRestSumToTheStiffnessAtRest) {
-  const TetMesh mesh = uneven_box();
   for (auto [name, settings] : elastic_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
     settings.elastic_supports = {{{0, 9, 20}, {7, 40, 300}}};
     const TissueBody body(mesh, settings);
@@ -212,8 +212,8 @@ TEST(TissueBody, TheElementsAtRestSumToTheStiffnessAtRest) {
 }
 
 TEST(TissueBody, TheBoundOfTheSpectrumHolds) {
-  const TetMesh mesh = uneven_box();
-  for (auto [name, settings] : loaded_settings(mesh)) {
+  for (auto [name, settings] : loaded_settings()) {
+    const TetMesh mesh = uneven_box_for(settings.model);
     const TissueBody body(mesh, settings);
     const Moment at(body);
     const Eigen::Index n = body.dofs();
