@@ -51,6 +51,16 @@ void subtract_product(const TissueBody::DofMatrix& C, Eigen::Ref<const Eigen::Ve
   }
 }
 
+/// The least p with K <= p D, D the 3 x 3 blocks of K on its diagonal: at most their number. Of ten nodes it
+/// is less than half of that; of four it is nearly four.
+double over_diagonal_blocks(const Eigen::Ref<const Eigen::MatrixXd>& K) {
+  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(K.rows(), K.cols());
+  for (Eigen::Index a = 0; a < K.rows(); a += 3) D.block<3, 3>(a, a) = K.block<3, 3>(a, a);
+  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, D, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .maxCoeff();
+}
+
 /// The mesh with the elements that a model takes, of ten nodes or four.
 TetMesh with_elements_of(const TissueModel& model, TetMesh mesh) {
   if (model.has_ten_nodes && !mesh.has_ten_nodes() && mesh.tetrahedron_count() > 0)
@@ -217,13 +227,14 @@ void TissueBody::raise_masses() {
           "the step that masses are raised for", "zero or more and finite");
   if (settings_.mass_step > 0) {
     // The largest eigenvalue of M^-1 K is at most that of sum_e p_e K_e(a, a) / m_a at one of the points a,
-    // with p_e the number of points of element e; the step is 2 / sqrt of it.
+    // with p_e the number of points of element e, or less; the step is 2 / sqrt of it.
     std::vector<Eigen::Matrix3d> blocks(at(mesh_.point_count()), Eigen::Matrix3d::Zero());
     visit_rest_stiffness([&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
+      const double p = mesh_.has_ten_nodes() && points.size() == 10 ? over_diagonal_blocks(K)
+                                                                    : static_cast<double>(points.size());
       for (std::size_t a = 0; a < points.size(); ++a)
         blocks[at(points[a])] +=
-            static_cast<double>(points.size()) *
-            K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(a));
+            p * K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(a));
     });
     const double kappa = 4 / (settings_.mass_step * settings_.mass_step);
     for (const Index i : free_points_) {

@@ -245,29 +245,31 @@ TEST(TissueBody, MassIsThatOfTheMaterialsOrAsGiven) {
 }
 
 TEST(TissueBody, RaisedMassesAllowTheStepAndHaveNoWeight) {
-  const TetMesh mesh = uneven_box();
-  TissueSettings settings;
-  settings.materials = two_materials();
-  settings.gravity = {0, 0, -9.81};
-  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
-  const TissueBody before(mesh, settings);
-  const VectorXd rest = VectorXd::Zero(before.dofs());
-  const auto largest_step = [&](const TissueBody& body) {
-    const VectorXd roots = body.mass().cwiseSqrt().cwiseInverse();
-    const MatrixXd scaled = roots.asDiagonal() * stiffness(body, 0, rest, rest) * roots.asDiagonal();
-    return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-                             .eigenvalues()
-                             .maxCoeff());
-  };
-  settings.mass_step = 2 * largest_step(before);
-  const TissueBody after(mesh, settings);
-  EXPECT_GE(largest_step(after), settings.mass_step);
-  EXPECT_LT(largest_step(after), 2 * settings.mass_step);
-  EXPECT_GT(after.added_mass().sum(), 0);
-  EXPECT_EQ(before.added_mass().sum(), 0);
-  EXPECT_EQ(force(after, 0, rest, rest), force(before, 0, rest, rest));
-  settings.mass_step = -1;
-  EXPECT_THROW(TissueBody(mesh, settings), std::invalid_argument);
+  for (const char* model : {"fem_green", "fem_quadratic"}) {
+    SCOPED_TRACE(model);
+    TissueSettings settings{.model = tissue_model(model), .materials = two_materials()};
+    const TetMesh mesh = uneven_box_for(settings.model);
+    settings.gravity = {0, 0, -9.81};
+    settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
+    const TissueBody before(mesh, settings);
+    const VectorXd rest = VectorXd::Zero(before.dofs());
+    const auto largest_step = [&](const TissueBody& body) {
+      const VectorXd roots = body.mass().cwiseSqrt().cwiseInverse();
+      const MatrixXd scaled = roots.asDiagonal() * stiffness(body, 0, rest, rest) * roots.asDiagonal();
+      return 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly)
+                               .eigenvalues()
+                               .maxCoeff());
+    };
+    settings.mass_step = 2 * largest_step(before);
+    const TissueBody after(mesh, settings);
+    EXPECT_GE(largest_step(after), settings.mass_step);
+    EXPECT_LT(largest_step(after), 2 * settings.mass_step);
+    EXPECT_GT(after.added_mass().sum(), 0);
+    EXPECT_EQ(before.added_mass().sum(), 0);
+    EXPECT_EQ(force(after, 0, rest, rest), force(before, 0, rest, rest));
+    settings.mass_step = -1;
+    EXPECT_THROW(TissueBody(mesh, settings), std::invalid_argument);
+  }
 }
 
 TEST(SampledCurve, HasAHarmonicMeanOfItsSecantsAsSlope) {
