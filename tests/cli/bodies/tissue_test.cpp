@@ -108,6 +108,39 @@ TEST(TissueRun, WritesResultsInTheOrderOfTheFile) {
   EXPECT_EQ(2 * dof, state.at("y").size());
 }
 
+TEST(TissueRun, TakesAllNodesOfTetrahedraOfSecondOrder) {
+  const Shell shell;
+  const auto file = [](const char* middle) {
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 .1 0 0\n3 0 .1 0\n4 0 0 .1\n5 " +
+           std::string(middle) +
+           "\n6 .05 .05 0\n7 0 .05 0\n8 0 0 .05\n9 0 .05 .05\n10 .05 0 .05\n$EndNodes\n$Elements\n2\n"
+           "1 9 2 3 1 1 2 3 5 6 7\n7 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+  };
+  write_text(shell / "q.msh", file(".05 -.01 0"));
+  const std::string body = "--mesh q.msh --unit m --model fem_quadratic --load gravity ";
+  const Json predicted = shell.hmax("stability predict " + body + "--support surface:3 --methods rk4 --json")
+                             .json()
+                             .at("models")[0];
+  EXPECT_EQ(predicted.at("fastest_mode").at("element"), 7);
+  EXPECT_EQ(predicted.at("fastest_mode").at("points").size(), 10U);
+  EXPECT_EQ(predicted.at("body").at("points"), 10);
+  EXPECT_EQ(predicted.at("body").at("fixed"), 6) << "three corners and what lies between them";
+  // 1060 (1/6 - (dy + dz)/6) kg of a middle of the unit tetrahedron that is moved by d, scaled.
+  EXPECT_NEAR(predicted.at("body").at("mass").get<double>(), 1060 * 1e-3 * (1 + 0.1) / 6, 1e-12);
+  const Told run =
+      shell.hmax("run " + body +
+                 "--support surface:3 --method rk4 --h 0.0005 --t-end 0.01 --every 0.01 --output s/m.pvd");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json written = shell.hmax("mesh info s/m_00001.vtu --unit m --json").json();
+  EXPECT_EQ(written.at("points"), 10);
+  EXPECT_EQ(written.at("tetrahedra"), 8);
+  expect_refused(shell.hmax("mesh convert q.msh q.scn --unit m --model fem_quadratic"),
+                 "SOFA has no force field of the model fem_quadratic");
+  write_text(shell / "q.msh", file(".05 .09 0"));
+  expect_refused(shell.hmax("static " + body), "q.msh, line 20: tetrahedron 7 has sides bent so far");
+  EXPECT_EQ(shell.hmax("static --mesh q.msh --unit m --load gravity --set E=50000").exit_code, 0);
+}
+
 TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
   const std::string common = "run --mesh cube:n=2 --method symplectic_euler --h 0.001 --t-end 0.01 --json ";
   // The nine points at the bottom, point 1 among them, and the one above it.

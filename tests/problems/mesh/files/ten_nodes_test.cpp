@@ -211,6 +211,22 @@ TEST(TenNodes, TakeOneMiddleOfAnEdge) {
   }
 }
 
+TEST(TenNodes, AreJoinedWhereCornersAreMerged) {
+  // Each has nodes of its own. Corners are merged, and of the middles at one place the first is taken.
+  std::vector<std::string> lines = ten_lines(of_gmsh);
+  for (const char* own :
+       {"1 1 1", "1 0 0", "0 0 1", "0 1 0", "1 .5 .5", ".5 0 .5", ".5 .5 1", ".5 1 .5", "0 .5 .5", ".5 .5 0"})
+    lines.push_back(own);
+  MeshFile file =
+      read_mesh("a.msh", gmsh_head + "20\n" + numbered(lines) + "$EndNodes\n$Elements\n2\n1 11 2 8 1 " +
+                             from_one + "\n2 11 2 8 1 11 12 13 14 15 16 17 18 19 20\n$EndElements\n");
+  EXPECT_EQ(topology_of(with_ten_nodes(file).mesh).components, 2);
+  EXPECT_EQ(merge_points(file, 0), 3);
+  const TetMesh one = with_ten_nodes(file).mesh;
+  EXPECT_EQ(topology_of(one).components, 1);
+  EXPECT_EQ(surface_of(one).triangles.cols(), 24);
+}
+
 TEST(TenNodes, AreRefinedAlongTheirCurvedSides) {
   const MeshFile file = gmsh_file(0.1);
   const double volume = element_volume(with_ten_nodes(file).mesh, 0);
