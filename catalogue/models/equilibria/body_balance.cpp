@@ -203,8 +203,10 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
 
 StaticSolution beyond_inversion(const Problem& problem, double load_scale, const StaticSettings& settings,
                                 const Clock& clock, StaticSolution solution) {
-  if (!solution.barred || !problem.body->settings().model.resists_crushing) return solution;
-  if (equilibrium_time(*problem.body) > 0) return solution;
+  const bool pushes_back = problem.body->settings().model.resists_crushing;
+  // Steps of the load that somebody chose may be too few; loads that move are followed.
+  if (!solution.barred || !pushes_back || settings.load_steps || equilibrium_time(*problem.body) > 0)
+    return solution;
   StaticModel model = static_model(problem, load_scale);
   model.admissible = nullptr;
   StaticSolution other = solve_static(model, settings, clock);

@@ -47,10 +47,11 @@ double stored(const TissueBody& body, const Matrix3d& F) { return body.energy(0,
 
 TEST(Fibres, AddTheirModulusToTheStiffnessAtRestAlongThem) {
   // One strain e along x everywhere: q.K q = V e^2 (lambda + 2 mu + E_f).
-  TetMesh mesh = uneven_box();
-  mesh.regions.clear();
+  TetMesh box = uneven_box();
+  box.regions.clear();
   const double nu = 0.3, longitudinal = E_around * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
   for_finite_elements([&](const TissueModel& model) {
+    const TetMesh mesh = mesh_for(model, box);
     for (const double share : {1.0, 0.0}) {  // along them and across
       const TissueBody body(mesh,
                             settings_of(model, nu, share == 1 ? Vector3d(-3, 0, 0) : Vector3d(0, 0.2, 0)));
@@ -66,8 +67,8 @@ TEST(Fibres, AddTheirModulusToTheStiffnessAtRestAlongThem) {
 }
 
 TEST(Fibres, HaveTheEnergyOfTheirStretchAndNoneWhenTheyBuckle) {
-  TetMesh mesh = uneven_box();
-  mesh.regions.clear();
+  TetMesh box = uneven_box();
+  box.regions.clear();
   const Vector3d a(1, -2, 0.5);
   Matrix3d F;
   F << 1.2, 0.05, -0.02, 0.03, 1.1, 0.04, -0.06, 0.02, 1.05;
@@ -75,6 +76,7 @@ TEST(Fibres, HaveTheEnergyOfTheirStretchAndNoneWhenTheyBuckle) {
   ASSERT_GT(stretch, 1.05);
   for_finite_elements([&](const TissueModel& model) {
     if (model.is_linear) return;
+    const TetMesh mesh = mesh_for(model, box);
     const TissueBody bare(mesh, settings_of(model, 0.3, a, 0)), body(mesh, settings_of(model, 0.3, a));
     const double volume = body.point_mass().sum() / 1000, W = E_fibres / 2 * std::pow(stretch - 1, 2);
     EXPECT_NEAR((stored(body, F) - stored(bare, F)) / (volume * W), 1, 1e-10) << model.id;
@@ -106,12 +108,12 @@ TEST(Fibres, OfSmallStrainPushAsTheyPull) {
 
 TEST(Fibres, TurnWithTheBody) {
   // Mesh, fibres and displacements turned alike have forces turned alike; a turn of the body alone has none.
-  const TetMesh mesh = uneven_box();
   const Matrix3d R = Eigen::AngleAxisd(1.1, Vector3d(1, -0.4, 2).normalized()).toRotationMatrix();
-  TetMesh turned = mesh;
-  turned.points = R * mesh.points;
   const Vector3d a(0.3, 1, -2);
   for_finite_elements([&](const TissueModel& model) {
+    const TetMesh mesh = uneven_box_for(model);
+    TetMesh turned = mesh;
+    turned.points = R * mesh.points;
     const TissueBody body(mesh, settings_of(model, 0.3, a)), other(turned, settings_of(model, 0.3, R * a));
     const VectorXd q = random_vector(body.dofs(), 0.004, 5), still = VectorXd::Zero(body.dofs());
     const MatrixXd moved_too = R * q.reshaped(3, q.size() / 3);
