@@ -142,6 +142,8 @@ class Iteration {
 
   /// False also of forces that only rounding makes.
   [[nodiscard]] bool has_load() const { return scale_ > model_.rounding; }
+  /// |F(0)| [N].
+  [[nodiscard]] double load() const { return scale_; }
   [[nodiscard]] const VectorXd& q() const { return q_; }
   /// |R| / |F(0)| of the present iterate.
   [[nodiscard]] double residual() const { return size_; }
@@ -478,6 +480,9 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   solution.q = iteration.q();
   if (!iteration.has_load()) {
     solution.converged = true;
+    if (iteration.load() > 0)
+      solution.note = fmt::format("the load of {:.2g} N is within the rounding of the forces, {:.2g} N",
+                                  iteration.load(), model.rounding);
     solution.history.push_back({1, 1, 0, 0, 0});
     return solution;
   }

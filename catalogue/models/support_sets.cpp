@@ -155,7 +155,7 @@ std::optional<HalfSpace> half_space_of(const std::string& text) {
   const std::size_t number = sign + (text.substr(sign + 1, 1) == "=" ? 2 : 1);
   const auto bound = to_number(text.substr(number));
   if (!bound || std::isnan(*bound))
-    throw InputError(fmt::format("the support '{}' has no number behind {}; write it like z<0.01, in metres",
+    throw InputError(fmt::format("the support '{}' has no number of metres behind {}; write it like z<0.01",
                                  text, text.substr(sign, number - sign)));
   return HalfSpace{static_cast<int>(axes.find(text[name])), text[sign] == '<', *bound};
 }

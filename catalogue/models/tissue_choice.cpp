@@ -174,6 +174,8 @@ std::vector<std::pair<std::string, std::string>> materials_in(const std::string&
 /// @throws InputError  for one that does not exist
 const PublishedTissue& tissue_called(const std::string& id, const std::string& region) {
   if (const PublishedTissue* tissue = find_published_tissue(id)) return *tissue;
+  if (find_published_tissue("tissue:" + id))
+    throw InputError(fmt::format("unknown material '{}'; did you mean tissue:{}?", id, id));
   std::vector<std::string> known;
   for (const PublishedTissue& each : published_tissues()) known.emplace_back(each.id);
   throw InputError(fmt::format("unknown material '{}'{}; {}", id,
@@ -190,7 +192,7 @@ void take_material_of_body(const std::string& text, TissueParameters& parameters
       throw InputError(fmt::format(
           "--material {} names two materials of the whole body; write the second as REGION={}", text, id));
     is_taken = true;
-    if (id.starts_with("tissue:")) {
+    if (id.starts_with("tissue:") || find_published_tissue("tissue:" + id)) {
       const TissueMaterial& material = tissue_called(id, region).material;
       parameters.E = material.young;
       parameters.nu = material.poisson;
@@ -208,11 +210,16 @@ void take_material_of_body(const std::string& text, TissueParameters& parameters
 
 /// Behind all that the user sets, which overrides it: E, nu and rho of regions that have a material, without
 /// what would not act.
-/// @throws InputError  for a material that does not exist
+/// @throws InputError  for a material that does not exist, and for a second one of a region
 void take_materials_of_regions(const std::string& text, const TissueId& id, TissueParameters& parameters) {
+  std::vector<std::string> taken;
   for (const auto& [called, name] : materials_in(text)) {
     if (called.empty()) continue;
     const std::string& region = called;
+    if (std::ranges::find(taken, region) != taken.end())
+      throw InputError(
+          fmt::format("--material {} names two materials of the region {}; leave one out", text, region));
+    taken.push_back(region);
     const TissueMaterial& material = tissue_called(name, region).material;
     for (const NamedOfRegion& each : named_of_region) {
       const bool is_set =

@@ -487,7 +487,7 @@ double TissueBody::energy(double t, const Dofs& q) const {
 double TissueBody::kinetic_energy(const Dofs& v) const { return mass_.dot(v.cwiseAbs2()) / 2; }
 
 double TissueBody::spectral_radius(double t, const State& y) const {
-  thread_local DofMatrix matrix;
+  DofMatrix matrix;  // not kept: of a large body it is tens of megabytes
   thread_local Dofs q, v, columns, rows;
   q = y.head(dofs());
   v = y.tail(dofs());

@@ -86,6 +86,7 @@ class TissueBody {
   /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by the
   /// largest sums over a row and a column of the matrices scaled with M^(-1/2) (Gershgorin), c and k, and
   ///   |l| <= (c + sqrt(c^2 + 4 k)) / 2.
+  /// Allocates K and C one after the other.
   [[nodiscard]] double spectral_radius(double t, const State& y) const;
 
   /// False where displacements differ by more than ten thousand times the size of the body: no tissue holds

@@ -240,17 +240,17 @@ std::string cause_of(const Problem& problem, const StaticSolution& solution) {
 namespace {
 
 /// What else may help where an element collapses: for a model that does not resist it, one that does.
-std::string remedy_of_collapse(const TissueModel& model) {
-  const TissueModel* other = resisting_model(model);
+std::string remedy_of_collapse(const TissueModel& model, bool names_model) {
+  const TissueModel* other = names_model ? resisting_model(model) : nullptr;
   if (!other) return ", a smaller load or a stiffer material";
   return fmt::format(", a smaller load, a stiffer material, or {}, which resists being crushed", other->id);
 }
 
 }  // namespace
 
-std::string status_of(const Problem& problem, const StaticSolution& solution) {
+std::string status_of(const Problem& problem, const StaticSolution& solution, bool names_model) {
   std::string remedy = solution.remedy;
-  if (solution.barred) remedy += remedy_of_collapse(problem.body->settings().model);
+  if (solution.barred) remedy += remedy_of_collapse(problem.body->settings().model, names_model);
   return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
 }
 

@@ -43,7 +43,8 @@ std::string_view outcome_of(const Problem& problem, const StaticSolution& soluti
 std::string cause_of(const Problem& problem, const StaticSolution& solution);
 
 /// The same with what helps, in words of `hmax static`.
-std::string status_of(const Problem& problem, const StaticSolution& solution);
+/// @param names_model  that resists being crushed; false: somebody has tried it
+std::string status_of(const Problem& problem, const StaticSolution& solution, bool names_model = true);
 
 /// The longest displacement of a point [m], q of shape (dofs).
 double largest_displacement(const Eigen::VectorXd& q);

@@ -29,6 +29,8 @@ constexpr Eigen::Index most_by_factor = 6'000;
 
 constexpr std::string_view general = "take a smaller load or a stiffer material";
 
+bool is_held_by_springs(const TissueBody& body) { return !body.settings().elastic_supports.empty(); }
+
 /// The largest displacement of K u = f; nothing where K is not positive definite. Conjugate gradients end at
 /// a residual that leaves three digits of it.
 std::optional<double> largest_solution(const TissueBody::DofMatrix& K, const Eigen::VectorXd& f) {
@@ -190,6 +192,9 @@ struct SupportAdvice {
 SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const TissueBody& body = *problem.body;
   if (!loose_dofs(body).empty()) return {};
+  // How far ends sag that are fixed says nothing of springs.
+  if (is_held_by_springs(body))
+    return {"take stiffer springs (support_stiffness), a smaller load or a stiffer material"};
   const std::optional<double> present = hangs(body) ? linear_sag(body) : std::nullopt;
   if (!present) return {std::string(general)};
   const double size =
@@ -224,7 +229,8 @@ SupportAdvice advice_without_equilibrium(const Problem& problem) {
 /// What the body would do with a model that resists inversion, in words; empty where there is no other.
 std::string words_of_resisting_model(const Problem& problem) {
   const auto other = with_resisting_model(problem);
-  if (!other) return {};
+  // The parts of elements of ten nodes are not the mesh that the other model would have.
+  if (!other || problem.body->mesh().has_ten_nodes()) return {};
   const StaticSettings settings{.tolerance = 1e-9};
   const Clock no_clock = [] { return 0.0; };
   const StaticSolution solution =
@@ -251,9 +257,11 @@ std::string status_without_equilibrium(const Problem& problem, const StaticSolut
   const SupportAdvice advice = advice_without_equilibrium(problem);
   const bool by_elements = solution.barred || outcome_of(problem, solution) == "inverted";
   const bool resists = problem.body->settings().model.resists_crushing;
-  if (advice.is_the_cause || (by_elements && resists && !solution.barred))
+  const bool on_springs = !by_elements && is_held_by_springs(*problem.body);
+  if (advice.is_the_cause || on_springs || (by_elements && resists && !solution.barred))
     return cause_of(problem, solution) + "; " + advice.words;
-  return status_of(problem, solution) + (by_elements ? words_of_resisting_model(problem) : "");
+  const std::string tried = by_elements ? words_of_resisting_model(problem) : "";
+  return status_of(problem, solution, tried.empty()) + tried;
 }
 
 }  // namespace hmax

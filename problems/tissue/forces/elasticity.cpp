@@ -76,8 +76,8 @@ Lame lame(double young, double poisson) {
                                 " Pa but must be positive and finite");
   if (!(poisson > -1 && poisson < 0.5))
     throw std::invalid_argument("Poisson's ratio is " + shortest_digits(poisson) +
-                                " but must lie above -1 and below 0.5; take 0.45 for tissue that keeps its "
-                                "volume, since linear tetrahedra lock near 0.5");
+                                " but must lie above -1 and below 0.5; for tissue that keeps its volume take "
+                                "0.45, or 0.499 with a model that does not lock");
   return {young * poisson / ((1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson))};
 }
 

@@ -22,7 +22,8 @@ void check(const Fibre& fibre) {
   if (fibre.young > 0 && !(fibre.direction.norm() > 0))
     throw std::invalid_argument(
         "fibres of fibre_E " + shortest_digits(fibre.young) +
-        " Pa have no direction: fibre_x, fibre_y and fibre_z are all 0; give a vector like fibre_x=1");
+        " Pa have no direction: fibre_x, fibre_y and fibre_z are all 0; give a vector like fibre_x=1, of a region "
+        "fibre_x:REGION=1");
 }
 
 }  // namespace

@@ -79,6 +79,8 @@ TEST_F(PublishedTissueOf, IsRefusedWithTheNearestName) {
   EXPECT_NE(refused("2=tissue:bone").find("of the region 2"), std::string::npos);
   EXPECT_NE(refused("9=tissue:fat").find("has no region 9"), std::string::npos);
   EXPECT_NE(refused("tissue:fat,tissue:skin").find("two materials of the whole body"), std::string::npos);
+  EXPECT_NE(refused("2=tissue:fat,2=tissue:skin").find("two materials of the region 2"), std::string::npos);
+  EXPECT_NE(refused("muscle").find("did you mean tissue:muscle?"), std::string::npos);
 }
 
 TEST(PublishedTissue, HasARangeAroundItsModulus) {

@@ -110,7 +110,7 @@ TEST_F(SupportSets, ArePointsByTheirNumbersBoxesAndFiles) {
   EXPECT_EQ(held("x>0.1"), (Numbers{4, 10}));
   EXPECT_EQ(held("y<inf"), (Numbers{2, 4, 6, 8, 10}));
   EXPECT_NE(refusal("z<-1").find("the mesh reaches from 0 to 0.1 m along z"), std::string::npos);
-  EXPECT_NE(refusal("z<low").find("has no number behind <"), std::string::npos);
+  EXPECT_NE(refusal("z<low").find("has no number of metres behind <"), std::string::npos);
   EXPECT_NE(refusal("w<1").find("no group or region 'w<1'"), std::string::npos);
   write_text(folder / "held.txt", "# the left side\n2 8\n\n 6,10 # and one more\n");
   EXPECT_EQ(held("@" + (folder / "held.txt").string()), (Numbers{2, 6, 8, 10}));

@@ -230,6 +230,14 @@ TEST(Static, FindsEquilibriaOfSmallLoadsAndStiffBodiesToRounding) {
   }
 }
 
+TEST(Static, SaysThatALoadIsWithinTheRoundingOfStiffSprings) {
+  const Json answer = json_of("static --mesh cube:n=2 --set axis=-3 --set support_stiffness=1e25 --json");
+  EXPECT_NE(answer.at("status").get<std::string>().find("within the rounding of the forces"),
+            std::string::npos)
+      << answer.at("status");
+  EXPECT_EQ(json_of("static --mesh cube:n=2 --set g=0 --json").at("status"), "");
+}
+
 TEST(Static, GoesOnWithWhatSorHasNotSolvedToItsTolerance) {
   const std::string liver = "static --mesh liver --load press --linear sor --json --solver ";
   EXPECT_EQ(json_of(liver + "modified_newton").at("outcome"), "converged");

@@ -64,8 +64,17 @@ TEST(StatusWithoutEquilibrium, SaysWhatAModelDoesThatResistsInversion) {
                                     millimetres(largest_displacement(held.q)))),
             std::string::npos)
       << status;
+  // What was tried is not named once more as what may help.
+  EXPECT_EQ(status.find("which resists being crushed"), std::string::npos) << status;
   // It resists already.
   EXPECT_FALSE(with_resisting_model(neo));
+}
+
+TEST(RemedyWithoutEquilibrium, OfSpringsIsNoEndThatIsFixed) {
+  const Problem soft = block("fem_green@cube:n=2", {{"E", 1e9}, {"support_stiffness", 1e-9}, {"axis", -3}});
+  const std::string remedy = remedy_without_equilibrium(soft);
+  EXPECT_EQ(remedy.find("axis"), std::string::npos) << remedy;
+  EXPECT_NE(remedy.find("stiffer springs"), std::string::npos) << remedy;
 }
 
 TEST(RemedyWithoutEquilibrium, IsALoadOrAMaterialWhereNoSupportHelps) {
