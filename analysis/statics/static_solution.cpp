@@ -469,6 +469,18 @@ void tell_stability(std::optional<bool> stable, const StaticSettings& settings, 
   solution.remedy = searched ? "a smaller load or a stiffer material" : "a line search, which leaves saddles";
 }
 
+/// Of a load that is nothing, or within the rounding of the forces.
+StaticSolution at_rest(const Iteration& iteration, const StaticModel& model) {
+  StaticSolution solution;
+  solution.converged = true;
+  solution.q = iteration.q();
+  solution.history.push_back({1, 1, 0, 0, 0});
+  if (iteration.load() > 0)
+    solution.note = fmt::format("the load of {:.2g} N is within the rounding of the forces, {:.2g} N",
+                                iteration.load(), model.rounding);
+  return solution;
+}
+
 }  // namespace
 
 // Load steps from outside to inside: share of the load, Newton iteration to the tolerance, departure from
@@ -478,14 +490,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
   StaticSolution solution;
   Iteration iteration(model, settings, clock);
   solution.q = iteration.q();
-  if (!iteration.has_load()) {
-    solution.converged = true;
-    if (iteration.load() > 0)
-      solution.note = fmt::format("the load of {:.2g} N is within the rounding of the forces, {:.2g} N",
-                                  iteration.load(), model.rounding);
-    solution.history.push_back({1, 1, 0, 0, 0});
-    return solution;
-  }
+  if (!iteration.has_load()) return at_rest(iteration, model);
   const bool linear = settings.method == StaticMethod::linear;
   const int steps = linear ? 1 : settings.load_steps.value_or(1);
   const auto record = [&](int step) {
