@@ -54,6 +54,16 @@ class BlockPattern {
       Eigen::Map<Eigen::Vector3d>(values + slot + std::ptrdiff_t{c} * stride(j)) += block.col(c);
   }
 
+  /// values += K of an element at the slots of its k points, shape (3 k, 3 k).
+  template <std::size_t k, class Stiffness>
+  void add_element(double* values, const std::array<Index, k * k>& slots, const std::array<Index, k>& points,
+                   const Stiffness& K) const {
+    for (std::size_t a = 0; a < k; ++a)
+      for (std::size_t b = 0; b < k; ++b)
+        add(values, slots[k * a + b], points[b],
+            K.template block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+  }
+
   /// The number of the block of a pair i != j among those below the diagonal, column by column; -1 when a
   /// point is supported.
   [[nodiscard]] Index pair(Index i, Index j) const;

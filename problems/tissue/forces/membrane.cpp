@@ -93,10 +93,7 @@ Membrane::Stiffness Membrane::stiffness(const NodeRows& x, std::size_t triangle)
 void Membrane::add_stiffness(const NodeRows& x, const BlockPattern& pattern, double* values) const {
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     const Stiffness K = stiffness(x, t);
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t b = 0; b < 3; ++b)
-        pattern.add(values, slots_[t][3 * a + b], triangles_[t].points[b],
-                    K.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+    pattern.add_element(values, slots_[t], triangles_[t].points, K);
   }
 }
 

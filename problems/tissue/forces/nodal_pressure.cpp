@@ -182,10 +182,7 @@ void NodalPressure::write_stiffness(const NodeRows& u, const BlockPattern& patte
   gather_gradients(now);
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     const ElementStiffness K = stiffness(e, now);
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b)
-        pattern.add(values, element_slots_[e][4 * a + b], elements_[e].points[b],
-                    K.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+    pattern.add_element(values, element_slots_[e], elements_[e].points, K);
   }
   for (const Average& average : averages_) {
     const Index* slot = slots_.data() + average.first_slot;

@@ -130,10 +130,7 @@ void QuadraticElements::write_stiffness(const NodeRows& u, const BlockPattern& p
   std::fill_n(values, pattern.entries(), 0.0);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Stiffness K = stiffness(u, elements_[i]);
-    for (std::size_t a = 0; a < 10; ++a)
-      for (std::size_t b = 0; b < 10; ++b)
-        pattern.add(values, slots_[i][10 * a + b], elements_[i].points[b],
-                    K.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+    pattern.add_element(values, slots_[i], elements_[i].points, K);
   }
 }
 

@@ -144,10 +144,7 @@ template <class Law>
 void TetElements<Law>::add_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const ElementStiffness K = stiffness(u, elements_[t]);
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b)
-        pattern.add(values, slots_[t][4 * a + b], elements_[t].points[b],
-                    K.block<3, 3>(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * b)));
+    pattern.add_element(values, slots_[t], elements_[t].points, K);
   }
 }
 
