@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include "problems/cofactors.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -33,12 +34,6 @@ Result integrated(const Integrand& f) {
     sum += 9. / 20 / 6 * f(at);
   }
   return sum;
-}
-
-Matrix3d cofactor_matrix(const Matrix3d& J) {
-  Matrix3d C;
-  for (int j = 0; j < 3; ++j) C.col(j) = J.col((j + 1) % 3).cross(J.col((j + 2) % 3));
-  return C;
 }
 
 }  // namespace
@@ -103,7 +98,7 @@ Eigen::Matrix<double, 10, 3> integrated_gradients(const TenPlaces& X) {
   // dN/dX det J = dN/d(x, y, z) (cofactors of J)^T: of degree three.
   return integrated<Eigen::Matrix<double, 10, 3>>([&](const UnitPlace& at) {
     const Eigen::Matrix<double, 10, 3> slopes = ten_node_slopes(at);
-    return Eigen::Matrix<double, 10, 3>(slopes * cofactor_matrix(X * slopes).transpose());
+    return Eigen::Matrix<double, 10, 3>(slopes * cofactors(X * slopes).transpose());
   });
 }
 

@@ -53,12 +53,6 @@ Matrix3d cross_matrix(const Vector3d& w) {
 
 }  // namespace
 
-Matrix3d cofactors(const Matrix3d& F) {
-  Matrix3d C;
-  for (int j = 0; j < 3; ++j) C.col(j) = F.col((j + 1) % 3).cross(F.col((j + 2) % 3));
-  return C;
-}
-
 Matrix3d cofactor_differential(const Matrix3d& F, const Matrix3d& dF) {
   Matrix3d dC;
   for (int j = 0; j < 3; ++j) {

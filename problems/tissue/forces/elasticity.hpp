@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "problems/cofactors.hpp"
+
 namespace hmax {
 
 /// Lame coefficients [Pa].
@@ -22,9 +24,7 @@ struct Lame {
 /// @throws std::invalid_argument  when a coefficient is out of range
 Lame lame(double young, double poisson);
 
-/// dJ/dF of J = det F: columns f2 x f3, f3 x f1, f1 x f2.
-[[nodiscard]] Eigen::Matrix3d cofactors(const Eigen::Matrix3d& F);
-/// Its differential along dF.
+/// The differential of cofactors(F) along dF.
 [[nodiscard]] Eigen::Matrix3d cofactor_differential(const Eigen::Matrix3d& F, const Eigen::Matrix3d& dF);
 /// J - 1 with the digits of a small H.
 [[nodiscard]] double volume_change(const Eigen::Matrix3d& H);
