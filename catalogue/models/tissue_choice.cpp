@@ -157,15 +157,28 @@ TetMesh::Index region_count(const TetMesh& mesh) {
   return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
 }
 
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
 /// "tissue:liver,tumour=tissue:fibroadenoma" in its parts: a region, empty of the whole body, and a material.
+/// @throws InputError  for an empty part
 std::vector<std::pair<std::string, std::string>> materials_in(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> parts;
-  for (std::size_t begin = 0; begin < text.size();) {
+  if (text.empty()) return parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string part = text.substr(begin, end - begin);
-    const std::size_t equals = part.find('=');
+    // No material has '=' in its name; a region may.
+    const std::size_t equals = part.rfind('=');
     const bool of_region = equals != std::string::npos;
-    parts.emplace_back(of_region ? part.substr(0, equals) : "", of_region ? part.substr(equals + 1) : part);
+    const std::string region = trimmed(of_region ? part.substr(0, equals) : ""),
+                      material = trimmed(of_region ? part.substr(equals + 1) : part);
+    if (material.empty() || (of_region && region.empty()))
+      throw InputError(fmt::format(
+          "--material '{}' has an empty part; write it like tissue:liver,tumour=tissue:fibroadenoma", text));
+    parts.emplace_back(region, material);
     begin = end + 1;
   }
   return parts;
@@ -208,28 +221,22 @@ void take_material_of_body(const std::string& text, TissueParameters& parameters
   }
 }
 
-/// Behind all that the user sets, which overrides it: E, nu and rho of regions that have a material, without
-/// what would not act.
+/// E, nu and rho of regions that have a material, without what would not act.
 /// @throws InputError  for a material that does not exist, and for a second one of a region
 void take_materials_of_regions(const std::string& text, const TissueId& id, TissueParameters& parameters) {
   std::vector<std::string> taken;
-  for (const auto& [called, name] : materials_in(text)) {
-    if (called.empty()) continue;
-    const std::string& region = called;
+  for (const auto& [region, name] : materials_in(text)) {
+    if (region.empty()) continue;
     if (std::ranges::find(taken, region) != taken.end())
       throw InputError(
           fmt::format("--material {} names two materials of the region {}; leave one out", text, region));
     taken.push_back(region);
     const TissueMaterial& material = tissue_called(name, region).material;
     for (const NamedOfRegion& each : named_of_region) {
-      const bool is_set =
-          std::ranges::any_of(parameters.of_regions, [&](const TissueParameters::OfRegion& set) {
-            return set.what == each.value && set.region == region;
-          });
       const bool acts = each.value == &TissueMaterial::density   ? parameters.mass == 0
                         : each.value == &TissueMaterial::poisson ? !id.is_of_springs()
                                                                  : material.*each.value != 0;
-      if (!is_set && acts) parameters.of_regions.push_back({each.value, region, material.*each.value});
+      if (acts) parameters.of_regions.push_back({each.value, region, material.*each.value, true});
     }
   }
 }
@@ -241,19 +248,9 @@ struct HeldEnd {
   explicit HeldEnd(double axis) { towards[static_cast<int>(std::abs(axis)) - 1] = axis > 0 ? -1 : 1; }
   explicit HeldEnd(Eigen::Vector3d direction) : towards(std::move(direction)) {}
 
-  /// Points within `share` of the extent of the mesh from the held end.
-  [[nodiscard]] std::vector<TetMesh::Index> points(const TetMesh& mesh, double share) const {
-    const Eigen::RowVectorXd along = towards.transpose() * mesh.points;
-    const double far = along.maxCoeff(), reach = share * (far - along.minCoeff());
-    std::vector<TetMesh::Index> held;
-    for (TetMesh::Index i = 0; i < mesh.point_count(); ++i)
-      if (along[i] >= far - reach) held.push_back(i);
-    return held;
-  }
-
   /// The middle one of the points that are farthest from it.
   [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const {
-    std::vector<TetMesh::Index> far = HeldEnd(-towards).points(mesh, 0.02);
+    std::vector<TetMesh::Index> far = points_of_end(mesh, -towards, 0.02);
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (const TetMesh::Index i : far) middle += mesh.points.col(i) / static_cast<double>(far.size());
     return *std::ranges::min_element(
@@ -321,7 +318,8 @@ std::vector<TetMesh::Index> held_points(const TissueParameters& p, const LoadedM
   if (!p.supports.empty())
     return p.support_stiffness > 0 ? union_of_sets(p.supports, loaded) : points_of_sets(p.supports, loaded);
   if (p.has_box()) return points_of_box(p, loaded.mesh);
-  return p.support > 0 ? HeldEnd(p.axis).points(loaded.mesh, p.support) : std::vector<TetMesh::Index>{};
+  return p.support > 0 ? points_of_end(loaded.mesh, HeldEnd(p.axis).towards, p.support)
+                       : std::vector<TetMesh::Index>{};
 }
 
 /// @throws InputError  as held_points(), and where springs have no surface to stand on
@@ -499,7 +497,9 @@ void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loade
   if (p.of_regions.empty()) return;
   materials.resize(static_cast<std::size_t>(region_count(loaded.mesh)), materials.front());
   std::vector<std::pair<double TissueMaterial::*, std::size_t>> taken;
-  for (const auto& [what, called, value] : p.of_regions) {
+  for (const TissueParameters::OfRegion& set : p.of_regions) {
+    if (is_overridden(set, p, loaded)) continue;
+    const auto& [what, called, value, from_material] = set;
     const std::pair property(what, region_of(loaded, called));
     if (std::ranges::find(taken, property) != taken.end())
       throw InputError(
@@ -511,6 +511,14 @@ void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loade
 }
 
 }  // namespace
+
+bool is_overridden(const TissueParameters::OfRegion& set, const TissueParameters& p,
+                   const LoadedMesh& loaded) {
+  return set.from_material && std::ranges::any_of(p.of_regions, [&](const TissueParameters::OfRegion& other) {
+           return !other.from_material && other.what == set.what &&
+                  region_of(loaded, other.region) == region_of(loaded, set.region);
+         });
+}
 
 std::vector<std::string_view> tissue_model_ids() {
   std::vector<std::string_view> ids;
@@ -593,7 +601,7 @@ std::vector<std::pair<std::string, double>> named_values(const TissueParameters&
     if (const double value = parameters.*each.value;
         each.everybody || value != TissueParameters{}.*each.value)
       values.emplace_back(each.name, value);
-  for (const auto& [what, region, value] : parameters.of_regions)
+  for (const auto& [what, region, value, from_material] : parameters.of_regions)
     values.emplace_back(
         fmt::format("{}:{}", std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, region),
         value);
@@ -627,6 +635,7 @@ bool has_default_support(const ProblemSettings& settings) {
       "axis", "support_stiffness", "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
   return std::ranges::none_of(settings.parameters, [&](const auto& parameter) {
     const auto& [name, value] = parameter;
+    if (name == "support_stiffness" && value == 0) return false;  // as by default
     return std::ranges::find(chosen, name) != chosen.end() ||
            name.starts_with(fmt::format("{}:", support_name)) || (name == support_name && value == 0);
   });

@@ -39,6 +39,12 @@ std::vector<std::string> idle_parameters(const TissueId& id, const TissueParamet
 /// Whether the user chose neither points nor an end of the body to be held, nor that nothing is.
 bool has_default_support(const ProblemSettings& settings);
 
+/// Whether a value that the material of a region has is one that the user sets, perhaps by the other name of
+/// the region.
+/// @throws InputError  for regions that the mesh does not have
+bool is_overridden(const TissueParameters::OfRegion& set, const TissueParameters& parameters,
+                   const LoadedMesh& mesh);
+
 /// @throws InputError  for regions and points that the mesh does not have
 TissueSettings tissue_settings(const TissueId& id, const TissueParameters& parameters,
                                const LoadedMesh& mesh);

@@ -64,6 +64,7 @@ struct TissueParameters {
     double TissueMaterial::*what;
     std::string region;
     double value;
+    bool from_material = false;  ///< which a number that the user sets overrides
   };
   std::vector<OfRegion> of_regions{};
   /// Sets of held points (catalogue/models/support_sets.hpp), instead of a share of an end:

@@ -155,9 +155,12 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   if (!settings.y0.empty())
     throw InputError("--y0 is not for tissue, which starts at rest; choose what moves it with --load");
 
-  const TissueParameters parameters = tissue_parameters(id, settings);
+  TissueParameters parameters = tissue_parameters(id, settings);
   const LoadedMesh loaded = load_mesh(id.mesh, settings.unit, element_nodes(id));
   const TetMesh& mesh = loaded.mesh;
+  // What is listed makes the body again.
+  std::erase_if(parameters.of_regions,
+                [&, all = parameters](const auto& set) { return is_overridden(set, all, loaded); });
   auto body =
       std::make_shared<const TissueBody>(mesh, tissue_settings(id, parameters, loaded), loaded.origin);
   Problem problem{.id = tissue_id(id.model, id.mesh, id.load),

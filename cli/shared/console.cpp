@@ -261,7 +261,8 @@ std::array<double, 4> parse_window(std::string_view what, std::string_view text,
 }
 
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text) {
-  const std::size_t equals = text.find('=');
+  // The last: names of sets and regions may have one, as in support:z<=0.01=1.
+  const std::size_t equals = text.rfind('=');
   if (equals == std::string_view::npos || equals == 0)
     throw InputError(fmt::format("{} is '{}' but must name a parameter and its value, like c=6", what, text));
   return {std::string(text.substr(0, equals)),

@@ -112,13 +112,7 @@ void TissueBody::check_points(std::span<const Index> points, const char* what) c
 void TissueBody::check_elastic_supports() const {
   for (const ElasticSupport& support : settings_.elastic_supports) {
     check_points(support.points, "an elastic support");
-    if (support.stiffness.size() != support.points.size())
-      throw std::invalid_argument("an elastic support has " + std::to_string(support.points.size()) +
-                                  " points but " + std::to_string(support.stiffness.size()) +
-                                  " stiffnesses; give each point one");
-    for (const double k : support.stiffness)
-      require(k >= 0 && std::isfinite(k), k, "the stiffness of an elastic support",
-              "zero or more and finite");
+    check_stiffness(support);
   }
 }
 

@@ -65,12 +65,14 @@ BodyPieces::BodyPieces(const TetMesh& mesh, TissueSettings settings) : settings_
       point = now[at(point)];
     }
   }
-  for (ElasticSupport& support : settings_.elastic_supports)
+  for (ElasticSupport& support : settings_.elastic_supports) {
+    check_stiffness(support);
     for (Index& point : support.points) {
       if (point < 0 || at(point) >= now.size())
         throw std::invalid_argument("an elastic support names a point that the mesh does not have");
       point = now[at(point)];
     }
+  }
   number_free_points();
   set_masses();
   for (Eigen::Index e = 0; e < mesh_.element_count(); ++e) {

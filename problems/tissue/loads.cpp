@@ -5,10 +5,12 @@
 #include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <Eigen/Dense>
 
+#include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -154,6 +156,15 @@ double SphereTool::energy(const Touch& touch) const {
   return 0.4 * stiffness * touch.depth * touch.depth * std::sqrt(touch.depth);
 }
 
+std::vector<TetMesh::Index> points_of_end(const TetMesh& mesh, const Eigen::Vector3d& towards, double share) {
+  const Eigen::RowVectorXd along = towards.transpose() * mesh.points;
+  const double far = along.maxCoeff(), reach = share * (far - along.minCoeff());
+  std::vector<TetMesh::Index> points;
+  for (TetMesh::Index i = 0; i < mesh.point_count(); ++i)
+    if (along[i] >= far - reach) points.push_back(i);
+  return points;
+}
+
 std::vector<TetMesh::Index> points_in_box(const TetMesh& mesh, const Eigen::Vector3d& low,
                                           const Eigen::Vector3d& high) {
   std::vector<TetMesh::Index> inside;
@@ -163,6 +174,17 @@ std::vector<TetMesh::Index> points_in_box(const TetMesh& mesh, const Eigen::Vect
       inside.push_back(static_cast<TetMesh::Index>(i));
   }
   return inside;
+}
+
+void check_stiffness(const ElasticSupport& support) {
+  if (support.stiffness.size() != support.points.size())
+    throw std::invalid_argument("an elastic support has " + std::to_string(support.points.size()) +
+                                " points but " + std::to_string(support.stiffness.size()) +
+                                " stiffnesses; give each point one");
+  for (const double k : support.stiffness)
+    if (!(k >= 0 && std::isfinite(k)))
+      throw std::invalid_argument("the stiffness of an elastic support is " + shortest_digits(k) +
+                                  " but must be zero or more and finite");
 }
 
 ElasticSupport on_foundation(const TetMesh& mesh, const std::vector<TetMesh::Index>& points, double modulus) {

@@ -66,6 +66,9 @@ struct ElasticSupport {
   std::vector<double> stiffness;  ///< k of each [N/m], zero or more
 };
 
+/// @throws std::invalid_argument  where a point has no stiffness, or one that is negative or not finite
+void check_stiffness(const ElasticSupport& support);
+
 /// The surface around points on a foundation of modulus s: k = s A, with A a third of each triangle of the
 /// surface whose corners are all among the points, so that the sum is s times their area on any mesh
 /// (Winkler's foundation). Points without area are left out.
@@ -115,6 +118,9 @@ struct SphereTool {
   [[nodiscard]] Eigen::Matrix3d damping_of(const Touch& touch) const;    ///< -dp/dv [Pa s/m]
   [[nodiscard]] double energy(const Touch& touch) const;                 ///< 2/5 k d^(5/2) [J/m^2]
 };
+
+/// Points of a mesh within `share` of its extent along a unit vector from its far end.
+std::vector<TetMesh::Index> points_of_end(const TetMesh& mesh, const Eigen::Vector3d& towards, double share);
 
 /// Points of a mesh in a box, its sides included [m].
 std::vector<TetMesh::Index> points_in_box(const TetMesh& mesh, const Eigen::Vector3d& low,

@@ -53,15 +53,9 @@ std::optional<double> parameter(const Problem& problem, std::string_view name) {
   return found == problem.parameters.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// The points within `share` of the extent from the end that an axis names: 1 the low end along x, -1 the
-/// high one.
-std::vector<TetMesh::Index> points_of_end(const TetMesh& mesh, int axis, double share) {
-  const Eigen::RowVectorXd along = (axis > 0 ? -1 : 1) * mesh.points.row(std::abs(axis) - 1);
-  const double far = along.maxCoeff(), reach = share * (far - along.minCoeff());
-  std::vector<TetMesh::Index> points;
-  for (TetMesh::Index i = 0; i < mesh.point_count(); ++i)
-    if (along[i] >= far - reach) points.push_back(i);
-  return points;
+/// The unit vector to the end that an axis names: 1 the low end along x, -1 the high one.
+Eigen::Vector3d towards_end(int axis) {
+  return (axis > 0 ? -1 : 1) * Eigen::Vector3d::Unit(std::abs(axis) - 1);
 }
 
 /// A body at rest that nothing holds, under its weight; and how far it sags where an end is held.
@@ -82,7 +76,7 @@ class UnheldBody {
   }
 
   [[nodiscard]] std::vector<TetMesh::Index> points(int axis) const {
-    return points_of_end(mesh_, axis, share_);
+    return points_of_end(mesh_, towards_end(axis), share_);
   }
 
   /// By linear elasticity; nothing where the end does not hold all of the body, or holds every point.

@@ -19,7 +19,9 @@ void check(const Fibre& fibre) {
   if (!(fibre.young >= 0) || !std::isfinite(fibre.young))
     throw std::invalid_argument("fibre_E is " + shortest_digits(fibre.young) +
                                 " Pa but must be zero or more and finite");
-  if (fibre.young > 0 && !(fibre.direction.norm() > 0))
+  if (!fibre.direction.allFinite())
+    throw std::invalid_argument("fibre_x, fibre_y and fibre_z must be finite");
+  if (fibre.young > 0 && fibre.direction.isZero(0))
     throw std::invalid_argument(
         "fibres of fibre_E " + shortest_digits(fibre.young) +
         " Pa have no direction: fibre_x, fibre_y and fibre_z are all 0; give a vector like fibre_x=1, of a region "
@@ -39,7 +41,7 @@ FibreElements::FibreElements(std::shared_ptr<const Elements> matrix, const TetMe
               .piece = t / mesh.parts(),
               .points = {},
               .slopes = {},
-              .direction = fibre.direction.normalized(),
+              .direction = fibre.direction.stableNormalized(),
               .young = fibre.young,
               .volume = 0};
     for (Eigen::Index a = 0; a < 4; ++a) e.points[at(a)] = mesh.tetrahedra(a, t);

@@ -65,6 +65,25 @@ TEST_F(PublishedTissueOf, IsOverriddenByParameters) {
   EXPECT_EQ(two[0].density, 1000);
 }
 
+TEST_F(PublishedTissueOf, IsOverriddenByTheNumberOfANamedRegion) {
+  const std::string header = "$EndMeshFormat\n";
+  std::string text = two_regions;
+  text.insert(text.find(header) + header.size(), "$PhysicalNames\n1\n3 2 \"tumour\"\n$EndPhysicalNames\n");
+  const std::string file = (folder / "named.msh").string();
+  write_text(file, text);
+  const auto made = [&](Parameters parameters, const std::string& material) {
+    return make_problem("fem_green@" + file,
+                        {.material = material, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+  };
+  const Problem problem =
+      made({{"support:points:1", 1}, {"E:2", 1000}}, "tissue:fat,tumour=tissue:carcinoma");
+  EXPECT_EQ(problem.body->settings().materials[1].young, 1000);
+  EXPECT_EQ(problem.body->settings().materials[1].density, 1020);
+  // What is listed makes the same body.
+  EXPECT_EQ(made(problem.parameters, {}).body->settings().materials[1].young, 1000);
+  EXPECT_THROW(made({{"E:2", 1000}, {"E:tumour", 2000}}, {}), InputError) << "twice by the user";
+}
+
 TEST_F(PublishedTissueOf, OfARegionStandsBesideALiverOfTheStudy) {
   const Problem problem = body("liver:male_normal,2=tissue:fibroadenoma");
   EXPECT_EQ(problem.body->settings().materials[1].young, 6410);
@@ -81,6 +100,27 @@ TEST_F(PublishedTissueOf, IsRefusedWithTheNearestName) {
   EXPECT_NE(refused("tissue:fat,tissue:skin").find("two materials of the whole body"), std::string::npos);
   EXPECT_NE(refused("2=tissue:fat,2=tissue:skin").find("two materials of the region 2"), std::string::npos);
   EXPECT_NE(refused("muscle").find("did you mean tissue:muscle?"), std::string::npos);
+}
+
+TEST_F(PublishedTissueOf, IsReadWithBlanksAndRefusedWithEmptyParts) {
+  EXPECT_EQ(materials("tissue:fat, 2 = tissue:carcinoma")[1].young, materials("2=tissue:carcinoma")[1].young);
+  for (const char* text : {"tissue:fat,", ",", "=tissue:skin", "2=", "tissue:fat,,2=tissue:skin"})
+    EXPECT_NE(refused(text).find("has an empty part"), std::string::npos) << text;
+}
+
+TEST(PublishedTissue, HasTheMeanAndTheDeviationOfItsStudy) {
+  const auto expect = [](std::string_view id, double mean, double deviation) {
+    const PublishedTissue* tissue = find_published_tissue(id);
+    ASSERT_TRUE(tissue) << id;
+    EXPECT_NEAR(tissue->material.young / mean, 1, 0.005) << id;
+    EXPECT_NEAR(tissue->young_low / (mean - deviation), 1, 0.005) << id;
+    EXPECT_NEAR(tissue->young_high / (mean + deviation), 1, 0.005) << id;
+  };
+  expect("tissue:liver", 5490, 1590);
+  expect("tissue:muscle", 11100, 4100);
+  expect("tissue:brain_grey", 1389, 289);
+  expect("tissue:brain_white", 1895, 592);
+  expect("tissue:tendon", 1.16e9, 0.15e9);
 }
 
 TEST(PublishedTissue, HasARangeAroundItsModulus) {
