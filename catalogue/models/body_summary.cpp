@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -82,12 +83,12 @@ void judge_compression(const BodySummary& summary, std::vector<std::string>& sen
     return;
   const auto other = std::ranges::find(tissue_models(), true, &TissueModel::resists_crushing);
   sentences.push_back(fmt::format(
-      "this model carries at most {} Pa of compression, at 0.58 of its length; the weight above the support needs {} Pa; "
+      "this model carries at most {} Pa of compression; the weight above the support needs {} Pa; "
       "--model {} restores inverted elements",
       rounded(summary.most_compression), rounded(summary.weight_compression), other->id));
 }
 
-/// rho g L of the part above the points that are held.
+/// rho g L of the part above the points that are fixed or that springs hold.
 double weight_above(const TetMesh& mesh, const std::vector<TetMesh::Index>& held, double density,
                     const Eigen::Vector3d& gravity) {
   if (held.empty() || gravity.isZero(0)) return 0;
@@ -108,11 +109,13 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
     const auto [least, most] = std::ranges::minmax(materials, {}, what);
     return BodySummary::Span{least.*what, most.*what};
   };
-  std::vector<TetMesh::Index> held;
-  for (const Support& support : settings.supports)
-    held.insert(held.end(), support.points.begin(), support.points.end());
-  std::ranges::sort(held);
-  held.erase(std::unique(held.begin(), held.end()), held.end());
+  // Points that are fixed, and those that are fixed or that springs hold; each once, rising.
+  std::set<TetMesh::Index> fixed, held;
+  for (const Support& support : settings.supports) fixed.insert(support.points.begin(), support.points.end());
+  held = fixed;
+  for (const ElasticSupport& support : settings.elastic_supports)
+    for (std::size_t i = 0; i < support.points.size(); ++i)
+      if (support.stiffness.at(i) > 0) held.insert(support.points[i]);
   BodySummary summary{.young = span(&TissueMaterial::young),
                       .poisson = span(&TissueMaterial::poisson),
                       .density = span(&TissueMaterial::density),
@@ -120,10 +123,9 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
                       .regions = std::max(materials.size(), region_count(mesh)),
                       .size = mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff(),
                       .points = mesh.point_count(),
-                      .held = static_cast<Eigen::Index>(held.size()),
+                      .held = static_cast<Eigen::Index>(fixed.size()),
+                      .on_springs = static_cast<Eigen::Index>(held.size() - fixed.size()),
                       .gravity = settings.gravity};
-  for (const ElasticSupport& support : settings.elastic_supports)
-    summary.on_springs += static_cast<Eigen::Index>(support.points.size());
   for (const SphereTool& tool : settings.tools) {
     summary.travel = std::max(summary.travel, tool.travel.norm());
     summary.tool_radius = std::max(summary.tool_radius, tool.radius);
@@ -148,7 +150,8 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   summary.from_mass = settings.total_mass.has_value();
   if (summary.from_mass) summary.density.fill(summary.mass / volume);
   summary.most_compression = settings.model.most_compression * summary.young[0];
-  summary.weight_compression = weight_above(mesh, held, summary.density[1], settings.gravity);
+  summary.weight_compression =
+      weight_above(mesh, {held.begin(), held.end()}, summary.density[1], settings.gravity);
   return summary;
 }
 

@@ -13,8 +13,8 @@
 
 namespace hmax {
 
-/// `{E, nu, rho, regions, mass, size, points, fixed, held_by_springs, gravity, unusual}`; null of what is no
-/// body.
+/// `{E, nu, rho, fibre_E, regions, mass, size, points, fixed, held_by_springs, gravity, most_compression_pa,
+/// weight_compression_pa, unusual}`; null of what is no body.
 nlohmann::ordered_json body_json(const Problem& problem);
 nlohmann::ordered_json body_json(const BodySummary& body);
 

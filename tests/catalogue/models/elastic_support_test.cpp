@@ -71,6 +71,20 @@ TEST(ElasticSupport, IsShownAndMayHoldTheWholeSurface) {
   EXPECT_FALSE(suggested_support(all));
 }
 
+TEST(ElasticSupport, CarriesTheWeightAboveItAsFixedPointsDo) {
+  // rho g L of a column that stands on the ground: the whole height.
+  const Problem soft = standing("fem_green", 2);
+  const BodySummary summary = summary_of(*soft.body);
+  EXPECT_NEAR(summary.weight_compression, 1000 * 9.81 * side_of(*soft.body), 1e-9);
+  // Points that are fixed as well count as fixed; those without stiffness are not held.
+  TissueSettings settings = soft.body->settings();
+  settings.elastic_supports.front().stiffness.front() = 0;
+  settings.supports = {{.points = {settings.elastic_supports.front().points.back()}}};
+  const BodySummary fewer = summary_of(soft.body->mesh(), settings);
+  EXPECT_EQ(fewer.held, 1);
+  EXPECT_EQ(fewer.on_springs, summary.on_springs - 2);
+}
+
 TEST(ElasticSupport, IsRefusedWhereItCannotAct) {
   const auto refusal = [](const std::string& id, Parameters parameters) -> std::string {
     try {
