@@ -336,7 +336,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
   answer.least_volume = problem.body->least_volume(t, answer.solution.q).first;
   answer.energy = model.energy(answer.solution.q);
   answer.tool = tool_report(problem, t, answer.solution.q);
-  answer.suggested_support = suggested_support(problem);
+  if (scale == 1) answer.suggested_support = suggested_support(problem);
   return answer;
 }
 

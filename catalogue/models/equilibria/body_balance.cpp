@@ -213,7 +213,9 @@ StaticSolution beyond_inversion(const Problem& problem, double load_scale, const
   if (!other.converged) return solution;
   prepend(solution, other);
   other.converged = problem.body->least_volume(equilibrium_time(*problem.body), other.q).first > 0;
-  if (!other.converged) other.note = "the only equilibrium found has inverted elements";
+  const std::string_view found = other.converged ? "the search for this equilibrium passed inverted elements"
+                                                 : "the only equilibrium found has inverted elements";
+  other.note = fmt::format("{}{}{}", found, other.note.empty() ? "" : "; ", other.note);
   return other;
 }
 

@@ -29,7 +29,7 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
                                  const Clock& clock);
 
 /// Where a search has ended at elements about to invert, and the model restores such elements: the
-/// equilibrium beyond, in which some are inverted. It does not count as converged, since no tissue comes
+/// equilibrium beyond. Where some are inverted in it, it does not count as converged, since no tissue comes
 /// there, but tells what a simulator shows. `solution` itself where there is none.
 /// @param solution  of found_equilibrium() with these arguments
 StaticSolution beyond_inversion(const Problem& problem, double load_scale, const StaticSettings& settings,
