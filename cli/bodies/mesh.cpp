@@ -438,7 +438,10 @@ std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
   });
   const MeshTopology& topology = found.topology;
   if (topology.unused_points > 0)
-    text += fmt::format("{} points are in no tetrahedron; models leave them out\n", topology.unused_points);
+    text += fmt::format("{} points are {}; models leave them out\n", topology.unused_points,
+                        file.second_order > 0 ? "no corner of a tetrahedron, as middles of second order are"
+                                              : "in no tetrahedron");
+  if (file.second_order > 0) text += second_order_in_words(file) + "\n";
   if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
   // The largest part is the body, from which the others hang.
   for (std::size_t p = 1; p < found.parts.size(); ++p)
@@ -482,7 +485,8 @@ std::optional<double> unit_of(const OpenedMesh& opened, const MeshCommand& optio
 
 std::string second_order_in_words(const MeshFile& file) {
   return fmt::format(
-      "{} tetrahedra of second order are read by their corners; --model fem_quadratic takes all their nodes",
+      "{} tetrahedra of second order are read by their corners, with straight sides; --model fem_quadratic takes "
+      "all their nodes",
       file.second_order);
 }
 

@@ -47,8 +47,9 @@ void require_volume(const MeshFile& file, Eigen::Index element) {
     good = good && signed_volume(corners_of(file.mesh, 8 * element + part)) > 0;
   if (!good)
     throw std::invalid_argument(file.where(8 * element) +
-                                " has sides bent so far that a part of it has no volume; straighten them in "
-                                "the mesher, or use a model of tetrahedra of four nodes");
+                                " has a part without volume: its sides are bent too far, or its middles are in "
+                                "the order of another format; export the mesh again, or use a model of "
+                                "tetrahedra of four nodes");
 }
 
 }  // namespace

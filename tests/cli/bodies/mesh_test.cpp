@@ -350,6 +350,9 @@ TEST(Mesh, SecondOrderIsReadWithARemark) {
   EXPECT_EQ(shell.hmax("mesh info q.msh --json").json().at("second_order"), 1);
   EXPECT_NE(shell.hmax("mesh info q.msh").out.find("second order are read by their corners"),
             std::string::npos);
+  const std::string checked = shell.hmax("mesh check q.msh").out;
+  EXPECT_NE(checked.find("6 points are no corner of a tetrahedron"), std::string::npos) << checked;
+  EXPECT_NE(checked.find("with straight sides"), std::string::npos) << checked;
   EXPECT_NE(shell.hmax("mesh convert q.msh l.msh").err.find("second order are read by their corners"),
             std::string::npos);
 }

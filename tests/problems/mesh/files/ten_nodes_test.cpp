@@ -156,8 +156,8 @@ TEST(TenNodes, AreRefusedByNumberAndFileWhereTheyAreBentTooFar) {
   } catch (const std::invalid_argument& error) {
     EXPECT_EQ(
         std::string(error.what()),
-        "a.msh, line 20: tetrahedron 7 has sides bent so far that a part of it has no volume; straighten "
-        "them in the mesher, or use a model of tetrahedra of four nodes");
+        "a.msh, line 20: tetrahedron 7 has a part without volume: its sides are bent too far, or its middles "
+        "are in the order of another format; export the mesh again, or use a model of tetrahedra of four nodes");
   }
 }
 
