@@ -86,19 +86,25 @@ double cooks_membrane(std::string_view model, int n, double* of_body = nullptr) 
   return slab.body.positions(0, q).row(1).maxCoeff() - 60;
 }
 
-TEST(Locking, CooksMembraneComesToThePublishedValueWithAveragedPressures) {
-  const double published = 6.9;
+/// How far the tip is from the published 6.9 mm, relative to that.
+double cooks_error(std::string_view model, int n, double* volume = nullptr) {
+  return std::abs(cooks_membrane(model, n, volume) / 6.9 - 1);
+}
+
+TEST(Locking, CooksMembraneNearsThePublishedValueWithAveragedPressures) {
   double volume = 0;
-  EXPECT_NEAR(cooks_membrane("fem_nodal_pressure", 16, &volume) / published, 0.86, 0.01);
-  EXPECT_NEAR(cooks_membrane("fem_nodal_pressure", 24) / published, 0.925, 0.01);
-  EXPECT_LT(cooks_membrane("fem_neo_hookean", 16) / published, 0.33) << "locks";
+  const double coarse = cooks_error("fem_nodal_pressure", 16, &volume);
+  const double fine = cooks_error("fem_nodal_pressure", 24);
+  EXPECT_LT(fine, 0.08);
+  EXPECT_LT(fine, coarse * 16 / 24) << "of first order at least";
+  EXPECT_GT(cooks_error("fem_neo_hookean", 16), 0.67) << "locks";
   EXPECT_GT(volume, 0.95) << "elements hardly change their volumes alone";
 }
 
-TEST(Locking, CooksMembraneComesToThePublishedValueWithTenNodes) {
-  const double published = 6.9;
-  EXPECT_NEAR(cooks_membrane("fem_quadratic", 4) / published, 0.826, 0.01);
-  EXPECT_NEAR(cooks_membrane("fem_quadratic", 8) / published, 0.936, 0.01);
+TEST(Locking, CooksMembraneNearsThePublishedValueWithTenNodes) {
+  const double fine = cooks_error("fem_quadratic", 8);
+  EXPECT_LT(fine, 0.07);
+  EXPECT_LT(fine, cooks_error("fem_quadratic", 4) / 2) << "of first order at least";
 }
 
 /// A long block of width w and height h between rigid plates that it sticks to, nearly incompressible: its
@@ -191,7 +197,7 @@ struct Cantilever {
 
 TEST(Locking, ACantileverOfAveragedPressuresSagsWithinFivePercentOfTheConvergedOne) {
   // Of nu 0.499 relative to nu 0.3: 0.865, 0.928 and 0.953 with 4, 8 and 16 cells across, which tend to
-  // 0.967.
+  // 0.967, as those of ten nodes do.
   const auto relative = [](std::string_view model, int n) {
     return Cantilever(model, n, 0.499).sag / Cantilever(model, n, 0.3).sag;
   };
