@@ -111,12 +111,11 @@ void list_materials(Console& console) {
   TextTable tissues({"material", "E [kPa]", "range", "nu", "rho [kg/m3]", "source", "measured"});
   for (const PublishedTissue& tissue : published_tissues()) {
     const double E = tissue.material.young, nu = tissue.material.poisson, rho = tissue.material.density;
-    document.push_back(
-        {{"id", tissue.id},
-         {"parameters",
-          {{"E", E}, {"E_low", tissue.young_low}, {"E_high", tissue.young_high}, {"nu", nu}, {"rho", rho}}},
-         {"source", tissue.source},
-         {"note", tissue.note}});
+    document.push_back({{"id", tissue.id},
+                        {"parameters", {{"E", E}, {"nu", nu}, {"rho", rho}}},
+                        {"E_range", {tissue.young_low, tissue.young_high}},
+                        {"source", tissue.source},
+                        {"note", tissue.note}});
     tissues.add({std::string(tissue.id), short_number(E / 1000),
                  fmt::format("{} to {}", short_number(tissue.young_low / 1000),
                              short_number(tissue.young_high / 1000)),
@@ -131,7 +130,7 @@ void list_materials(Console& console) {
   console.print(fmt::format(
       "\nOf bodies on meshes: --material tissue:liver, or of regions too: --material "
       "tissue:liver,tumour=tissue:fibroadenoma\n\n{}\nThe range of E is one standard deviation, or that of the "
-      "study. nu is 0.45 where the study measures none; densities are\nthose of woodard1986composition, "
+      "study. nu is 0.45 where the study measures none; densities are\nthose of schneider2000correlation, "
       "where the note says nothing else. Sources: references.bib.\n",
       tissues.text(console)));
 }

@@ -105,11 +105,11 @@ constexpr std::array<PublishedTissue, 17> tissues{{
      "soltz2000conewise",
      "bovine, equilibrium in compression, from the aggregate modulus 0.64 MPa"},
     {"tissue:tendon",
-     {1.2e9, usual_poisson, 1120},
-     1.16e9,
-     1.2e9,
+     {1.16e9, usual_poisson, 1120},
+     1.01e9,
+     1.31e9,
      "maganaris2002tensile",
-     "along its fibres at maximum load, tibialis anterior and gastrocnemius; density assumed"},
+     "gastrocnemius, along its fibres at maximum load, here in all directions; density assumed"},
 }};
 }  // namespace
 

@@ -30,7 +30,7 @@ std::vector<std::string> tissue_material_ids();
 /// @throws std::invalid_argument  for an unknown id, naming the known ones
 TissueSettings with_tissue_material(TissueSettings base, std::string_view id);
 
-/// A tissue as a study has measured it. Densities are those of [woodard1986composition] in the table of
+/// A tissue as a study has measured it. Densities are those of
 /// [schneider2000correlation], where the note says nothing else; Poisson's ratio is the 0.45 of
 /// with_tissue_material() where the study measures none.
 struct PublishedTissue {
