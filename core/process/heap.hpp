@@ -9,7 +9,7 @@ namespace hmax {
 /// for those who ask (Linux: /sys/kernel/mm/transparent_hugepage/enabled): vectors are made and freed all the
 /// time, and each page that the system hands out costs a fault. For the start of a program. Takes 1 GiB of
 /// address space, of which only what is used becomes memory, or does without where that is refused (ulimit
-/// -v).
+/// -v). allocate_block() makes the exception for large blocks.
 void keep_freed_memory();
 
 /// Gives to the system what is freed now, so that resident memory is what is in use.
