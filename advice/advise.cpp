@@ -116,8 +116,13 @@ bool lengthen_step(AdviceRow& row) {
   return true;
 }
 
+std::string unstable_in_words(const AdviceRow& row, const ProofRun& failed) {
+  return fmt::format("h = {:.4g} s is not stable on {}: {}", row.h, failed.motion, failed.why);
+}
+
 /// Where a long run at a step was not stable: a fifth less of it, to be timed anew.
-void shorten_step(AdviceRow& row, const AdviceQuestion& question) {
+void shorten_step(AdviceRow& row, const AdviceQuestion& question, const ProofRun& failed) {
+  row.status = unstable_in_words(row, failed) + "; this step is shorter";
   row.steps_per_frame = (5 * row.steps_per_frame + 3) / 4;
   row.least_steps = row.steps_per_frame;  // no longer step suffices
   row.h = question.frame() / static_cast<double>(row.steps_per_frame);
@@ -189,7 +194,7 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
       continue;
     }
     if (!failed->stable && shortened++ < most_shortened) {
-      shorten_step(best, question);
+      shorten_step(best, question, *failed);
       time_rows(Timed::best, rows, question, model, watcher);
       continue;
     }
@@ -198,8 +203,7 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
     best.bound = failed->stable ? AdviceBound::budget : AdviceBound::stability;
     best.status = failed->stable ? fmt::format("{} of {} frames took more than the budget: {}",
                                                failed->missed, failed->frames, failed->motion)
-                                 : fmt::format("h = {:.4g} s is not stable on {}: {}", best.h, failed->motion,
-                                               failed->why);
+                                 : unstable_in_words(best, *failed);
     sort_rows(rows, question);
     time_rows(Timed::best, rows, question, model, watcher);
   }

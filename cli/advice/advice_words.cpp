@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "advice/advice_records.hpp"
+#include "advice/step_search.hpp"
 #include "catalogue/models/body_summary.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
@@ -32,6 +33,9 @@ std::string sentence_of_bound(const AdviceRow& row, bool least_error) {
     return "accuracy: twice as many steps hardly lower the error";
   switch (row.bound) {
     case AdviceBound::stability:
+      if (const auto steps = static_cast<double>(row.steps_per_frame);
+          steps > 1 && row.h * steps / (steps - 1) < step_safety * row.h_max)
+        return "stability: longer parts of a frame are below the limit, but were not stable in a run";
       return "stability: a longer part of a frame is within 5 % of the limit or beyond it";
     case AdviceBound::accuracy:
       return "accuracy: the next longer part of a frame misses the tolerance";

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "advice/step_search.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
@@ -270,6 +271,21 @@ TEST(Proof, FailsBeyondTheLimit) {
   const ProofPlan plan{.frame = 1.05 * row.h_max, .budget = 1, .seconds = 2, .slowest = 0};
   for (const ProofRun& run : prove(row.candidate, 1, motion, reference, plan))
     EXPECT_FALSE(run.holds()) << run.motion;
+}
+
+/// Fibres that buckle make steps below the limit unstable, in long runs alone.
+TEST(Proof, TakesShorterStepsWhereLongRunsAreNotStable) {
+  const Problem problem =
+      make_problem("fem_green@beam:n=1",
+                   {.material = {}, .parameters = {{"E", 5e4}, {"fibre_E", 2e5}, {"fibre_x", 1}}, .y0 = {}});
+  const AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
+  const Advice advice = advise(problem, asked);
+  ASSERT_NE(advice.recommended(), nullptr);
+  const AdviceRow& row = *advice.recommended();
+  EXPECT_GT(row.steps_per_frame, first_steps(row.h_max, asked.frame()));
+  EXPECT_NE(row.status.find("is not stable on"), std::string::npos) << row.status;
+  ASSERT_FALSE(advice.proof.empty());
+  for (const ProofRun& run : advice.proof) EXPECT_TRUE(run.holds()) << run.why;
 }
 
 /// The same body with its points in another order, turned, mirrored and made in another unit.
