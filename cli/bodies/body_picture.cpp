@@ -70,6 +70,11 @@ std::vector<std::int32_t> held_points(const TissueBody& body) {
   return held;
 }
 
+std::string how_held(const TissueBody& body) {
+  if (body.settings().elastic_supports.empty()) return "fixed";
+  return body.settings().supports.empty() ? "held by springs" : "fixed or held by springs";
+}
+
 BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, BodyValue value) {
   require_value(body, value);
   const TetMesh& mesh = body.mesh();
@@ -77,7 +82,8 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
   BodyView view{.points = space_points(x),
                 .triangles = surface_triangles(mesh),
                 .rest = space_points(mesh.points),
-                .held = held_points(body)};
+                .held = held_points(body),
+                .held_as = how_held(body)};
   if (value == BodyValue::energy_density) {
     const Eigen::VectorXd density = body.point_energy_densities(t, q);
     view.values.assign(density.begin(), density.end());

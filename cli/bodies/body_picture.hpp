@@ -23,6 +23,8 @@ std::vector<SpacePoint> space_points(const Eigen::Matrix3Xd& x);
 std::vector<TriangleCorners> surface_triangles(const TetMesh& mesh);
 /// The points that supports hold.
 std::vector<std::int32_t> held_points(const TissueBody& body);
+/// What holds them, for a legend: "fixed", "held by springs".
+std::string how_held(const TissueBody& body);
 
 /// A state of a body: the deformed shape before that at rest, with supports, dead loads and tools.
 BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, BodyValue value);

@@ -83,6 +83,7 @@ std::string body_scene_text(const AnalysedModel& model) {
       .points = space_points(body.mesh().points),
       .triangles = surface_triangles(body.mesh()),
       .held = held_points(body),
+      .held_as = how_held(body),
       .motion = scene_motion(body, model.reference)};
   scene.modes.push_back(fastest_mode(problem, model.near));
   if (auto slowest = slowest_mode(problem, model.near)) scene.modes.push_back(*std::move(slowest));

@@ -189,7 +189,7 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
 BodyPicture picture_of(const StaticOptions& options, const Problem& problem, const StaticSettings& settings,
                        const StaticSolution& solution, const std::string& outcome) {
   const BodyValue value = options.picture.value();
-  const char* no_equilibrium = outcome == "inverted"  ? "no equilibrium, inverted elements, "
+  const char* no_equilibrium = outcome == "inverted"  ? "equilibrium with inverted elements, "
                                : outcome == "buckles" ? "unstable equilibrium, "
                                                       : "no equilibrium, ";
   BodyPicture picture{

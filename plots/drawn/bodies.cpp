@@ -395,7 +395,9 @@ class Page {
     };
     if (any(&BodyView::held))
       entry(fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"#202020\"/>", x + 10, y - 4),
-            "fixed");
+            std::ranges::find_if(picture_.views, [](const BodyView& view) {
+              return !view.held.empty();
+            })->held_as);
     if (any(&BodyView::rest))
       entry(fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"16\" height=\"10\" fill=\"#ededed\" "
                         "stroke=\"#8c8c8c\" stroke-width=\"1.1\"/>",

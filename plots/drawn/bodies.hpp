@@ -34,6 +34,7 @@ struct BodyView {
   std::vector<double> values = {};              ///< of each point, or of each triangle; none: plain grey
   std::vector<SpacePoint> rest = {};    ///< of the points; the shape at rest is shown behind, or empty
   std::vector<std::int32_t> held = {};  ///< points marked with a dot
+  std::string held_as = "fixed";        ///< what the dots mean, for the legend
   std::vector<BodyTool> tools = {};
   std::vector<BodyArrow> arrows = {};
 };

@@ -250,12 +250,14 @@ Json json_at_rest(const BodyScene& scene, const DrawnPoints& drawn) {
     for (const std::int32_t corner : t) corners.push_back(drawn.now(corner));
   for (const std::int32_t index : scene.held)
     if (drawn.on_surface(index)) held.push_back(drawn.now(index));
-  return {{"version", version},
-          {"title", scene.title},
-          {"caption", scene.caption},
-          {"points", packed(coordinates)},
-          {"triangles", packed_indices(corners, drawn.size())},
-          {"held", packed_indices(held, drawn.size())}};
+  Json json = {{"version", version},
+               {"title", scene.title},
+               {"caption", scene.caption},
+               {"points", packed(coordinates)},
+               {"triangles", packed_indices(corners, drawn.size())},
+               {"held", packed_indices(held, drawn.size())}};
+  if (scene.held_as != BodyScene{}.held_as) json["held_as"] = scene.held_as;
+  return json;
 }
 
 Json json_of(const SceneMode& mode, const DrawnPoints& drawn) {
@@ -366,6 +368,7 @@ BodyScene scene_of(const Json& json) {
   scene.triangles =
       in_threes<TriangleCorners>(unpacked_indices(json.at("triangles").get<std::string>(), size));
   scene.held = unpacked_indices(json.at("held").get<std::string>(), size);
+  scene.held_as = json.value("held_as", scene.held_as);
   if (json.contains("motion")) scene.motion = motion_of(json.at("motion"));
   for (const Json& mode : array_in(json, "modes")) scene.modes.push_back(mode_of(mode));
   return scene;
@@ -384,7 +387,8 @@ void move(BodyView& view, const std::vector<SpacePoint>& displacements, double f
 
 std::string picture_of(const BodyScene& scene) {
   BodyPicture picture;
-  BodyView view{.points = scene.points, .triangles = scene.triangles, .held = scene.held};
+  BodyView view{
+      .points = scene.points, .triangles = scene.triangles, .held = scene.held, .held_as = scene.held_as};
   const SceneMotion& motion = scene.motion;
   if (!motion.t.empty()) {
     const std::size_t k = largest_frame(motion);

@@ -34,6 +34,7 @@ struct BodyScene {
   std::vector<SpacePoint> points = {};          ///< at rest [m]
   std::vector<TriangleCorners> triangles = {};  ///< of the surface, counter-clockwise as seen from outside
   std::vector<std::int32_t> held = {};          ///< points that supports hold
+  std::string held_as = "fixed";                ///< how, for the legend
   SceneMotion motion = {};                      ///< may be empty
   std::vector<SceneMode> modes = {};            ///< may be empty
 };
@@ -42,7 +43,7 @@ struct BodyScene {
 inline constexpr std::size_t most_scene_frames = 60;
 
 /// JSON for scripts and stores, one object:
-/// - `version`: 1; `title`, `caption`: texts;
+/// - `version`: 1; `title`, `caption`, `held_as`: texts, the last "fixed" where absent;
 /// - `points`: float32, 3 of each point [m]; `triangles`, `held`: indices, uint16, or uint32 beyond 65536
 /// points;
 /// - `motion`: `{t, largest, displacements, energy_largest, energy_density}` or absent: `t` are numbers [s],

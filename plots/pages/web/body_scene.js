@@ -295,7 +295,7 @@ function stage_of(view) {
       `${view.body.title || "Body"} in three dimensions. Drag or arrow keys turn it, ` +
           "plus and minus zoom, Home resets the view, Space plays.");
   parts.scale = make("span", {className: "scene-scale"});
-  const key = make("span", {className: "scene-key", hidden: !view.body.held.length}, "fixed");
+  const key = make("span", {className: "scene-key", hidden: !view.body.held.length}, view.body.held_as || "fixed");
   const buttons = make(
       "div", {className: "scene-buttons"}, push("+", () => zoom(view, 1.25), "Zoom in"),
       push("\u2212", () => zoom(view, 0.8), "Zoom out"), push("Reset", () => reset(view), "Reset the view"));

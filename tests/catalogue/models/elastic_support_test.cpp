@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/models/body_summary.hpp"
+#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/problems.hpp"
@@ -18,7 +19,10 @@ namespace {
 /// A stiff cube that stands on 5e4 Pa/m.
 Problem standing(const std::string& model, int n, Parameters more = {}) {
   Parameters parameters{{"E", 1e8}, {"rho", 1000}, {"support:z<1e-9", 1}, {"support_stiffness", 5e4}};
-  parameters.insert(parameters.end(), more.begin(), more.end());
+  for (const auto& [name, value] : more) {
+    std::erase_if(parameters, [&](const auto& each) { return each.first == name; });
+    parameters.emplace_back(name, value);
+  }
   return make_problem(fmt::format("{}@cube:n={}", model, n),
                       {.material = {}, .parameters = std::move(parameters), .y0 = {}});
 }
@@ -69,6 +73,18 @@ TEST(ElasticSupport, IsShownAndMayHoldTheWholeSurface) {
             std::string::npos);
   EXPECT_THROW(surface({{"support:z<inf", 1}}), InputError);
   EXPECT_FALSE(suggested_support(all));
+}
+
+TEST(ElasticSupport, TipsOverWhereItsGroundIsSofterThanItsWeight) {
+  // Turned by a small angle a cube of side L is righted by s L^4 / 12 and tipped by its weight at L / 2:
+  // it stands where s > 6 rho g.
+  const double least = 6 * 1000 * 9.81;
+  const auto found = [&](double share) {
+    return found_equilibrium(standing("fem_green", 6, {{"support_stiffness", share * least}}), 1, {},
+                             [] { return 0.0; });
+  };
+  EXPECT_TRUE(found(1.1).converged);
+  EXPECT_FALSE(found(0.9).converged);
 }
 
 TEST(ElasticSupport, CarriesTheWeightAboveItAsFixedPointsDo) {

@@ -166,6 +166,13 @@ TEST(BodyScene, RefusesWhatDoesNotFit) {
   }
 }
 
+TEST(BodyScene, SaysHowItsPointsAreHeld) {
+  BodyScene scene = made_scene(2, 4);
+  EXPECT_EQ(scene_of(scene_text(scene)).held_as, "fixed");
+  scene.held_as = "held by springs";
+  EXPECT_EQ(scene_of(scene_text(scene)).held_as, "held by springs");
+}
+
 TEST(BodyScene, RefusesMalformedText) {
   const Json good = Json::parse(scene_text(made_scene(2, 4)));
   const auto refused = [](const Json& json, const std::string& fault) {
