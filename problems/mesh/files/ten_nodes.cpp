@@ -46,10 +46,11 @@ void require_volume(const MeshFile& file, Eigen::Index element) {
   for (Eigen::Index part = 0; part < 8; ++part)
     good = good && signed_volume(corners_of(file.mesh, 8 * element + part)) > 0;
   if (!good)
-    throw std::invalid_argument(file.where(8 * element) +
-                                " has a part without volume: its sides are bent too far, or its middles are in "
-                                "the order of another format; export the mesh again, or use a model of "
-                                "tetrahedra of four nodes");
+    throw std::invalid_argument(
+        file.where(8 * element) +
+        " has a part without volume: its sides are bent too far, or its middles are in "
+        "the order of another format; export the mesh again, or use a model of "
+        "tetrahedra of four nodes");
 }
 
 }  // namespace
