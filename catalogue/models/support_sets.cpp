@@ -155,8 +155,8 @@ std::optional<HalfSpace> half_space_of(const std::string& text) {
   const std::size_t number = sign + (text.substr(sign + 1, 1) == "=" ? 2 : 1);
   const auto bound = to_number(text.substr(number));
   if (!bound || std::isnan(*bound))
-    throw InputError(fmt::format("the support '{}' has no number of metres behind {}; write it like z<0.01",
-                                 text, text.substr(sign, number - sign)));
+    throw InputError(
+        fmt::format("the support '{}' is not one axis and one number of metres; write it like z<0.01", text));
   return HalfSpace{static_cast<int>(axes.find(text[name])), text[sign] == '<', *bound};
 }
 
@@ -198,8 +198,9 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
   const std::size_t count = called.groups.size() + called.regions.size();
   if (count == 0)
     throw InputError(fmt::format("{} has no group or region '{}'; {}", mesh.name, set,
-                                 called.known.empty() ? "hold a box, z<0.01, points:1,5,9 or @FILE instead"
-                                                      : suggestion(set, called.known)));
+                                 called.known.empty() || set.find_first_of("<>=") != std::string::npos
+                                     ? "hold a box, z<0.01, points:1,5,9 or @FILE instead"
+                                     : suggestion(set, called.known)));
   if (count > 1)
     throw InputError(fmt::format(
         "'{}' is the name of {} groups and regions of {}; write its kind and its number, like surface:30",
@@ -219,11 +220,13 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
   return points;
 }
 
-/// "the mesh reaches from 0 to 0.1 m along z".
-std::string range_along(const HalfSpace& half, const TetMesh& mesh) {
+/// "the mesh reaches from 0 to 0.1 m along z" of a half-space; nothing of other sets.
+std::string range_along(const std::string& set, const TetMesh& mesh) {
+  const auto half = box_of(set) ? std::nullopt : half_space_of(set);
+  if (!half) return "";
   return fmt::format("the mesh reaches from {} to {} m along {}",
-                     short_number(mesh.points.row(half.axis).minCoeff(), 4),
-                     short_number(mesh.points.row(half.axis).maxCoeff(), 4), "xyz"[half.axis]);
+                     short_number(mesh.points.row(half->axis).minCoeff(), 4),
+                     short_number(mesh.points.row(half->axis).maxCoeff(), 4), "xyz"[half->axis]);
 }
 
 }  // namespace
@@ -241,11 +244,13 @@ std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMe
     points = half->points(mesh.mesh);
   else
     points = called_points(set, mesh);
-  if (points.empty())
+  if (points.empty()) {
+    const std::string range = range_along(set, mesh.mesh);
     throw InputError(fmt::format("no point of {} is in the support '{}'; {}", mesh.name, set,
-                                 box_of(set)          ? "give a larger box, in metres"
-                                 : half_space_of(set) ? range_along(*half_space_of(set), mesh.mesh)
-                                                      : "name another set"));
+                                 !range.empty() ? range
+                                 : box_of(set)  ? "give a larger box, in metres"
+                                                : "name another set"));
+  }
   return points;
 }
 
@@ -262,9 +267,11 @@ std::vector<TetMesh::Index> union_of_sets(const std::vector<std::string>& sets, 
 
 std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
   std::vector<Index> points = union_of_sets(sets, mesh);
-  if (static_cast<Eigen::Index>(points.size()) == mesh.mesh.point_count())
-    throw InputError(
-        fmt::format("the supports hold every point of {}, so that nothing moves; hold fewer", mesh.name));
+  if (static_cast<Eigen::Index>(points.size()) == mesh.mesh.point_count()) {
+    const std::string range = range_along(sets.front(), mesh.mesh);
+    throw InputError(fmt::format("the supports hold every point of {}, so that nothing moves; {}", mesh.name,
+                                 range.empty() ? "hold fewer" : range));
+  }
   return points;
 }
 

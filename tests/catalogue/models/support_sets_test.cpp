@@ -110,8 +110,17 @@ TEST_F(SupportSets, ArePointsByTheirNumbersBoxesAndFiles) {
   EXPECT_EQ(held("x>0.1"), (Numbers{4, 10}));
   EXPECT_EQ(held("y<inf"), (Numbers{2, 4, 6, 8, 10}));
   EXPECT_NE(refusal("z<-1").find("the mesh reaches from 0 to 0.1 m along z"), std::string::npos);
-  EXPECT_NE(refusal("z<low").find("has no number of metres behind <"), std::string::npos);
-  EXPECT_NE(refusal("w<1").find("no group or region 'w<1'"), std::string::npos);
+  try {
+    points_of_sets({"z<1"}, mesh);
+    ADD_FAILURE() << "held all";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(
+        std::string(error.what()).ends_with("nothing moves; the mesh reaches from 0 to 0.1 m along z"));
+  }
+  for (const char* wrong : {"z<low", "z<0.01,x<1", "z<", "z<0.1<0.2"})
+    EXPECT_NE(refusal(wrong).find("is not one axis and one number of metres"), std::string::npos) << wrong;
+  for (const char* wrong : {"w<1", "z=0", "0.01>x"})
+    EXPECT_NE(refusal(wrong).find("hold a box, z<0.01,"), std::string::npos) << refusal(wrong);
   write_text(folder / "held.txt", "# the left side\n2 8\n\n 6,10 # and one more\n");
   EXPECT_EQ(held("@" + (folder / "held.txt").string()), (Numbers{2, 6, 8, 10}));
 }
