@@ -435,15 +435,18 @@ TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
 }
 
 TEST(Advise, PredictsLimitsThatNoModeTells) {
-  // Under load the stiff part and the rest of a body have no common modes.
+  // Under load the stiff part and the rest of a body have no common modes. Of each method alone, since limits
+  // of rows beyond the four best, which are the machine's, stay pending.
   const Problem problem = cube("press");
-  const Advice advice = advise(problem, question(100, {"imex_euler", "linearly_implicit_euler"}, problem));
-  const auto imex = std::ranges::find(advice.rows, "imex_euler",
-                                      [](const AdviceRow& row) { return row.candidate.method.id; });
-  ASSERT_NE(imex, advice.rows.end());
-  EXPECT_LE(imex->h, imex->h_max) << imex->status;
-  for (const AdviceRow& row : advice.rows)
-    EXPECT_FALSE(std::isnan(row.h_max)) << row.candidate.words() << row.status;
+  for (const char* method : {"imex_euler", "linearly_implicit_euler"}) {
+    const Advice advice = advise(problem, question(100, {method}, problem));
+    ASSERT_FALSE(advice.rows.empty()) << method;
+    EXPECT_FALSE(advice.rows.front().limit_pending) << method;
+    for (const AdviceRow& row : advice.rows) {
+      if (row.limit_pending) continue;
+      EXPECT_LE(row.h, row.h_max) << row.candidate.words() << row.status;
+    }
+  }
 }
 
 TEST(LoadMargin, IsOpenWhereNothingStiffens) {
