@@ -11,8 +11,8 @@
 #include <unistd.h>
 #include <utility>
 
-#include "core/digest.hpp"
 #include "core/part_file.hpp"
+#include "core/text/digest.hpp"
 
 namespace hmax {
 

@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/digest.hpp"
 #include "core/errors.hpp"
 #include "core/instruction_set.hpp"
 #include "core/numbers.hpp"
+#include "core/text/digest.hpp"
 #include "results/build_info.hpp"
 
 #ifdef __GLIBC__

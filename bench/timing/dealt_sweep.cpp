@@ -18,10 +18,10 @@
 #include "bench/timing/row_meter.hpp"
 #include "bench/timing/sweep_messages.hpp"
 #include "bench/timing/sweeper.hpp"
-#include "core/digest.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "core/ranks/thread_ranks.hpp"
+#include "core/text/digest.hpp"
 #include "results/fingerprint.hpp"
 
 namespace hmax {

@@ -11,9 +11,9 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/tissue_choice.hpp"
-#include "core/digest.hpp"
 #include "core/errors.hpp"
 #include "core/size_limits.hpp"
+#include "core/text/digest.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

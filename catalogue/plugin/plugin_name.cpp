@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "core/digest.hpp"
 #include "core/errors.hpp"
+#include "core/text/digest.hpp"
 
 namespace hmax {
 

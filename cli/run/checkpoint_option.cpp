@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "cli/shared/options.hpp"
-#include "core/digest.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/digest.hpp"
 #include "limits/rows/model_digest.hpp"
 #include "results/build_info.hpp"
 #include "results/fingerprint.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "catalogue/models/matrix_problem.hpp"
-#include "core/digest.hpp"
+#include "core/text/digest.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/digest.hpp"
+#include "core/text/digest.hpp"
 
 namespace hmax::sqlite {
 
