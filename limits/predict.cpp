@@ -383,8 +383,10 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   row.state_kind = point.kind;
   row.state = point.state;
   if (!method.amplification) {
-    row.bound = Bound::error_control;
-    row.note = "the method chooses its steps as it runs";
+    if (!method.fixed_step) row.bound = Bound::error_control;
+    row.note = method.fixed_step
+                   ? "its iterations couple all points, so that no mode alone tells what a step makes of it"
+                   : "the method chooses its steps as it runs";
     return row;
   }
   row.note = obstacle(method, point.model);

@@ -27,7 +27,7 @@ std::vector<Method> all_methods() {
   }
   // What steps at fixed size and brings no formula shows by its steps how it amplifies.
   for (Method& method : all)
-    if (method.fixed_step && !method.amplification)
+    if (method.fixed_step && !method.amplification && !method.unsuited)
       method.amplification = shared(measured_amplification(method));
   return all;
 }

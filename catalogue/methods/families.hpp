@@ -19,6 +19,7 @@ void add_radau(std::vector<Method>& all);
 void add_stabilised(std::vector<Method>& all);
 void add_imex(std::vector<Method>& all);
 void add_structural(std::vector<Method>& all);
+void add_positional(std::vector<Method>& all);
 void add_rosenbrock(std::vector<Method>& all);
 
 // The foreign engines add nothing where their library is missing.
@@ -48,6 +49,7 @@ constexpr auto all_families = std::to_array<Family>({
     {"stabilised", "stabilised", add_stabilised},
     {"imex", "implicit-explicit", add_imex},
     {"structural", "positions and velocities", add_structural},
+    {"positional", "positions by iterations", add_positional},
     {"rosenbrock", "Rosenbrock", add_rosenbrock},
     {"sundials_cvode", "CVODE", add_cvode, {"cvode_", "SUNDIALS", "libsundials-dev"}},
     {"sundials_arkode", "ARKODE", add_arkode, {"arkode_", "SUNDIALS", "libsundials-dev"}},

@@ -43,7 +43,7 @@ std::string why_unsuited(const Method& method, const Problem& problem) {
   if (lacks_lumped_masses(method, problem)) return std::string(needs_lumped_masses);
   if (method.needs_split && !has_split(problem))
     return fmt::format("needs a problem that declares a stiff part, which {} does not", problem.id);
-  return {};
+  return method.unsuited ? method.unsuited(problem) : std::string();
 }
 
 bool suits(const Method& method, const Problem& problem) { return why_unsuited(method, problem).empty(); }
@@ -160,7 +160,7 @@ void check_output_interval(const RunSpec& spec) {
 /// Throws unless the problem has the structure that the method needs.
 void check_structure(const Method& method, const Problem& problem) {
   if (const std::string why = why_unsuited(method, problem); !why.empty()) {
-    const bool is_told = lacks_lumped_masses(method, problem);  // what to do
+    const bool is_told = why.find(';') != std::string::npos;  // what to do
     throw InputError(
         fmt::format("{} {}{}", method.id, why,
                     is_told ? ""

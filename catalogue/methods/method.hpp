@@ -105,8 +105,12 @@ struct Method {
   int steps_back = 0;  ///< steps before the current one whose derivatives it reads; 0: a one-step method
   CarriedAcceleration carried_acceleration = CarriedAcceleration::none;
   std::string note{};  ///< what the facts above do not tell; often empty
+  /// What else keeps it from a problem, "takes ..."; empty words where nothing does, null where nothing ever
+  /// does.
+  std::function<std::string(const Problem&)> unsuited{};
   std::function<Runner(const Problem&)> bind;
-  std::shared_ptr<const Amplification> amplification{};  ///< null for methods that only run adaptively
+  /// Null for methods that only run adaptively, and for those whose steps couple all points of a body.
+  std::shared_ptr<const Amplification> amplification{};
 
   /// Numbers of the method itself that a user may set, `newmark:beta=0.25,gamma=0.5`, with their values;
   /// `with` makes the method of other values and throws InputError for values that make no method.

@@ -125,6 +125,8 @@ class TissueBody {
   /// How many of these come from finite elements: first the elements of the mesh, then what acts on several
   /// of them.
   [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
+  /// The springs of a model of springs, then those of a skin of springs.
+  [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
 
  private:
   struct Scratch {

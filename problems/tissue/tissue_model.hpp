@@ -10,6 +10,7 @@
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
+#include "problems/tissue/positional/point_forces.hpp"
 
 namespace hmax {
 
@@ -21,6 +22,9 @@ enum class SofaField { none, small, polar, st_venant_kirchhoff, neo_hookean };
 struct TissueModel {
   using MakeElements = std::shared_ptr<const Elements> (*)(const TetMesh& mesh, std::span<const Lame> lame,
                                                            const BlockPattern& pattern);
+  using MakePointForces = std::unique_ptr<const PointForces> (*)(const TetMesh& mesh,
+                                                                 std::span<const Lame> lame,
+                                                                 std::span<const TetMesh::Index> free);
 
   std::string_view id;
   std::string_view note;           ///< one line: what the forces are
@@ -37,6 +41,10 @@ struct TissueModel {
   bool has_ten_nodes = false;
   SofaField sofa = SofaField::none;
   MakeElements make_elements = nullptr;  ///< null: springs along the edges of the mesh
+  /// The same forces point by point (problems/tissue/positional); null where nobody has written them.
+  MakePointForces make_point_forces = nullptr;
+  /// Its small strains are those of two compliant constraints of each tetrahedron.
+  bool has_constraints = false;
 
   [[nodiscard]] constexpr bool is_of_springs() const { return make_elements == nullptr; }
   bool operator==(const TissueModel& other) const { return id == other.id; }

@@ -20,7 +20,7 @@ void add_methods(const std::string& name, const std::vector<Problem>& problems, 
     const auto unsuited = std::ranges::find_if(problems, [&](const Problem& p) { return !suits(method, p); });
     if (unsuited == problems.end())
       add_once(chosen.methods, method);
-    else
+    else if (name != "all" || !method.unsuited || unsuited->body)  // nobody misses those of bodies elsewhere
       add_once(chosen.left_out, LeftOut{method.id, why_unsuited(method, *unsuited)});
   }
 }

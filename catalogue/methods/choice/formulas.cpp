@@ -87,8 +87,12 @@ const Pattern* pattern_of(const Method& method) {
   return held == patterns().end() ? nullptr : &*held;
 }
 
-constexpr std::string_view no_stability =
-    "chooses its steps, and its order, as it runs: it has no stability of its own";
+/// Of a method without an amplification.
+std::string_view why_no_stability(const Method& method) {
+  return method.fixed_step
+             ? "couples all points of a body in its iterations: no mode alone tells its stability"
+             : "chooses its steps, and its order, as it runs: it has no stability of its own";
+}
 
 /// A formula of the patterns; nothing where `name` follows none of them.
 std::optional<Formula> held_formula(std::string_view name) {
@@ -146,7 +150,7 @@ Formula formula_of(const Method& method) {
   if (!method.amplification)
     throw InputError(
         fmt::format("{} {}; formulas that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
-                    method.id, no_stability));
+                    method.id, why_no_stability(method)));
   Formula formula{
       .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
   if (method.is_explicit) formula.evaluations = evaluations_of(method);
@@ -186,7 +190,7 @@ ChosenFormulas chosen_formulas(const std::vector<std::string>& names) {
       } else if (method.amplification) {
         add_once(chosen.formulas, formula_of(method));
       } else {
-        add_once(chosen.left_out, LeftOut{method.id, std::string(no_stability)});
+        add_once(chosen.left_out, LeftOut{method.id, std::string(why_no_stability(method))});
       }
     }
   }

@@ -141,4 +141,12 @@ Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
          lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * cofactor_differential(F_, dF));
 }
 
+Matrix3d StableNeoHookean::own_block(const Vector3d& g) const {
+  const double n = square_ + 4;
+  const Vector3d Fg = F_ * g, Cg = cofactors_ * g;
+  Matrix3d block = (2 * mu_ / (n * n) * Fg) * Fg.transpose() + (lambda_ * Cg) * Cg.transpose();
+  block.diagonal().array() += mu_ * (1 - 1 / n) * g.squaredNorm();
+  return block;
+}
+
 }  // namespace hmax

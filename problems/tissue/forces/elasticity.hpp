@@ -85,6 +85,8 @@ class StableNeoHookean {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
+  /// B with B_cd = (e_c g^T) : dP(e_d g^T), in one piece: J is linear along such changes.
+  [[nodiscard]] Eigen::Matrix3d own_block(const Eigen::Vector3d& g) const;
 
  private:
   double mu_, lambda_;

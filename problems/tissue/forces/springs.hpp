@@ -106,6 +106,7 @@ class SpringSet {
 
   [[nodiscard]] std::size_t size() const { return springs_.size(); }
   [[nodiscard]] const Spring& spring(std::size_t i) const { return springs_[i]; }
+  [[nodiscard]] const SpringLaw& law() const { return law_; }
   [[nodiscard]] bool has_dampers() const { return has_dampers_; }
   /// The block of spring i: its stiffness is (B, -B; -B, B).
   [[nodiscard]] Eigen::Matrix3d stiffness(const NodeRows& x, std::size_t i) const;

@@ -1,0 +1,113 @@
+/// Implicit Euler by a fixed number of iterations, as simulators of soft bodies step it: of bodies alone.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "catalogue/methods/bind.hpp"
+#include "catalogue/methods/families.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "integrators/positional/compliant_constraints.hpp"
+#include "integrators/positional/positional_euler.hpp"
+#include "integrators/positional/truncated_newton.hpp"
+#include "integrators/positional/vertex_block_descent.hpp"
+#include "problems/tissue/positional_body.hpp"
+
+namespace hmax {
+
+namespace {
+
+/// A whole number of at least 1.
+/// @throws InputError  where a parameter is none
+int count_of(std::string_view method, const Parameters& values, std::size_t which) {
+  constexpr double most = 1e6;
+  const auto& [name, value] = values[which];
+  if (!(value >= 1 && value <= most) || value != std::floor(value))
+    throw InputError(
+        fmt::format("{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for "
+                    "instance {1}:{0}=10",
+                    name, method, to_text(value)));
+  return static_cast<int>(value);
+}
+
+/// What all of them have in common.
+/// @param make  Parameters -> the iteration of PositionalEuler
+template <class Make>
+Method positional(std::string id, std::string source, PositionalVerbs verbs, const Parameters& values,
+                  const Make& make) {
+  Method method{
+      .id = std::move(id), .aliases = {}, .order = 1, .stages = 1, .source = std::move(source), .bind = {}};
+  method.is_explicit = false;
+  method.needs_second_order = true;
+  const int iterations = count_of(method.id, values, 0), substeps = count_of(method.id, values, 1);
+  const auto iteration = make(values);
+  method.unsuited = [verbs](const Problem& problem) {
+    return problem.body ? PositionalBody::why_not(*problem.body, verbs)
+                        : fmt::format("moves the points of a body, and {} is none; take a mesh with --mesh",
+                                      problem.id);
+  };
+  method.bind = [=](const Problem& problem) {
+    using Stepper = PositionalEuler<std::decay_t<decltype(iteration)>>;
+    return make_runner(detail::StepperEngine<Stepper>{Stepper(iteration, iterations, substeps), 0},
+                       PositionalBody(problem.body, verbs), problem.y0);
+  };
+  return method;
+}
+
+Method vbd(const Parameters& values) {
+  Method method =
+      positional("vbd", "chen2024vertex", PositionalVerbs::points, values, [](const Parameters& p) {
+        const double rho = p[2].second;
+        if (!(rho >= 0 && rho < 1))
+          throw InputError(
+              fmt::format("rho of vbd is {} but must lie between 0 and 1: it is the spectral "
+                          "radius of the iteration, 0 takes it as it is",
+                          to_text(rho)));
+        return VertexBlockDescent(rho);
+      });
+  method.note = "moves one point after the other to where its force vanishes";
+  return method;
+}
+
+Method xpbd(const Parameters& values) {
+  Method method =
+      positional("xpbd", "macklin2016xpbd", PositionalVerbs::constraints, values, [](const Parameters& p) {
+        const double reset = p[2].second;
+        if (reset != 0 && reset != 1)
+          throw InputError(
+              fmt::format("reset of xpbd is {} but must be 0 or 1: 1 forgets the multipliers in "
+                          "every iteration, as some engines do",
+                          to_text(reset)));
+        return CompliantConstraints(reset == 1);
+      });
+  method.note = "meets one compliant constraint after the other";
+  return method;
+}
+
+Method newton_truncated(const Parameters& values) {
+  Method method =
+      positional("newton_truncated", "baraff1998large", PositionalVerbs::forces, values,
+                 [](const Parameters& p) { return TruncatedNewton(count_of("newton_truncated", p, 2)); });
+  method.note = "iterations of Newton's method, each of a few conjugate gradients (cg)";
+  return method;
+}
+
+Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaults) {
+  Method method = make(defaults);
+  method.parameters = defaults;
+  method.with = make;
+  return method;
+}
+
+}  // namespace
+
+void add_positional(std::vector<Method>& all) {
+  all.push_back(with_defaults(vbd, {{"iterations", 10}, {"substeps", 1}, {"rho", 0}}));
+  all.push_back(with_defaults(xpbd, {{"iterations", 10}, {"substeps", 1}, {"reset", 0}}));
+  all.push_back(with_defaults(newton_truncated, {{"iterations", 1}, {"substeps", 1}, {"cg", 10}}));
+}
+
+}  // namespace hmax

@@ -1,0 +1,75 @@
+/// Extended position-based dynamics: implicit Euler by meeting one compliant constraint after the other.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "integrators/positional/positional_system.hpp"
+#include "integrators/stats.hpp"
+
+namespace hmax {
+
+/// An iteration meets each constraint c once, colour by colour, with its multiplier lambda_c,
+///   d_lambda = (-C - a lambda - g dC.(q - q_0)) / ((1 + g) sum_i w_i |dC/dq_i|^2 + a),
+///   lambda += d_lambda,   q_i += w_i dC/dq_i d_lambda,
+///   a = compliance / h^2,   g = beta / h,   w_i = 1 / (m_i (1 + alpha h)),
+/// from where the body would be without elastic forces, with lambda = 0: Gauss-Seidel on the equations of
+/// implicit Euler in terms of the multipliers. The gradients are those of the iterate: where they turn within
+/// a step, q - q_guess is not the sum of w_i dC/dq_i lambda at its end, and the state it converges to is not
+/// that of implicit Euler, the nearer the shorter the step. Multipliers that
+/// are reset in every iteration make the body stiffer with each: every iteration then adds a step of the
+/// force.
+/// @source [macklin2016xpbd]; [macklin2021constraint] for the constraints of a stable neo-Hookean solid
+class CompliantConstraints {
+ public:
+  /// @param reset  multipliers begin at 0 in every iteration
+  explicit CompliantConstraints(bool reset = false) : reset_(reset) {}
+
+  template <ConstrainedSystem Sys>
+  void init(const Sys& system) {
+    std::size_t count = 0;
+    for (const std::vector<std::int32_t>& colour : system.constraint_colours()) count += colour.size();
+    lambda_.setZero(static_cast<Eigen::Index>(count));
+    for (Eigen::VectorXd* each : {&start_, &work_}) each->setZero(system.dofs());
+  }
+
+  template <ConstrainedSystem Sys>
+  void begin(const Sys& system, double t, double h, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+             Eigen::VectorXd& guess) {
+    start_ = q;
+    without_elasticity(system, t, h, start_, v, work_, guess);
+    lambda_.setZero();
+  }
+
+  template <ConstrainedSystem Sys>
+  void improve(const Sys& system, double, double h, Eigen::VectorXd& q, ImplicitWork&) {
+    if (reset_) lambda_.setZero();
+    const double viscous = system.stiffness_damping() / h, loss = 1 + system.mass_damping() * h;
+    CompliantConstraint at;
+    for (const std::vector<std::int32_t>& colour : system.constraint_colours())
+      for (const std::int32_t c : colour) {
+        system.constraint(q, c, at);
+        const double compliance = at.compliance / (h * h);
+        double sum = 0, change = 0;  // sum of w |dC|^2, and dC.(q - q_0)
+        for (std::size_t i = 0; i < at.points; ++i) {
+          const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
+          sum += at.gradient[i].squaredNorm() / (loss * system.mass()[first]);
+          if (viscous > 0) change += at.gradient[i].dot(q.segment<3>(first) - start_.segment<3>(first));
+        }
+        const double divisor = (1 + viscous) * sum + compliance;
+        if (!(divisor > 0)) continue;  // nothing that it moves
+        const double step = (-at.value - compliance * lambda_[c] - viscous * change) / divisor;
+        lambda_[c] += step;
+        for (std::size_t i = 0; i < at.points; ++i) {
+          const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
+          q.segment<3>(first) += step / (loss * system.mass()[first]) * at.gradient[i];
+        }
+      }
+  }
+
+ private:
+  bool reset_;
+  Eigen::VectorXd lambda_;        ///< of each constraint, times h^2
+  Eigen::VectorXd start_, work_;  ///< shape (dofs)
+};
+
+}  // namespace hmax

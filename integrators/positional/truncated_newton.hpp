@@ -1,0 +1,80 @@
+/// Implicit Euler by a few iterations of Newton's method, each of a few conjugate gradients.
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "integrators/stats.hpp"
+#include "integrators/system.hpp"
+
+namespace hmax {
+
+/// An iteration is one of Newton's method without line search,
+///   (M / h^2 + C / h + K) dq = F(t, q, (q - q_0) / h) - M (q - q_0 - h v_0) / h^2,
+/// with at most `most` conjugate gradients from dq = 0, preconditioned by the diagonal. They end early where
+/// the residual is that of rounding, or a direction has no curvature. It begins at q_0 + h v_0.
+/// @source [baraff1998large], [nocedal2006numerical] 7.1
+class TruncatedNewton {
+ public:
+  using Matrix = Eigen::SparseMatrix<double>;
+
+  /// @param most  1 at least
+  explicit TruncatedNewton(int most) : most_(most) {}
+
+  template <SecondOrderSystem Sys>
+  void init(const Sys& system) {
+    for (Eigen::VectorXd* each : {&start_, &inertial_, &velocity_, &residual_, &dq_, &z_, &p_, &Ap_})
+      each->setZero(system.dofs());
+  }
+
+  template <SecondOrderSystem Sys>
+  void begin(const Sys&, double, double h, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+             Eigen::VectorXd& guess) {
+    start_ = q;
+    inertial_ = q + h * v;
+    guess = inertial_;
+  }
+
+  template <SecondOrderSystem Sys>
+  void improve(const Sys& system, double t, double h, Eigen::VectorXd& q, ImplicitWork& work) {
+    velocity_ = (q - start_) / h;
+    system.force(t, q, velocity_, residual_);
+    system.stiffness(t, q, velocity_, A_);
+    system.damping(t, q, velocity_, C_);
+    A_ += C_ / h;
+    const Eigen::VectorXd& mass = system.mass();
+    for (Eigen::Index i = 0; i < q.size(); ++i) A_.coeffRef(i, i) += mass[i] / (h * h);
+    residual_.array() -= mass.array() / (h * h) * (q - inertial_).array();
+    work.linear_iterations += solve();
+    q += dq_;
+  }
+
+ private:
+  /// dq_ ~ A^-1 residual_, which is overwritten. @returns iterations
+  int solve() {
+    dq_.setZero();
+    const double least = 1e-14 * residual_.norm();
+    double rz = 0;
+    for (int k = 0; k < most_; ++k) {
+      if (!(residual_.norm() > least)) return k;
+      z_ = residual_.cwiseQuotient(A_.diagonal());
+      const double next = residual_.dot(z_);
+      p_ = k == 0 ? z_ : Eigen::VectorXd(z_ + next / rz * p_);
+      rz = next;
+      Ap_.noalias() = A_ * p_;
+      const double curvature = p_.dot(Ap_);
+      if (!(curvature > 0)) return k;
+      dq_ += rz / curvature * p_;
+      residual_ -= rz / curvature * Ap_;
+    }
+    return most_;
+  }
+
+  int most_;
+  Matrix A_, C_;
+  Eigen::VectorXd start_, inertial_, velocity_, residual_, dq_, z_, p_, Ap_;  ///< shape (dofs)
+};
+
+}  // namespace hmax

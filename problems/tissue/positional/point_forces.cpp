@@ -1,0 +1,194 @@
+#include "problems/tissue/positional/point_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
+#include "problems/tissue/positional/free_points.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Index = TetMesh::Index;
+
+/// A place of a free point in a piece.
+struct Place {
+  std::uint32_t piece, corner;
+};
+
+/// The pieces at each free point.
+class PiecesAtPoints {
+ public:
+  /// @param of_piece  free points of each, -1 for held ones
+  PiecesAtPoints(const std::vector<std::vector<Index>>& of_piece, Index points) : first_(at(points) + 1, 0) {
+    for (const auto& own : of_piece)
+      for (const Index point : own)
+        if (point >= 0) ++first_[at(point) + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    places_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t piece = 0; piece < of_piece.size(); ++piece)
+      for (std::size_t corner = 0; corner < of_piece[piece].size(); ++corner)
+        if (const Index point = of_piece[piece][corner]; point >= 0)
+          places_[next[at(point)]++] = {static_cast<std::uint32_t>(piece),
+                                        static_cast<std::uint32_t>(corner)};
+  }
+  [[nodiscard]] std::span<const Place> operator[](Index point) const {
+    return std::span(places_).subspan(first_[at(point)], first_[at(point) + 1] - first_[at(point)]);
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<Place> places_;
+};
+
+Index count_of(std::span<const Index> free) { return free.empty() ? 0 : *std::ranges::max_element(free) + 1; }
+
+/// B(c, d) = d2W / d(e_c g^T) d(e_d g^T): what a point with the gradient g of its shape function resists its
+/// own moves with, per volume.
+template <class Law>
+Matrix3d own_block(const Law& law, const Vector3d& g) {
+  if constexpr (requires { law.own_block(g); }) {
+    return law.own_block(g);
+  } else {
+    Matrix3d block;
+    for (Eigen::Index c = 0; c < 3; ++c)
+      block.col(c) = law.differential(Vector3d::Unit(c) * g.transpose()) * g;
+    return block;
+  }
+}
+
+template <class Law>
+class PointForcesOfLaw final : public PointForces {
+ public:
+  PointForcesOfLaw(const TetMesh& mesh, std::span<const Lame> lame, std::span<const Index> free)
+      : elements_(elements_of(mesh, lame, free)), at_points_(pieces(), count_of(free)) {}
+
+  void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
+    for (const auto& [piece, corner] : at_points_[i]) {
+      const Element& e = elements_[piece];
+      const Law law(edge_vectors_of(q, e.points) * e.rest.gradients, e.lame);
+      const Vector3d g =
+          corner == 0 ? Vector3d(-e.rest.gradients.colwise().sum().transpose())
+                      : Vector3d(e.rest.gradients.row(static_cast<Eigen::Index>(corner) - 1).transpose());
+      f -= e.rest.volume * (law.stress() * g);
+      K += e.rest.volume * own_block(law, g);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override {
+    std::vector<std::vector<Index>> all;
+    for (const Element& e : elements_) all.emplace_back(e.points.begin(), e.points.end());
+    return all;
+  }
+
+ private:
+  struct Element {
+    std::array<Index, 4> points;  ///< free ones
+    RestShape rest;
+    Lame lame;
+  };
+  static std::vector<Element> elements_of(const TetMesh& mesh, std::span<const Lame> lame,
+                                          std::span<const Index> free) {
+    std::vector<Element> all;
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+      std::array<Index, 4> corners, points;
+      for (std::size_t a = 0; a < 4; ++a) {
+        corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
+        points[a] = free[at(corners[a])];
+      }
+      all.push_back({points, RestShape(mesh, corners), lame[at(mesh.region(t))]});
+    }
+    return all;
+  }
+
+  std::vector<Element> elements_;
+  PiecesAtPoints at_points_;
+};
+
+template <class Law>
+class PointForcesOfSprings final : public PointForces {
+ public:
+  PointForcesOfSprings(const Eigen::Matrix3Xd& rest, const SpringSet& springs, const Law& law,
+                       std::span<const Index> free)
+      : law_(law), springs_(springs_of(rest, springs, free)), at_points_(pieces(), count_of(free)) {}
+
+  void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
+    for (const auto& [piece, corner] : at_points_[i]) {
+      const Spring& s = springs_[piece];
+      const Vector3d d = s.rest + displacement_of(q, s.points[1]) - displacement_of(q, s.points[0]);
+      const double l = std::max(d.norm(), std::numeric_limits<double>::min());
+      const Vector3d e = d / l;
+      const double strain = (l - s.length) / s.length, tension = s.stiffness * s.length * law_.phi(strain);
+      f += (corner == 0 ? tension : -tension) * e;
+      // dT/dl e e^T + T / l (I - e e^T)
+      const double across = tension / l;
+      K += across * Matrix3d::Identity() + (s.stiffness * law_.slope(strain) - across) * e * e.transpose();
+    }
+  }
+
+  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override {
+    std::vector<std::vector<Index>> all;
+    for (const Spring& s : springs_) all.emplace_back(s.points.begin(), s.points.end());
+    return all;
+  }
+
+ private:
+  struct Spring {
+    std::array<Index, 2> points;  ///< free ones
+    Vector3d rest;                ///< from the first to the second [m]
+    double length, stiffness;     ///< L [m], k [N/m]
+  };
+  static std::vector<Spring> springs_of(const Eigen::Matrix3Xd& rest, const SpringSet& springs,
+                                        std::span<const Index> free) {
+    std::vector<Spring> all;
+    for (std::size_t i = 0; i < springs.size(); ++i) {
+      const auto& [a, b] = springs.spring(i).points;
+      const Vector3d d = rest.col(b) - rest.col(a);
+      all.push_back({{free[at(a)], free[at(b)]}, d, d.norm(), springs.spring(i).stiffness});
+    }
+    return all;
+  }
+
+  Law law_;
+  std::vector<Spring> springs_;
+  PiecesAtPoints at_points_;
+};
+
+}  // namespace
+
+template <class Law>
+std::unique_ptr<const PointForces> point_forces_of_law(const TetMesh& mesh, std::span<const Lame> lame,
+                                                       std::span<const TetMesh::Index> free) {
+  return std::make_unique<const PointForcesOfLaw<Law>>(mesh, lame, free);
+}
+
+template std::unique_ptr<const PointForces> point_forces_of_law<SmallStrain>(const TetMesh&,
+                                                                             std::span<const Lame>,
+                                                                             std::span<const TetMesh::Index>);
+template std::unique_ptr<const PointForces> point_forces_of_law<GreenStrain>(const TetMesh&,
+                                                                             std::span<const Lame>,
+                                                                             std::span<const TetMesh::Index>);
+template std::unique_ptr<const PointForces> point_forces_of_law<Corotational>(
+    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
+template std::unique_ptr<const PointForces> point_forces_of_law<StableNeoHookean>(
+    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
+
+std::unique_ptr<const PointForces> point_forces_of_springs(const Eigen::Matrix3Xd& rest,
+                                                           const SpringSet& springs,
+                                                           std::span<const TetMesh::Index> free) {
+  return std::visit(
+      [&](const auto& law) -> std::unique_ptr<const PointForces> {
+        return std::make_unique<const PointForcesOfSprings<std::decay_t<decltype(law)>>>(rest, springs, law,
+                                                                                         free);
+      },
+      springs.law());
+}
+
+}  // namespace hmax

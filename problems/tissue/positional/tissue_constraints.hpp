@@ -1,0 +1,63 @@
+/// The elastic energy of a body as compliant constraints.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/positional.hpp"
+#include "problems/mesh/tet_mesh.hpp"
+#include "problems/tissue/forces/elasticity.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
+
+namespace hmax {
+
+/// Constraints C(q) with energy C^2 / (2 compliance). Of a spring of a linear law and stiffness k
+///   C = l - L,   compliance 1 / k;
+/// of a tetrahedron of volume V two, the deviatoric and the volumetric one of a stable neo-Hookean solid,
+///   C = |F|,         compliance 1 / (mu V),
+///   C = det F - a,   compliance 1 / ((lambda + mu) V),   a = 1 + mu / (lambda + mu),
+/// whose sum has the stress lambda tr(e) I + 2 mu e at small strains e. It is StableNeoHookean without its
+/// logarithm, and 4/3 and 5/6 of its coefficients. Of a spring that holds a point three, its displacements.
+/// @source [macklin2021constraint] with lambda + mu for lambda, which gives the small strains
+class TissueConstraints {
+ public:
+  using Index = TetMesh::Index;
+  // Points are those of the free ones, -1 for held ones.
+  struct Spring {
+    std::array<Index, 2> points;
+    Eigen::Vector3d rest;  ///< from the first to the second [m]
+    double length, stiffness;
+  };
+  struct Tetrahedron {
+    std::array<Index, 4> points;
+    RestShape rest;
+    Lame lame;
+  };
+  struct Anchor {
+    Index point;
+    double stiffness;  ///< [N/m]
+  };
+
+  void add(const Spring& spring) { springs_.push_back(spring); }
+  void add(const Tetrahedron& element) { elements_.push_back(element); }
+  void add(const Anchor& anchor) { anchors_.push_back(anchor); }
+
+  /// Numbers of constraints: springs, then two of each tetrahedron, deviatoric first, then three of each
+  /// anchor.
+  [[nodiscard]] std::int32_t size() const;
+  /// The free points of each.
+  [[nodiscard]] std::vector<std::vector<Index>> points() const;
+
+  /// @param at  written
+  void evaluate(const Eigen::VectorXd& q, std::int32_t constraint, CompliantConstraint& at) const;
+
+ private:
+  std::vector<Spring> springs_;
+  std::vector<Tetrahedron> elements_;
+  std::vector<Anchor> anchors_;
+};
+
+}  // namespace hmax

@@ -1,0 +1,205 @@
+#include "problems/tissue/positional_body.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "problems/mesh/at.hpp"
+#include "problems/tissue/positional/colouring.hpp"
+#include "problems/tissue/positional/point_forces.hpp"
+#include "problems/tissue/positional/tissue_constraints.hpp"
+
+namespace hmax {
+namespace {
+
+using Index = TetMesh::Index;
+
+/// Of each point of the mesh its number among the free ones, -1 of held ones.
+std::vector<Index> free_numbers(const TissueBody& body) {
+  std::vector<Index> free(at(body.mesh().point_count()), -1);
+  for (std::size_t i = 0; i < body.free_points().size(); ++i)
+    free[at(body.free_points()[i])] = static_cast<Index>(i);
+  return free;
+}
+
+std::vector<Lame> coefficients(const TissueBody& body) {
+  std::vector<Lame> all;
+  for (const TissueMaterial& material : body.settings().materials)
+    all.push_back(lame(material.young, material.poisson));
+  return all;
+}
+
+std::string why_no_pieces(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  if (!settings.tools.empty())
+    return "moves points by elastic forces and loads alone, and a tool touches the body; take another load";
+  if (std::ranges::any_of(settings.supports,
+                          [](const Support& support) { return !support.travel.isZero(0); }))
+    return "takes supports that stand still, and one of them moves; take another load";
+  if (settings.skin.kind != SkinSettings::Kind::none)
+    return "does not have the forces of a skin; leave the skin out";
+  if (std::ranges::any_of(settings.materials,
+                          [](const TissueMaterial& each) { return each.fibre_young != 0; }))
+    return "does not have the forces of fibres; leave fibre_E out";
+  if (std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers))
+    return "does not have the dampers of springs; leave damper and damper_time out and set alpha or beta";
+  return {};
+}
+
+}  // namespace
+
+struct PositionalBody::Parts {
+  Eigen::VectorXd weight;  ///< [N], shape (dofs)
+  std::vector<Index> free;
+  DofMatrix damping;            ///< alpha M + beta K0; empty where it is alpha M
+  std::vector<double> anchors;  ///< k [N/m] of each free point
+  /// The dead loads of each free point, by their numbers, with its shares.
+  std::vector<std::vector<std::pair<std::size_t, double>>> pressed;
+  std::vector<std::unique_ptr<const PointForces>> forces;
+  TissueConstraints constraints;
+  Colours point_colours, constraint_colours;
+
+  explicit Parts(const TissueBody& body) : free(free_numbers(body)) {
+    const Eigen::VectorXd heavy = body.point_mass() - body.added_mass();
+    weight.resize(body.dofs());
+    for (std::size_t i = 0; i < body.free_points().size(); ++i)
+      weight.segment<3>(3 * static_cast<Eigen::Index>(i)) =
+          heavy[body.free_points()[i]] * body.settings().gravity;
+  }
+
+  void add_point_forces(const TissueBody& body) {
+    const TissueModel& model = body.settings().model;
+    if (model.make_point_forces)
+      forces.push_back(model.make_point_forces(body.mesh(), coefficients(body), free));
+    for (const SpringSet& set : body.spring_sets())
+      forces.push_back(point_forces_of_springs(body.mesh().points, set, free));
+    pressed.resize(body.free_points().size());
+    const std::vector<PressingForce>& loads = body.settings().forces;
+    for (std::size_t load = 0; load < loads.size(); ++load)
+      for (std::size_t i = 0; i < loads[load].points.size(); ++i)
+        if (const Index point = free[at(loads[load].points[i])]; point >= 0)
+          pressed[at(point)].emplace_back(load, loads[load].shares[i]);
+    anchors.assign(body.free_points().size(), 0);
+    for (const ElasticSupport& support : body.settings().elastic_supports)
+      for (std::size_t i = 0; i < support.points.size(); ++i)
+        if (const Index point = free[at(support.points[i])]; point >= 0)
+          anchors[at(point)] += support.stiffness[i];
+    if (body.settings().beta != 0) {
+      const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
+      body.damping(0, still, still, damping);
+    }
+    // Points of one piece act on each other.
+    std::vector<std::vector<std::int32_t>> neighbours(body.free_points().size());
+    for (const auto& part : forces)
+      for (const std::vector<Index>& piece : part->pieces())
+        for (const Index a : piece)
+          for (const Index b : piece)
+            if (a >= 0 && b >= 0) neighbours[at(a)].push_back(b);
+    point_colours = greedy_colours(neighbours);
+  }
+
+  void add_constraints(const TissueBody& body) {
+    const TetMesh& mesh = body.mesh();
+    for (const SpringSet& set : body.spring_sets())
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        const auto& [a, b] = set.spring(i).points;
+        const Eigen::Vector3d d = mesh.points.col(b) - mesh.points.col(a);
+        constraints.add(
+            TissueConstraints::Spring{{free[at(a)], free[at(b)]}, d, d.norm(), set.spring(i).stiffness});
+      }
+    if (!body.settings().model.is_of_springs()) {
+      const std::vector<Lame> lame = coefficients(body);
+      for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+        std::array<Index, 4> corners, points;
+        for (std::size_t a = 0; a < 4; ++a) {
+          corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
+          points[a] = free[at(corners[a])];
+        }
+        constraints.add(
+            TissueConstraints::Tetrahedron{points, RestShape(mesh, corners), lame[at(mesh.region(t))]});
+      }
+    }
+    for (const ElasticSupport& support : body.settings().elastic_supports)
+      for (std::size_t i = 0; i < support.points.size(); ++i)
+        if (const Index point = free[at(support.points[i])]; point >= 0 && support.stiffness[i] > 0)
+          constraints.add(TissueConstraints::Anchor{point, support.stiffness[i]});
+    constraint_colours = colours_by_points(constraints.points());
+  }
+};
+
+std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verbs) {
+  if (verbs == PositionalVerbs::forces) return {};
+  const TissueModel& model = body.settings().model;
+  if (std::string why = why_no_pieces(body); !why.empty()) return why;
+  if (verbs == PositionalVerbs::points && !model.is_of_springs() && !model.make_point_forces)
+    return "moves points of linear tetrahedra and of springs, and " + std::string(model.id) +
+           " has others; take another model";
+  if (verbs == PositionalVerbs::constraints) {
+    if (!model.is_of_springs() && !model.has_constraints)
+      return "has the constraints of fem_neo_hookean and of mass_spring, and none of " +
+             std::string(model.id) + "; take one of the two";
+    if (model.is_of_springs() && !std::holds_alternative<LinearSpring>(body.settings().springs.law))
+      return "has constraints of springs with a linear law alone; leave cubic, exponential and phi out";
+  }
+  return {};
+}
+
+PositionalBody::PositionalBody(std::shared_ptr<const TissueBody> body, PositionalVerbs verbs)
+    : body_(std::move(body)) {
+  if (const std::string why = why_not(*body_, verbs); !why.empty())
+    throw std::invalid_argument("the method " + why);
+  auto parts = std::make_shared<Parts>(*body_);
+  if (verbs == PositionalVerbs::points) parts->add_point_forces(*body_);
+  if (verbs == PositionalVerbs::constraints) parts->add_constraints(*body_);
+  parts_ = std::move(parts);
+}
+
+void PositionalBody::loads(double t, Dofs& f) const {
+  f = parts_->weight;
+  for (const PressingForce& load : body_->settings().forces) {
+    const double factor = load.profile.value(t);
+    for (std::size_t i = 0; i < load.points.size(); ++i)
+      if (const Index point = parts_->free[at(load.points[i])]; point >= 0)
+        f.segment<3>(3 * static_cast<Eigen::Index>(point)) += factor * load.shares[i] * load.force;
+  }
+}
+
+const Colours& PositionalBody::point_colours() const { return parts_->point_colours; }
+const Colours& PositionalBody::constraint_colours() const { return parts_->constraint_colours; }
+
+void PositionalBody::point_force(double t, const Dofs& q, const Dofs& v, std::int32_t point,
+                                 PointForce& at_point) const {
+  const Eigen::Index first = 3 * static_cast<Eigen::Index>(point);
+  const Parts& parts = *parts_;
+  at_point.f = parts.weight.segment<3>(first);
+  at_point.K.setZero();
+  at_point.C.setZero();
+  for (const auto& part : parts.forces) part->add(q, point, at_point.f, at_point.K);
+  for (const auto& [number, share] : parts.pressed[at(point)]) {
+    const PressingForce& load = body_->settings().forces[number];
+    at_point.f += load.profile.value(t) * share * load.force;
+  }
+  const double anchor = parts.anchors[at(point)];
+  at_point.f -= anchor * q.segment<3>(first);
+  at_point.K.diagonal().array() += anchor;
+  if (parts.damping.size() == 0) {
+    const double c = mass_damping() * mass()[first];
+    at_point.f -= c * v.segment<3>(first);
+    at_point.C.diagonal().setConstant(c);
+    return;
+  }
+  // Columns of a symmetric matrix are its rows.
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    for (DofMatrix::InnerIterator entry(parts.damping, first + axis); entry; ++entry) {
+      at_point.f[axis] -= entry.value() * v[entry.row()];
+      if (entry.row() / 3 == point) at_point.C(entry.row() - first, axis) = entry.value();
+    }
+}
+
+void PositionalBody::constraint(const Dofs& q, std::int32_t number, CompliantConstraint& at_q) const {
+  parts_->constraints.evaluate(q, number, at_q);
+}
+
+}  // namespace hmax
