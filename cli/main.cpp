@@ -142,6 +142,7 @@ Exit run(int argc, char** argv) {
   add_list(app, console);
   add_run(app, console);
   add_static(app, console);
+  add_fidelity(app, console);
   add_order(app, console);
   add_sweep(app, console);
   add_precision(app, console);

@@ -20,6 +20,7 @@ void add_advise(CLI::App& app, Console& console);
 void add_list(CLI::App& app, Console& console);
 void add_run(CLI::App& app, Console& console);
 void add_static(CLI::App& app, Console& console);
+void add_fidelity(CLI::App& app, Console& console);
 void add_order(CLI::App& app, Console& console);
 void add_sweep(CLI::App& app, Console& console);
 void add_precision(CLI::App& app, Console& console);

@@ -1,0 +1,163 @@
+/// hmax fidelity: what the steps of a method show of a material.
+#include "limits/fidelity/fidelity.hpp"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "cli/bodies/body_words.hpp"
+#include "cli/shared/choices.hpp"
+#include "cli/shared/commands.hpp"
+#include "cli/shared/options.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "limits/documents/fidelity_json.hpp"
+#include "problems/tissue/body.hpp"
+#include "results/table.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FidelityOptions {
+  ProblemChoice problem;
+  std::optional<double> rate;
+  std::vector<std::string> methods;
+  bool verify = false, ceiling = false;
+  std::string enter;
+};
+
+/// What simulators step soft bodies with, as far as it suits the body.
+std::vector<Method> methods_of(const FidelityOptions& options, const Problem& problem) {
+  std::vector<Method> methods;
+  for (const std::string& name : options.methods) methods.push_back(find_method(name));
+  if (!methods.empty()) return methods;
+  for (const char* name : {"symplectic_euler", "implicit_euler", "newton_truncated", "vbd",
+                           "vbd:iterations=1,substeps=10", "xpbd", "xpbd:iterations=1,substeps=10"})
+    if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
+  return methods;
+}
+
+/// "5000", "5kPa", "0.2 MPa" [Pa]. @throws InputError  for what is none, or not positive
+std::optional<double> modulus_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  constexpr std::array<std::pair<std::string_view, double>, 4> units{
+      {{"kPa", 1e3}, {"MPa", 1e6}, {"GPa", 1e9}, {"Pa", 1}}};
+  std::string number = text;
+  double factor = 1;
+  for (const auto& [unit, pascals] : units)
+    if (number.ends_with(unit)) {
+      number.resize(number.size() - unit.size());
+      factor = pascals;
+      break;
+    }
+  while (number.ends_with(' ')) number.pop_back();
+  const std::optional<double> value = to_number(number);
+  if (!value || !(*value > 0) || !std::isfinite(*value))
+    throw InputError(fmt::format("--enter {} is no modulus; give pascals, for instance 5000 or 5kPa", text));
+  return *value * factor;
+}
+
+std::string in_percent(double share) { return std::isnan(share) ? "-" : short_number(100 * share, 3) + " %"; }
+/// A damping ratio; less than a millionth is rounding.
+std::string in_digits(double zeta) { return std::abs(zeta) < 1e-6 ? "0" : short_number(zeta, 2); }
+std::string in_pascals(double value) {
+  return std::isnan(value) ? "-" : std::isinf(value) ? "none" : short_number(value, 4) + " Pa";
+}
+
+std::string words_of(const std::vector<Fidelity>& rows, const FidelityOptions& options,
+                     const Console& console) {
+  const bool ceiling = options.ceiling || !options.enter.empty();
+  std::vector<std::string> head{"method", "stiffness shown"};
+  if (ceiling) head.emplace_back("at most");
+  if (!options.enter.empty()) head.emplace_back("enter");
+  head.insert(head.end(), {"slowest mode", "damping ratio"});
+  if (options.verify) head.insert(head.end(), {"observed", "gap"});
+  TextTable table(head);
+  for (const Fidelity& row : rows) {
+    std::vector<std::string> line{row.method.id, in_percent(row.stiffness_shown)};
+    if (ceiling) line.push_back(in_pascals(row.stiffness_ceiling));
+    if (!options.enter.empty()) line.push_back(in_pascals(row.modulus_to_enter));
+    if (row.modes.empty()) {
+      line.insert(line.end(), {"-", "-"});
+    } else {
+      const ShownMode& mode = row.modes.front();
+      line.push_back(std::isnan(mode.omega_shown)
+                         ? "-"
+                         : fmt::format("{} for {} rad/s", short_number(mode.omega_shown, 3),
+                                       short_number(mode.omega, 3)));
+      line.push_back(std::isnan(mode.zeta_shown)
+                         ? "-"
+                         : fmt::format("{} for {}", in_digits(mode.zeta_shown), in_digits(mode.zeta)));
+    }
+    if (options.verify) {
+      line.push_back(row.observed ? in_percent(row.observed->stiffness_shown) : "-");
+      line.push_back(in_percent(row.gap));
+    }
+    table.add(line);
+  }
+  std::string text = table.text(console);
+  for (const Fidelity& row : rows)
+    if (!row.status.empty()) text += fmt::format("\n{}: {}", row.method.id, row.status);
+  return text + "\n";
+}
+
+void show_fidelity(const FidelityOptions& options, Console& console) {
+  if (!options.rate || !(*options.rate > 0) || !std::isfinite(*options.rate))
+    throw InputError("--rate must be a positive number of frames a second; give for instance --rate 100");
+  const Problem problem = options.problem.make();
+  options.problem.remark_idle(console, problem);
+  FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
+  question.wanted = modulus_of(options.enter);
+  const std::vector<Method> methods = methods_of(options, problem);
+  const FidelityModel model = fidelity_model(problem);
+  std::vector<Fidelity> rows;
+  {
+    Progress progress(console, "fidelity");
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      question.watch = [&] {
+        progress.update(static_cast<double>(i) / static_cast<double>(methods.size()), methods[i].id);
+      };
+      rows.push_back(fidelity(methods[i], model, question));
+    }
+  }
+  if (console.json) {
+    Json list = Json::array();
+    for (const Fidelity& row : rows) list.push_back(to_json(row));
+    return console.print_json({{"model", problem.id}, {"rate", *options.rate}, {"rows", list}});
+  }
+  console.print(fmt::format("{} with {}\n{}\nframes of {} s\n\n{}", problem.id, describe_acting(problem),
+                            body_in_words(problem), short_number(question.h, 4),
+                            words_of(rows, options, console)));
+}
+
+}  // namespace
+
+void add_fidelity(CLI::App& app, Console& console) {
+  CLI::App& command = add_command(
+      app, console, "fidelity", "Show what the steps of a method make of a material",
+      {"hmax fidelity --mesh cube:n=2 --model mass_spring --load press --rate 100",
+       "hmax fidelity --mesh cube:n=2 --model fem_neo_hookean --load gravity --rate 60 --method vbd:iterations=5 --verify"});
+  const auto options = std::make_shared<FidelityOptions>();
+  options->problem.add_to(command);
+  add_number(command, "--rate", options->rate, "frames a second, each one step of the method [1/s]");
+  add_repeated(command, "--method", options->methods,
+               "a method with its parameters, like vbd:iterations=5,substeps=2; may be repeated; those that "
+               "simulators use by default",
+               "NAME");
+  add_flag(command, "--verify", options->verify, "observe runs as well: from rest, and from each mode");
+  add_flag(command, "--ceiling", options->ceiling, "the largest modulus that the steps can show [Pa]");
+  add_text(command, "--enter", options->enter,
+           "a modulus that is to be shown, like 5kPa: which one to enter for it", "E");
+  set_callback(command, [options, &console] { show_fidelity(*options, console); });
+}
+
+}  // namespace hmax

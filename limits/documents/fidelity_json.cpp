@@ -1,0 +1,40 @@
+#include "limits/documents/fidelity_json.hpp"
+
+#include "limits/documents/number_json.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json modes_json(const std::vector<ShownMode>& modes) {
+  Json list = Json::array();
+  for (const ShownMode& mode : modes)
+    list.push_back({{"omega", mode.omega},
+                    {"omega_shown", number_or_word(mode.omega_shown)},
+                    {"zeta", mode.zeta},
+                    {"zeta_shown", number_or_word(mode.zeta_shown)}});
+  return list;
+}
+
+}  // namespace
+
+Json to_json(const Fidelity& row) {
+  return {{"method", row.method.id},
+          {"options", parameters_json(row.method.parameters)},
+          {"h", row.h},
+          {"stiffness_shown", number_or_word(row.stiffness_shown)},
+          {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
+          {"modulus_to_enter", number_or_word(row.modulus_to_enter)},
+          {"volume_kept", number_or_word(row.volume_kept)},
+          {"modes", modes_json(row.modes)},
+          {"observed", row.observed ? Json{{"stiffness_shown", number_or_word(row.observed->stiffness_shown)},
+                                           {"modes", modes_json(row.observed->modes)}}
+                                    : Json()},
+          {"gap", number_or_word(row.gap)},
+          {"steps", row.steps},
+          {"status", row.status}};
+}
+
+}  // namespace hmax

@@ -1,0 +1,76 @@
+/// What the steps of a method show of the material of a body.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "catalogue/methods/method.hpp"
+#include "limits/fidelity/shown_modes.hpp"
+#include "limits/linearised_problem.hpp"
+
+namespace hmax {
+
+struct FidelityQuestion {
+  double h = 0;                    ///< step, substeps and all [s]
+  bool verify = false;             ///< also observe runs
+  bool ceiling = false;            ///< also the stiffness ceiling
+  std::optional<double> wanted{};  ///< E [Pa] that is to be shown: also the modulus to enter
+  /// Called before each step; may throw.
+  std::function<void()> watch{};
+};
+
+/// A body under a load that does not change with time, in its static equilibrium: what steps are compared
+/// with.
+struct FidelityModel {
+  Problem problem;
+  Eigen::VectorXd load;          ///< f, the weight and the dead loads [N], shape (dofs)
+  Eigen::VectorXd equilibrium;   ///< q [m], shape (dofs)
+  double volume = 0;             ///< of the body there [m^3]
+  std::vector<ShownMode> modes;  ///< the slowest ones near it, not yet shown by anything
+  Eigen::MatrixXd shapes;        ///< of these, columns, shape (dofs, modes)
+};
+
+/// What steps of size h show.
+///   stiffness_shown = (f . q_exact) / (f . q_settled),
+/// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest. Of a
+/// linear body loaded at one point it is the stiffness that is felt there over that of the model.
+struct Fidelity {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+  Method method;
+  double h = 0;
+  double stiffness_shown = none;  ///< 1 is exact; NaN where nothing settles
+  /// The largest modulus that the steps can show, its limit as the modulus entered grows [Pa]; infinity where
+  /// there is none.
+  double stiffness_ceiling = none;
+  double modulus_to_enter = none;  ///< E [Pa] with which the wanted one is shown; NaN above the ceiling
+  double volume_kept = none;       ///< settled over that in the equilibrium of the model
+  std::vector<ShownMode> modes;
+  struct Observed {
+    double stiffness_shown = none;
+    std::vector<ShownMode> modes;
+  };
+  std::optional<Observed> observed{};  ///< of runs from rest, and from each mode
+  double gap = none;   ///< the largest relative difference of what was observed from what was predicted
+  int steps = 0;       ///< that were made to find the settled state
+  std::string status;  ///< sentences: what the numbers do not tell
+};
+
+/// @param modes  how many of the slowest; fewer where damping couples them or only the ends are known
+/// @throws InputError  for what is no body, a body that nothing loads, a load that never settles, and where
+///                     no equilibrium is found
+FidelityModel fidelity_model(const Problem& problem, std::size_t modes = 3);
+
+/// @throws InputError  for a method that does not suit the body, or has no map of steps
+Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
+
+/// E of the first region [Pa]: what ceilings and moduli are given in.
+double young_of(const Problem& problem);
+
+/// The same body with all stiffnesses times `factor`: of tissue, springs, fibres and skin.
+Problem with_stiffness(const Problem& problem, double factor);
+
+}  // namespace hmax

@@ -1,0 +1,29 @@
+/// The state in which the steps of a method come to rest.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "analysis/dynamics/discrete_map.hpp"
+
+namespace hmax {
+
+struct SettledState {
+  Eigen::VectorXd q;     ///< displacements [m], shape (dofs); the last iterate where nothing settles
+  bool settled = false;  ///< |Phi(q, 0) - q| is nothing beside |q|
+  double residual = 0;   ///< |Phi(q, 0) - q| / |q|
+  int steps = 0;         ///< evaluations of Phi
+};
+
+/// A root of Phi_q(q, 0) = q, where Phi_q are the displacements after a step from rest: the map that lets the
+/// body go from where it is, iterated with Anderson's acceleration. In a root velocities are zero, since a
+/// step that moves nothing has none.
+/// @param step   y -> Phi(y), y = (q, v) of shape (2 dofs); NaN where a step cannot be done
+/// @param start  q of shape (dofs), not zero
+/// @param watch  called before each step; may throw
+SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& start,
+                           const std::function<void()>& watch = {});
+
+}  // namespace hmax

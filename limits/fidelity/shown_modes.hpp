@@ -1,0 +1,43 @@
+/// The eigenvalues of a step that continue the modes of a model.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/dynamics/discrete_map.hpp"
+
+namespace hmax {
+
+/// A slow mode of the model, and what steps make of it.
+struct ShownMode {
+  double omega = 0, zeta = 0;  ///< of the model [rad/s], [1]
+  /// Of the steps: |log(lambda)| / h and -Re(log(lambda)) / |log(lambda)| of the eigenvalue lambda of the
+  /// derivative of a step whose motion is most like that of the mode. NaN where none is found.
+  double omega_shown = 0, zeta_shown = 0;
+  double likeness = 0;  ///< |u^T M x| of the shapes u of the model and x of the step, |u|_M = |x|_M = 1
+};
+
+/// What the derivative of a step has of modes.
+struct StepModes {
+  std::vector<ShownMode> modes;
+  bool linear =
+      true;  ///< false: what two small disturbances become together is not the sum, and no mode is found
+  double largest = 0;  ///< the largest modulus of its eigenvalues, as far as it was found: above 1 they grow
+};
+
+/// By Arnoldi iteration with the derivative of a step about its settled state, whose slow motions are those
+/// that decay least.
+/// @param step   as settled_state()
+/// @param q      where it settles, shape (dofs)
+/// @param h      [s]
+/// @param mass   lumped, shape (dofs) [kg]
+/// @param shapes of the modes, columns of length 1 in the norm of M, shape (dofs, modes)
+/// @param modes  their omega and zeta
+/// @param watch  called before each step; may throw
+StepModes shown_modes(const VectorFunction& step, const Eigen::VectorXd& q, double h,
+                      const Eigen::VectorXd& mass, const Eigen::MatrixXd& shapes,
+                      std::vector<ShownMode> modes, const std::function<void()>& watch = {});
+
+}  // namespace hmax

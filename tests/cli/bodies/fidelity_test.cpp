@@ -1,0 +1,48 @@
+/// hmax fidelity: its document, its table and its errors.
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+TEST(FidelityCommand, TellsStiffnessDampingAndTheModulusToEnter) {
+  const Told told = Shell{}.hmax(
+      "fidelity --mesh phantom --load press --model fem_neo_hookean --rate 60 --method vbd:iterations=3 "
+      "--method implicit_euler --verify --enter 5kPa --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const nlohmann::json document = told.json();
+  EXPECT_EQ(document["model"], "fem_neo_hookean/press@phantom");
+  EXPECT_EQ(document["rate"], 60);
+  ASSERT_EQ(document["rows"].size(), 2U);
+  const nlohmann::json &vbd = document["rows"][0], &exact = document["rows"][1];
+  EXPECT_EQ(vbd["options"]["iterations"], 3);
+  EXPECT_DOUBLE_EQ(vbd["h"], 1.0 / 60);
+  EXPECT_LT(vbd["stiffness_shown"], 0.9);
+  EXPECT_GT(vbd["modulus_to_enter"], 5000);
+  EXPECT_GT(vbd["stiffness_ceiling"], 5000);
+  EXPECT_EQ(vbd["modes"].size(), 3U);
+  EXPECT_LT(vbd["gap"], 0.02);
+  EXPECT_NEAR(vbd["observed"]["stiffness_shown"].get<double>(), vbd["stiffness_shown"].get<double>(), 0.01);
+  EXPECT_NEAR(exact["stiffness_shown"].get<double>(), 1, 1e-6);
+  EXPECT_EQ(exact["stiffness_ceiling"], "unbounded");
+  EXPECT_NEAR(exact["modulus_to_enter"].get<double>(), 5000, 1);
+}
+
+TEST(FidelityCommand, SaysWhatIsWrong) {
+  const std::string body = "fidelity --mesh cube:n=2 ";
+  expect_refusal(body + "--load press", "--rate");
+  expect_refusal(body + "--load press --rate 0", "--rate must be a positive number");
+  expect_refusal(body + "--load press --rate 60 --enter 5kP", "is no modulus");
+  expect_refusal(body + "--load press --rate 60 --method vbd:iterations=0", "must be a whole number");
+  expect_refusal(body + "--load press --rate 60 --method vbd:iteration=3", "did you mean 'iterations'?");
+  expect_refusal(body + "--load press --rate 60 --method xpbd", "take one of the two");
+  expect_refusal(body + "--load breathing --rate 60", "never settles");
+  expect_refusal("fidelity --problem liver_linear --rate 60", "is no body");
+}
+
+}  // namespace
+}  // namespace hmax
