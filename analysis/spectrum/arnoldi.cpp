@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "analysis/spectrum/tall_products.hpp"
 #include "core/dense_solvers.hpp"
 
 namespace hmax {
@@ -21,7 +23,7 @@ class KrylovSpace {
       : A_(A), G_(settings.inner), most_(std::min(settings.basis, start.size())) {
     V_.resize(start.size(), most_ + 1);
     H_ = MatrixXd::Zero(most_ + 1, most_ + 1);
-    V_.col(0) = start / norm(start);
+    V_.col(0) = start / norm(start, weighted(start));
   }
 
   /// Up to the full basis, or until the space is invariant.
@@ -32,14 +34,20 @@ class KrylovSpace {
       VectorXd w = A_(V_.col(size_));
       ++products_;
       if (!w.allFinite()) return false;
-      const double before = norm(w);
-      // Twice is enough [daniel1976reorthogonalization].
+      VectorXd weighted_w = weighted(w);
+      const double before = norm(w, weighted_w);
+      double left = before;
+      // Once more where it took away so much that rounding of it is left; twice is enough
+      // [daniel1976reorthogonalization].
       for (int time = 0; time < 2; ++time) {
-        const VectorXd h = V_.leftCols(size_ + 1).transpose() * weighted(w);
-        w -= V_.leftCols(size_ + 1) * h;
+        const VectorXd h = transposed_times(V_, size_ + 1, weighted_w);
+        w -= times(V_, size_ + 1, h);
         H_.col(size_).head(size_ + 1) += h;
+        weighted_w = weighted(w);
+        const double now = norm(w, weighted_w);
+        const bool clean = now > 0.7 * std::exchange(left, now);
+        if (clean) break;
       }
-      const double left = norm(w);
       invariant_ = !(left > 1e-13 * before);
       H_(size_ + 1, size_) = invariant_ ? 0 : left;
       if (!invariant_) V_.col(size_ + 1) = w / left;
@@ -57,13 +65,14 @@ class KrylovSpace {
     return found;
   }
 
-  /// Residuals and conditions of Ritz pairs, and their vectors.
-  [[nodiscard]] RitzSpectrum spectrum(const SortedEigenpairs& ritz) const {
+  /// Residuals of Ritz pairs, their conditions where these are wanted, and their vectors.
+  [[nodiscard]] RitzSpectrum spectrum(const SortedEigenpairs& ritz, bool conditions) const {
     RitzSpectrum found{.products = products_, .invariant = invariant_};
-    const Eigen::MatrixXcd left = ritz.vectors.partialPivLu().inverse();
+    Eigen::MatrixXcd left;
+    if (conditions) left = ritz.vectors.partialPivLu().inverse();
     for (std::size_t i = 0; i < ritz.values.size(); ++i) {
       const auto at = static_cast<Index>(i);
-      const double condition = left.row(at).norm();
+      const double condition = conditions ? left.row(at).norm() : 1;
       found.values.push_back(
           {.value = ritz.values[i],
            .residual = std::abs((H_.row(size_).head(size_) * ritz.vectors.col(at)).value()),
@@ -107,7 +116,9 @@ class KrylovSpace {
 
  private:
   [[nodiscard]] VectorXd weighted(const VectorXd& x) const { return G_ ? G_(x) : x; }
-  [[nodiscard]] double norm(const VectorXd& x) const { return std::sqrt(std::max(0.0, x.dot(weighted(x)))); }
+  static double norm(const VectorXd& x, const VectorXd& weighted_x) {
+    return std::sqrt(std::max(0.0, x.dot(weighted_x)));
+  }
 
   const LinearOperator& A_;
   const LinearOperator& G_;
@@ -146,7 +157,7 @@ RitzSearch visit_ritz_spectra(const LinearOperator& A, const VectorXd& start, co
     const SortedEigenpairs ritz = space.ritz();
     const auto count = static_cast<Index>(ritz.values.size());
     if (count == 0) return RitzSearch::undecided;
-    if (is_decided(space.spectrum(ritz))) return RitzSearch::decided;
+    if (is_decided(space.spectrum(ritz, settings.conditions))) return RitzSearch::decided;
     if (space.is_invariant() || space.products() + stride > settings.most_products)
       return RitzSearch::undecided;
     if (!space.is_full()) continue;

@@ -20,6 +20,7 @@ struct ArnoldiSettings {
   /// The iteration ends when it can tell on which side of this modulus the largest eigenvalue lies; 0: never
   /// before it has converged.
   double threshold = 0;
+  bool conditions = true;  ///< of Ritz values, for visit_ritz_spectra(), are computed
   /// x -> G x of the inner product x^T G y, G symmetric and positive definite; empty: the identity.
   LinearOperator inner = {};
 };

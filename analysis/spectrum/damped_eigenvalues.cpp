@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "analysis/spectrum/arnoldi.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/tall_products.hpp"
 #include "core/dense_solvers.hpp"
@@ -164,46 +165,17 @@ class QuadraticSpace {
   MatrixXcd shapes_;  ///< in the space, one column for each value
 };
 
-/// y = (0, s I; -k / s, -c) x.
-/// The companion form in x = (s u, lambda u), u = M^1/2 q: its eigenvalues are those of lambda^2 + lambda
-/// c + k, and both off-diagonal blocks have about the norm s.
-class Companion {
- public:
-  Companion(const ScaledMatrices& scaled, double s) : scaled_(scaled), s_(s), product_(scaled.size()) {}
-
-  /// Costs one product with k and one with c.
-  void operator()(const VectorXd& x, VectorXd& y) {
-    const Index n = product_.size();
-    // lambda (s u) = s (lambda u)
-    y.head(n) = s_ * x.tail(n);
-    scaled_.k.apply(x.data(), product_.data());
-    y.tail(n) = -product_ / s_;
-    scaled_.c.apply(x.data() + n, product_.data());
-    y.tail(n) -= product_;
-  }
-
- private:
-  const ScaledMatrices& scaled_;
-  double s_;
-  VectorXd product_;
-};
-
-/// The eigenvalues that have converged in the Krylov space of V with A V = V H + ..., the largest first, up
-/// to the first that has not; a pair of conjugates has equal residuals, so both or none count.
-/// @param below  the entry of H, shape (k, k), below its last column
-DampedEigenvalues converged_of(const MatrixXd& V, const MatrixXd& H, double below,
-                               const ScaledMatrices& matrices) {
+/// The eigenvalues that have converged, the largest first, up to the first that has not; a pair of conjugates
+/// has equal residuals, so both or none count.
+DampedEigenvalues converged_of(const RitzSpectrum& ritz, const ScaledMatrices& matrices) {
   constexpr double krylov_tolerance = 1e-9;  // residual over modulus
-  const SortedEigenpairs pairs(H);
-  const Index n = matrices.size();
   DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < pairs.values.size(); ++i) {
-    const VectorXcd s = pairs.vectors.col(static_cast<Index>(i));
-    // |A V s - theta V s| = h_(k+1,k) |s_k| for |s| = 1.
-    if (!(below * std::abs(s[H.rows() - 1]) <= krylov_tolerance * std::abs(pairs.values[i]))) break;
-    result.lambda.push_back(pairs.values[i]);
-    result.rest = std::abs(pairs.values[i]);
-    const VectorXcd u = V.topLeftCorner(n, H.rows()) * s;
+  for (std::size_t i = 0; i < ritz.values.size(); ++i) {
+    const Complex lambda = ritz.values[i].value;
+    if (!(ritz.values[i].residual <= krylov_tolerance * std::abs(lambda))) break;
+    result.lambda.push_back(lambda);
+    result.rest = std::abs(lambda);
+    const VectorXcd u = ritz.vector(i).head(matrices.size());
     result.shapes.push_back(matrices.mass.root_solve(VectorXcd(u.normalized())));
   }
   return result;
@@ -303,52 +275,38 @@ DampedEigenvalues DampedSearch::found(std::size_t count) const {
   return result;
 }
 
-// Arnoldi iteration: w = A q_k is orthogonalised against q_1 ... q_k, which gives column k of H; Ritz
-// values are looked at every thirty steps.
+// The companion form acts on x = (s u, lambda u), u = M^1/2 q: both of its off-diagonal blocks have about the
+// norm s. Ritz values are looked at every thirty steps.
 DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const LargestEigenpair& k,
                                           const LargestEigenpair& c) {
-  const Index n = matrices.size();
-  Companion A(matrices, std::sqrt(std::max(k.bound, std::numeric_limits<double>::min())));
-  const Index most = std::min<Index>(2 * n, 300);
-  MatrixXd V(2 * n, most + 1), H = MatrixXd::Zero(most + 1, most);
+  const Index n = matrices.size(), most = std::min<Index>(2 * n, 300), stride = 30;
+  const double s = std::sqrt(std::max(k.bound, std::numeric_limits<double>::min()));
+  VectorXd product(n);
+  const LinearOperator companion = [&](const VectorXd& x) {
+    VectorXd y(2 * n);
+    y.head(n) = s * x.tail(n);
+    matrices.k.apply(x.data(), product.data());
+    y.tail(n) = -product / s;
+    matrices.c.apply(x.data() + n, product.data());
+    y.tail(n) -= product;
+    return y;
+  };
   // A vector in general position has next to nothing of the shape of a single damper.
   const VectorXd fast = matrices.mass.is_diagonal()
                             ? VectorXd(k.vector + c.vector)
                             : VectorXd(matrices.mass.root_times(VectorXd(k.vector + c.vector)));
-  V.col(0) = start_vector(2 * n).normalized();
-  V.col(0).head(n) += fast;
-  V.col(0).tail(n) += fast;
-  V.col(0).normalize();
-  VectorXd q(2 * n), w(2 * n);
+  VectorXd start = start_vector(2 * n).normalized();
+  start.head(n) += fast;
+  start.tail(n) += fast;
   DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
-  for (Index step = 0; step < most; ++step) {
-    q = V.col(step);
-    A(q, w);
-    // Once more where it took away so much that rounding of it is left; twice is enough
-    // [daniel1976reorthogonalization].
-    double norm = w.norm();
-    for (int time = 0; time < 2; ++time) {
-      // Classical Gram and Schmidt: h = V^T w, w <- w - V h.
-      const VectorXd h = transposed_times(V, step + 1, w);
-      w -= times(V, step + 1, h);
-      H.col(step).head(step + 1) += h;
-      const double left = w.norm();
-      const bool clean = left > 0.7 * norm;
-      norm = left;
-      if (clean) break;
-    }
-    // h_k+1,k = |w| after orthogonalisation.
-    H(step + 1, step) = norm;
-    const Index count = step + 1;
-    // The Krylov space is closed: its Ritz values are eigenvalues.
-    const bool invariant = norm <= 1e-14 * H.col(step).norm();
-    if (!invariant) V.col(count) = w / norm;
-    if (count % 30 != 0 && count != most && !invariant) continue;
-    result = converged_of(V, H.topLeftCorner(count, count), norm, matrices);
-    if (invariant || result.lambda.size() >= many_enough ||
-        (!result.lambda.empty() && result.rest <= deep_enough * std::abs(result.lambda.front())))
-      break;
-  }
+  // A restart would keep all: there is none.
+  visit_ritz_spectra(
+      companion, start, {.basis = most, .kept = most, .most_products = most + stride, .conditions = false},
+      stride, [&](const RitzSpectrum& ritz) {
+        result = converged_of(ritz, matrices);
+        return result.lambda.size() >= many_enough ||
+               (!result.lambda.empty() && result.rest <= deep_enough * std::abs(result.lambda.front()));
+      });
   return result;
 }
 
