@@ -141,4 +141,12 @@ PencilPairs largest_pencil_eigenpairs(const SymmetricOperator& A, const CoupledM
   return result;
 }
 
+LanczosPair largest_eigenpair(const SymmetricOperator& A, const MassMatrix<double>& M,
+                              const LanczosSettings& settings) {
+  if (M.is_diagonal()) return largest_eigenpair(A, M.size(), settings);
+  const PencilPairs pairs =
+      largest_pencil_eigenpairs(A, *M.coupled(), 1, settings.tolerance, settings.most_products);
+  return {pairs.values.front(), pairs.residual, pairs.vectors.col(0), pairs.products, pairs.converged};
+}
+
 }  // namespace hmax

@@ -7,6 +7,7 @@
 
 #include "analysis/spectrum/lanczos.hpp"
 #include "core/coupled_mass.hpp"
+#include "core/mass_matrix.hpp"
 
 namespace hmax {
 
@@ -28,5 +29,11 @@ struct PencilPairs {
 /// @cost    room for some 60 vectors and 2 `count` more
 PencilPairs largest_pencil_eigenpairs(const SymmetricOperator& A, const CoupledMass& M, Eigen::Index count,
                                       double tolerance = 1e-10, Eigen::Index most_products = 5000);
+
+/// The largest eigenvalue of A u = kappa M u, by Lanczos iteration where M is diagonal.
+/// @param A  of an M that couples; else M^-1/2 A M^-1/2, as is what MassScaledProduct::unscaled() gives
+/// @return   u in these coordinates, of length 1 in the norm of M
+LanczosPair largest_eigenpair(const SymmetricOperator& A, const MassMatrix<double>& M,
+                              const LanczosSettings& settings);
 
 }  // namespace hmax

@@ -1,6 +1,7 @@
 #include "analysis/spectrum/scaled_matrices.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "analysis/spectrum/davidson.hpp"
@@ -22,13 +23,7 @@ SymmetricProduct product_of(const AnyMatrix& A, const MassMatrix<double>& M) {
 
 /// An eigenvalue lies within the residual of the Ritz value; the Ritz value is below the largest.
 LargestEigenpair largest(const MassScaledProduct& A, const MassMatrix<double>& M, double tolerance) {
-  if (!M.is_diagonal()) {
-    const PencilPairs pairs = largest_pencil_eigenpairs(
-        [&](const VectorXd& x, VectorXd& y) { A.unscaled()(x, y); }, *M.coupled(), 1, tolerance, 2000);
-    return {pairs.values.front() + pairs.residual, pairs.vectors.col(0)};
-  }
-  const LanczosPair pair =
-      largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, A.rows(), {.tolerance = tolerance});
+  const LanczosPair pair = largest_eigenpair(std::cref(A.unscaled()), M, {.tolerance = tolerance});
   return {pair.value + pair.residual, pair.vector};
 }
 

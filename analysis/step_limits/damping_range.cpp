@@ -55,26 +55,13 @@ bool oscillates(const MechanicalMode& mode) { return mode.gamma * mode.gamma < 4
 /// by one: near the origin lie many modes, which are not told apart.
 double largest_of(const ScaledMatrices& scaled, double a, double b) {
   VectorXd damped(scaled.size());
-  const auto sum = [&](const VectorXd& x, VectorXd& y) {
-    scaled.k.unscaled()(x, y);
-    scaled.c.unscaled()(x, damped);
-    y = b * y + a * damped;
-  };
-  if (const CoupledMass* M = scaled.mass.coupled(); M != nullptr) {
-    const PencilPairs pairs = largest_pencil_eigenpairs(
-        [&](const VectorXd& x, VectorXd& y) {
-          sum(x, y);
-          y += scaled.mass.times(x);
-        },
-        *M, 1, 1e-3, 300);
-    return pairs.values.front() + pairs.residual - 1;
-  }
   const LanczosPair pair = largest_eigenpair(
       [&](const VectorXd& x, VectorXd& y) {
-        sum(x, y);
-        y += x;
+        scaled.k.unscaled()(x, y);
+        scaled.c.unscaled()(x, damped);
+        y = b * y + a * damped + (scaled.mass.is_diagonal() ? x : scaled.mass.times(x));
       },
-      scaled.size(), {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
+      scaled.mass, {.tolerance = 1e-3, .most_products = 300, .with_vector = false});
   return pair.value + pair.residual - 1;
 }
 

@@ -19,21 +19,12 @@ namespace {
 /// The least eigenvalue of K u = kappa M u: of those that iteration finds, the least, which none is above.
 double least_stiffness(const MechanicalPart& part, double kappa_max, Eigen::Index most_products) {
   const MassScaledProduct product(part.K, part.mass);
-  if (!part.mass.is_diagonal()) {
-    const PencilPairs pairs = largest_pencil_eigenpairs(
-        [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
-          product.unscaled()(x, y);
-          y = kappa_max * part.mass.times(x) - y;
-        },
-        *part.mass.coupled(), 1, 1e-8, most_products);
-    return kappa_max - pairs.values.front();
-  }
   const LanczosPair pair = largest_eigenpair(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
-        product(x, y);
-        y = kappa_max * x - y;
+        product.unscaled()(x, y);
+        y = kappa_max * (part.mass.is_diagonal() ? x : part.mass.times(x)) - y;
       },
-      part.mass.size(), {.tolerance = 1e-8, .most_products = most_products, .with_vector = false});
+      part.mass, {.tolerance = 1e-8, .most_products = most_products, .with_vector = false});
   return kappa_max - pair.value;
 }
 
