@@ -1,14 +1,16 @@
 #include "analysis/dynamics/phase_plane.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/LU>
 
+#include "analysis/amplification/marching_squares.hpp"
 #include "core/dense_solvers.hpp"
 #include "core/numbers.hpp"
 
@@ -17,13 +19,6 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-
-/// @throws std::invalid_argument  for a window that is empty or not finite
-void require_valid(const Window& window) {
-  if (!window.lower.allFinite() || !window.upper.allFinite() || !(window.size().minCoeff() > 0))
-    throw std::invalid_argument(
-        "a phase-plane window needs finite bounds with lower < upper in both components");
-}
 
 /// The point of the window at fractions (u, v) in [0, 1].
 Vector2d at(const Window& window, double u, double v) {
@@ -95,6 +90,12 @@ std::size_t column_index(const Table& table, std::string_view name) {
 
 }  // namespace
 
+void require_valid(const Window& window) {
+  if (!window.lower.allFinite() || !window.upper.allFinite() || !(window.size().minCoeff() > 0))
+    throw std::invalid_argument(
+        "a phase-plane window needs finite bounds with lower < upper in both components");
+}
+
 // Bounding box, made symmetric about zero and widened, one side after the other.
 Window window_around(const std::vector<Table>& orbits, std::string_view first, std::string_view second,
                      const std::vector<Vector2d>& also, double margin) {
@@ -129,23 +130,9 @@ Window window_around(const std::vector<Table>& orbits, std::string_view first, s
 }
 
 std::string_view name_of(EquilibriumType type) {
-  switch (type) {
-    case EquilibriumType::stable_node:
-      return "stable_node";
-    case EquilibriumType::stable_focus:
-      return "stable_focus";
-    case EquilibriumType::centre:
-      return "centre";
-    case EquilibriumType::saddle:
-      return "saddle";
-    case EquilibriumType::unstable_node:
-      return "unstable_node";
-    case EquilibriumType::unstable_focus:
-      return "unstable_focus";
-    case EquilibriumType::degenerate:
-      break;
-  }
-  return "degenerate";
+  constexpr std::array<std::string_view, 7> names{"stable_node",   "stable_focus",   "centre",    "saddle",
+                                                  "unstable_node", "unstable_focus", "degenerate"};
+  return names[static_cast<std::size_t>(type)];
 }
 
 // T = lambda_1 + lambda_2, D = lambda_1 lambda_2; damping ratio zeta = -T / (2 sqrt(D)) where D > 0.
@@ -224,115 +211,36 @@ Table direction_field(const PlanarField& field, const Window& window, const std:
   return table;
 }
 
-namespace {
-
-/// One component of a field at the nodes of a grid, and where it changes its sign between them. A crossing is
-/// named by the grid edge it lies on: 2 (i nodes + j) for the edge to (i + 1, j), odd for the one to (i, j +
-/// 1).
-class Crossings {
- public:
-  Crossings(const PlanarField& field, int component, const Window& window, int cells)
-      : window_(window), cells_(cells), nodes_(cells + 1), value_(nodes_, nodes_) {
-    for (int i = 0; i < nodes_; ++i)
-      for (int j = 0; j < nodes_; ++j) value_(i, j) = field.rhs(node(i, j))(component);
-    for (int i = 0; i < cells; ++i)
-      for (int j = 0; j < cells; ++j) connect_in_cell(i, j);
-  }
-
-  /// Open pieces from their ends first, then the closed ones.
-  std::vector<Polyline> curves() {
-    std::vector<Polyline> curves;
-    const auto add = [&](int start) {
-      Polyline curve = walk(start);
-      if (curve.size() > 1) curves.push_back(std::move(curve));
-    };
-    for (const auto& [edge, next] : neighbours_)
-      if (next.size() == 1 && !visited_[edge]) add(edge);
-    for (const auto& [edge, next] : neighbours_)
-      if (!visited_[edge]) add(edge);
-    return curves;
-  }
-
- private:
-  [[nodiscard]] Vector2d node(int i, int j) const {
-    return at(window_, double(i) / cells_, double(j) / cells_);
-  }
-  /// The name of the edge from node (i, j) to the right or upwards.
-  [[nodiscard]] int edge_from(int i, int j, bool upward) const {
-    return 2 * (i * nodes_ + j) + (upward ? 1 : 0);
-  }
-  /// Zero counts as positive, so a node on the curve is not lost.
-  static bool inside(double f) { return f >= 0; }
-
-  void connect(int a, int b) {
-    neighbours_[a].push_back(b);
-    neighbours_[b].push_back(a);
-  }
-
-  /// Joins the crossings on the sides of a cell.
-  void connect_in_cell(int i, int j) {
-    // Corners counter-clockwise from the lower left; side k joins corner k and k + 1.
-    const std::array<double, 4> f{value_(i, j), value_(i + 1, j), value_(i + 1, j + 1), value_(i, j + 1)};
-    if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) return;
-    const std::array<int, 4> side{edge_from(i, j, false), edge_from(i + 1, j, true),
-                                  edge_from(i, j + 1, false), edge_from(i, j, true)};
-    // Sides on which the sign changes: none, two or four.
-    std::vector<std::size_t> crossed;
-    for (std::size_t k = 0; k < 4; ++k)
-      if (inside(f[k]) != inside(f[(k + 1) % 4])) crossed.push_back(k);
-    if (crossed.size() == 2) connect(side[crossed[0]], side[crossed[1]]);
-    if (crossed.size() == 4) {
-      // Two branches in one cell: the sign at the centre tells which pair of opposite corners is joined.
-      const bool joined = inside((f[0] + f[1] + f[2] + f[3]) / 4) == inside(f[0]);
-      connect(side[0], side[joined ? 1 : 3]);
-      connect(side[2], side[joined ? 3 : 1]);
-    }
-  }
-
-  /// The zero of f on an edge, by linear interpolation between its nodes.
-  [[nodiscard]] Vector2d crossing(int edge) const {
-    const int i = edge / 2 / nodes_, j = edge / 2 % nodes_;
-    const bool upward = edge % 2 == 1;
-    const double f0 = value_(i, j), f1 = upward ? value_(i, j + 1) : value_(i + 1, j);
-    const Vector2d from = node(i, j), to = upward ? node(i, j + 1) : node(i + 1, j);
-    return from + 1 / (1 - f1 / f0) * (to - from);  // f0 / (f0 - f1), without overflow, and 0 for f0 = 0 > f1
-  }
-
-  /// From crossing to crossing while there are new ones.
-  Polyline walk(int start) {
-    Polyline curve;
-    for (int edge = start;;) {
-      visited_[edge] = true;
-      const Vector2d point = crossing(edge);
-      if (curve.empty() || curve.back() != point) curve.push_back(point);
-      const auto& next = neighbours_[edge];
-      const auto onward = std::find_if(next.begin(), next.end(), [&](int e) { return !visited_[e]; });
-      if (onward == next.end()) {
-        // Closed when the walk ends beside its start.
-        const bool closed = edge != start && next.size() == 2 && (next[0] == start || next[1] == start) &&
-                            neighbours_[start].size() == 2;
-        if (closed && curve.size() > 2) curve.push_back(curve.front());
-        return curve;
-      }
-      edge = *onward;
-    }
-  }
-
-  Window window_;
-  int cells_, nodes_;
-  Eigen::MatrixXd value_;
-  std::map<int, std::vector<int>> neighbours_;
-  std::map<int, bool> visited_;
-};
-
-}  // namespace
-
 std::vector<Polyline> nullcline(const PlanarField& field, int component, const Window& window, int cells) {
   require_valid(window);
   if (component != 0 && component != 1)
     throw std::invalid_argument("a planar field has the components 0 and 1");
   if (cells < 1) throw std::invalid_argument("a nullcline needs at least one cell");
-  return Crossings(field, component, window, cells).curves();
+  const auto place = [&](int i, int j) { return at(window, double(i) / cells, double(j) / cells); };
+  Eigen::MatrixXd value(cells + 1, cells + 1);
+  for (int i = 0; i <= cells; ++i)
+    for (int j = 0; j <= cells; ++j) value(i, j) = field.rhs(place(i, j))(component);
+  // Zero counts as positive, so a node on the curve is not lost.
+  const GridNodes nodes = value.unaryExpr([](double f) {
+    return !std::isfinite(f) ? GridNode::unknown : f >= 0 ? GridNode::inside : GridNode::outside;
+  });
+  const auto middle_is_positive = [&](int i, int j) {
+    return (value(i, j) + value(i + 1, j) + value(i + 1, j + 1) + value(i, j + 1)) / 4 >= 0;
+  };
+  std::vector<Polyline> curves;
+  for (const GridCurve& border : border_of(nodes, middle_is_positive)) {
+    Polyline curve;
+    for (const auto& [i, j, upward] : border.sides) {
+      const int i1 = upward ? i : i + 1, j1 = upward ? j + 1 : j;
+      const Vector2d from = place(i, j), to = place(i1, j1);
+      // f0 / (f0 - f1), without overflow, and 0 for f0 = 0 > f1.
+      const Vector2d point = from + 1 / (1 - value(i1, j1) / value(i, j)) * (to - from);
+      if (curve.empty() || curve.back() != point) curve.push_back(point);
+    }
+    if (border.closed && curve.size() > 2) curve.push_back(curve.front());
+    if (curve.size() > 1) curves.push_back(std::move(curve));
+  }
+  return curves;
 }
 
 Eigen::Vector2d eigenvector(const Eigen::Matrix2d& J, double lambda) {

@@ -51,6 +51,9 @@ struct Window {
   Eigen::Vector2d size() const { return upper - lower; }
 };
 
+/// @throws std::invalid_argument  for a window that is empty or not finite
+void require_valid(const Window& window);
+
 /// The smallest window that holds the finite points of `orbits` and of `also`, symmetric about zero where it
 /// crosses zero, widened by `margin` of its size on each side; a side without extent becomes 1 long.
 /// @return  lower < upper in both components
