@@ -4,28 +4,132 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <unordered_map>
+#include <utility>
 
 #include <Eigen/LU>
+
+#include "analysis/dynamics/differences.hpp"
+#include "core/dense_solvers.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-using Eigen::VectorXd;
 
-/// @throws std::invalid_argument  unless the box is finite, not empty and of two coordinates
-void require_plane(const Box& box) {
-  if (box.lower.size() != 2 || box.upper.size() != 2 || !box.lower.allFinite() || !box.upper.allFinite() ||
-      !(box.size().minCoeff() > 0))
-    throw std::invalid_argument("a search in the plane needs two finite bounds with lower < upper");
+/// D map at y by central differences: good enough for a step of Newton's method.
+Matrix2d rough_jacobian(const PlanarMap& map, const Vector2d& y, const Vector2d& size) {
+  Matrix2d D;
+  for (Eigen::Index j = 0; j < 2; ++j) {
+    Vector2d ahead = y, behind = y;
+    ahead(j) += 1e-6 * size(j);
+    behind(j) -= 1e-6 * size(j);
+    D.col(j) = (map(ahead) - map(behind)) / (ahead(j) - behind(j));
+  }
+  return D;
 }
 
+}  // namespace
+
+Multipliers multipliers_of(const Matrix2d& D) {
+  if (!D.allFinite()) return {std::nan(""), std::nan("")};
+  Multipliers mu = eigenvalues_2x2(D);
+  // A conjugate pair has one modulus, whatever rounding says.
+  const double difference = std::abs(mu[1]) - std::abs(mu[0]);
+  const bool differ = std::abs(difference) > 1e-14 * std::abs(mu[1]);
+  if (differ ? difference > 0 : mu[1].imag() > mu[0].imag()) std::swap(mu[0], mu[1]);
+  return mu;
+}
+
+// Saddle: inside and outside; focus: at least one complex multiplier. A negative real multiplier
+// alternates sides and counts as a node.
+EquilibriumType classify_map(const Multipliers& multipliers) {
+  constexpr double on_circle = 1e-8;
+  int inside = 0, outside = 0, on = 0;
+  bool turns = false, all_turn = true;
+  for (const auto& mu : multipliers) {
+    const double modulus = std::abs(mu);
+    if (!std::isfinite(modulus)) return EquilibriumType::degenerate;
+    // Counts the multipliers on, inside and outside the unit circle.
+    (std::abs(modulus - 1) <= on_circle ? on : modulus < 1 ? inside : outside) += 1;
+    // Rounding splits a double multiplier into a pair about sqrt(epsilon) apart.
+    const bool complex = std::abs(mu.imag()) > 1e-6 * modulus;
+    turns = turns || complex;
+    all_turn = all_turn && complex;
+  }
+  if (on > 0)
+    return inside + outside == 0 && all_turn ? EquilibriumType::centre : EquilibriumType::degenerate;
+  if (inside > 0 && outside > 0) return EquilibriumType::saddle;
+  if (inside > 0) return turns ? EquilibriumType::stable_focus : EquilibriumType::stable_node;
+  return turns ? EquilibriumType::unstable_focus : EquilibriumType::unstable_node;
+}
+
+// g(y) = Phi(y) - y, G = D g; the step d, in sizes of the window, solves G S d = -g in the sense of least
+// squares.
+std::optional<Vector2d> newton_fixed_point(const PlanarMap& map, const Window& window, const Vector2d& start,
+                                           double leash) {
+  constexpr int most_steps = 50;
+  const Vector2d size = window.size();
+  const double longest = std::min(0.3, leash);
+  Vector2d y = start;
+  double length = 1;
+  for (int step = 0; step < most_steps && length > 1e-14; ++step) {
+    const Vector2d g = map(y) - y;
+    if (!g.allFinite()) return std::nullopt;
+    if (g.isZero(0)) {
+      length = 0;
+      break;
+    }
+    // D(Phi - id)
+    const Matrix2d G = rough_jacobian(map, y, size) - Matrix2d::Identity();
+    if (!G.allFinite()) return std::nullopt;
+    // In sizes of the window, so that components of different units weigh alike.
+    Vector2d d = minimum_norm_solution(G * size.asDiagonal(), -g);
+    if (!d.allFinite()) return std::nullopt;
+    length = d.norm();
+    // A step across the window is a leap into the dark.
+    if (length > longest) d *= longest / length;
+    y += d.cwiseProduct(size);
+    if (!((y - start).cwiseQuotient(size).norm() <= leash)) return std::nullopt;
+    // What has left for good does not come back.
+    if (((y - window.lower + 2 * size).array() < 0).any() ||
+        ((window.upper - y + 2 * size).array() < 0).any())
+      return std::nullopt;
+  }
+  const Vector2d slack = 1e-9 * size;
+  const auto residual = [&](const Vector2d& at) -> Vector2d {
+    return (map(at) - at).cwiseAbs().cwiseQuotient(size);
+  };
+  // At a double point the last steps stay at the root of rounding.
+  if (!(length < 1e-6) || !(residual(y).maxCoeff() < 1e-10)) return std::nullopt;
+  if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
+    return std::nullopt;
+  for (Eigen::Index i = 0; i < 2; ++i) {  // a coordinate that is zero to rounding is printed as 0
+    Vector2d rounded = y;
+    rounded(i) = 0;
+    if (std::abs(y(i)) < 1e-9 * size(i) && residual(rounded).maxCoeff() <= residual(y).maxCoeff() + 1e-15)
+      y = rounded;
+  }
+  return y;
+}
+
+bool is_spurious(const PlanarMap& f, double h, const Vector2d& y, const Window& window) {
+  const Vector2d change = h * f(y).cwiseAbs().cwiseQuotient(window.size());
+  return !(change.maxCoeff() < 1e-6);
+}
+
+namespace {
+
 /// Lexicographic order, the first component first.
-bool less(const VectorXd& a, const VectorXd& b) {
+bool less(const Vector2d& a, const Vector2d& b) {
   return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+}
+
+/// With its multipliers. @param scale  positive: over which the map changes noticeably
+FixedPoint fixed_point_at(const PlanarMap& map, const Vector2d& y, const Vector2d& scale) {
+  const Multipliers mu = multipliers_of(differenced_jacobian(map, y, scale));
+  return {y, mu, classify_map(mu)};
 }
 
 /// The angle from a to b, in (-pi, pi].
@@ -36,7 +140,7 @@ double turn(const Vector2d& a, const Vector2d& b) { return std::atan2(a(0) * b(1
 /// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
 /// looks of a smooth g.
 /// @param halvings  that are left
-double turn_between(const VectorFunction& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
+double turn_between(const PlanarMap& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
                     const Vector2d& gb, int halvings) {
   const Vector2d middle = (a + b) / 2;
   const Vector2d gm = g(middle);
@@ -49,7 +153,7 @@ double turn_between(const VectorFunction& g, const Vector2d& a, const Vector2d& 
   return turn_between(g, a, ga, middle, gm, halvings - 1) + turn_between(g, middle, gm, b, gb, halvings - 1);
 }
 
-/// The square of a lattice over the box with its lower left corner at (i, j).
+/// The square of a lattice over the window with its lower left corner at (i, j).
 struct Cell {
   int i, j, width;
 };
@@ -58,9 +162,9 @@ struct Cell {
 /// kept, so that squares share those of their corners.
 class CellSearch {
  public:
-  CellSearch(const VectorFunction& map, const Box& box, std::int64_t most_steps)
-      : left_(most_steps), size_(box.size()), box_(box) {
-    map_ = [this, &map](const VectorXd& y) {
+  CellSearch(const PlanarMap& map, const Window& window, std::int64_t most_steps)
+      : left_(most_steps), size_(window.size()), window_(window) {
+    map_ = [this, &map](const Vector2d& y) {
       --left_;
       return map(y);
     };
@@ -80,15 +184,15 @@ class CellSearch {
   static constexpr std::size_t isolated = 500;                         // more points than this are no points
 
   /// The state at a place of the lattice, which has 8192 distances a side.
-  [[nodiscard]] VectorXd at(double i, double j) const {
-    return box_.lower + Vector2d(i, j).cwiseProduct(size_) / sides;
+  [[nodiscard]] Vector2d at(double i, double j) const {
+    return window_.lower + Vector2d(i, j).cwiseProduct(size_) / sides;
   }
 
-  /// Phi(y) - y in sizes of the box, at a point of the lattice.
+  /// Phi(y) - y in sizes of the window, at a point of the lattice.
   const Vector2d& value(int i, int j) {
     const auto [entry, isnew] = values_.try_emplace(std::int64_t{i} * (sides + 1) + j);
     if (isnew) {
-      const VectorXd y = at(i, j);
+      const Vector2d y = at(i, j);
       entry->second = (map_(y) - y).cwiseQuotient(size_);
     }
     return entry->second;
@@ -97,10 +201,10 @@ class CellSearch {
   /// Newton's method from the middle of a cell, which may stray three widths; the point is kept if it is
   /// new.
   void take(const Cell& cell) {
-    constexpr double same = 1e-7;  // in sizes of the box
+    constexpr double same = 1e-7;  // in sizes of the window
     const double middle = cell.width / 2.0;
     const auto y =
-        newton_fixed_point(map_, box_, at(cell.i + middle, cell.j + middle), 3.0 * cell.width / sides);
+        newton_fixed_point(map_, window_, at(cell.i + middle, cell.j + middle), 3.0 * cell.width / sides);
     if (!y) return;
     const bool known = std::ranges::any_of(found_.points, [&](const FixedPoint& other) {
       return (other.state - *y).cwiseQuotient(size_).norm() < same;
@@ -154,9 +258,9 @@ class CellSearch {
   }
 
   std::int64_t left_;
-  VectorXd size_;
-  Box box_;
-  VectorFunction map_;
+  Vector2d size_;
+  Window window_;
+  PlanarMap map_;
   std::unordered_map<std::int64_t, Vector2d> values_;
   FixedPointSearch found_;
 };
@@ -164,10 +268,10 @@ class CellSearch {
 }  // namespace
 
 // The winding number of g along the border, from the angles between neighbouring values.
-std::optional<int> degree_around(const VectorFunction& g, const Box& box) {
-  require_plane(box);
+std::optional<int> degree_around(const PlanarMap& g, const Window& window) {
+  require_valid(window);
   constexpr int pieces = 64, halvings = 20;
-  const Vector2d lower = box.lower, upper = box.upper;
+  const Vector2d &lower = window.lower, &upper = window.upper;
   const std::array<Vector2d, 5> corners{lower, Vector2d(upper(0), lower(1)), upper,
                                         Vector2d(lower(0), upper(1)), lower};
   double angle = 0;
@@ -221,39 +325,39 @@ Vector2d size_of_field(const PlanarField& field, const Window& window) {
 }
 }  // namespace
 
-// The degree is taken of the same g in sizes of the box: scaling by positive numbers does not change it.
-FixedPointSearch search_fixed_points(const VectorFunction& map, const Box& box, std::int64_t most_steps) {
-  require_plane(box);
-  FixedPointSearch found = CellSearch(map, box, most_steps).run();
-  const VectorXd size = box.size();
+// The degree is taken of the same g in sizes of the window: scaling by positive numbers does not change it.
+FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window, std::int64_t most_steps) {
+  require_valid(window);
+  FixedPointSearch found = CellSearch(map, window, most_steps).run();
+  const Vector2d size = window.size();
   found.degree =
-      degree_around([&](const VectorXd& y) -> VectorXd { return (map(y) - y).cwiseQuotient(size); }, box);
+      degree_around([&](const Vector2d& y) -> Vector2d { return (map(y) - y).cwiseQuotient(size); }, window);
   sum_indices(found);
   return found;
 }
 
-// Fixed points of Phi^2 that Phi moves by at least 1e-5 of the box. Newton's method starts from a grid: Phi^2
-// is so steep where a step is long that a search in cells comes to no end.
-std::vector<PeriodTwo> find_period_two(const VectorFunction& map, const Box& box) {
-  require_plane(box);
+// Fixed points of Phi^2 that Phi moves by at least 1e-5 of the window. Newton's method starts from a grid:
+// Phi^2 is so steep where a step is long that a search in cells comes to no end.
+std::vector<PeriodTwo> find_period_two(const PlanarMap& map, const Window& window) {
+  require_valid(window);
   constexpr int starts = 31;
-  const VectorXd size = box.size();
-  const VectorFunction twice = [&](const VectorXd& y) -> VectorXd { return map(map(y)); };
-  const auto apart = [&](const VectorXd& a, const VectorXd& b) {
+  const Vector2d size = window.size();
+  const PlanarMap twice = [&](const Vector2d& y) -> Vector2d { return map(map(y)); };
+  const auto apart = [&](const Vector2d& a, const Vector2d& b) {
     return (a - b).cwiseQuotient(size).norm() >= 1e-5;
   };
-  std::vector<VectorXd> roots;
+  std::vector<Vector2d> roots;
   for (int i = 0; i < starts; ++i)
     for (int j = 0; j < starts; ++j) {
       const Vector2d middle = Vector2d(j + 0.5, i + 0.5) / starts;
-      const auto y = newton_fixed_point(twice, box, box.lower + middle.cwiseProduct(Vector2d(size)));
-      if (y && std::ranges::all_of(roots, [&](const VectorXd& other) { return apart(other, *y); }))
+      const auto y = newton_fixed_point(twice, window, window.lower + middle.cwiseProduct(size));
+      if (y && std::ranges::all_of(roots, [&](const Vector2d& other) { return apart(other, *y); }))
         roots.push_back(*y);
     }
   std::ranges::sort(roots, less);
   std::vector<PeriodTwo> found;
-  for (const VectorXd& y : roots) {
-    const VectorXd other = map(y);
+  for (const Vector2d& y : roots) {
+    const Vector2d other = map(y);
     if (!apart(y, other)) continue;
     const bool known = std::ranges::any_of(found, [&](const PeriodTwo& orbit) {
       return !apart(orbit.states[0], y) || !apart(orbit.states[1], y);
@@ -273,10 +377,10 @@ EquilibriumSet search_equilibria(const PlanarField& field, const Window& window)
   found.points = find_equilibria(field, window);
   const Vector2d size = window.size(), largest = size_of_field(field, window);
   // Phi(y) - y = f in units of its own size, so that fixed points of this map are the equilibria.
-  const VectorFunction map = [&](const VectorXd& y) -> VectorXd {
+  const PlanarMap map = [&](const Vector2d& y) -> Vector2d {
     return y + field.rhs(y).cwiseQuotient(largest).cwiseProduct(size);
   };
-  const FixedPointSearch searched = search_fixed_points(map, {window.lower, window.upper});
+  const FixedPointSearch searched = search_fixed_points(map, window);
   found.whole = searched.whole;
   found.degree = searched.degree;
   if (searched.whole)

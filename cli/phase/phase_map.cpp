@@ -17,7 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
-using Eigen::VectorXd;
 
 constexpr int shown_steps = 80;
 
@@ -25,9 +24,8 @@ constexpr int shown_steps = 80;
 struct MapView {
   std::string method;
   double h;
-  VectorFunction map;
-  std::vector<FixedPoint> fixed_points;
-  DegreeCheck check;           ///< what the border of the window tells of them
+  PlanarMap map;
+  FixedPointSearch fixed;
   std::vector<bool> spurious;  ///< of each fixed point
   std::vector<PeriodTwo> period_two;
 };
@@ -35,26 +33,21 @@ struct MapView {
 MapView map_of(const PhaseView& view, const PhaseOptions& options) {
   if (!options.h) throw InputError("no step size is given; add --h in seconds");
   const Method method = options.method.make();
+  const PlanarMap map = one_step_map(method, view.still, *options.h);
   MapView seen{.method = method.id,
                .h = *options.h,
-               .map = one_step_map(method, view.still, *options.h),
-               .fixed_points = {},
-               .check = {},
+               .map = map,
+               .fixed = search_fixed_points(map, view.window),
                .spurious = {},
-               .period_two = {}};
-  const Box box{view.window.lower, view.window.upper};
-  FixedPointSearch found = search_fixed_points(seen.map, box);
-  seen.fixed_points = std::move(found.points);
-  seen.check = found;
-  for (const FixedPoint& point : seen.fixed_points)
-    seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, box));
-  seen.period_two = find_period_two(seen.map, box);
+               .period_two = find_period_two(map, view.window)};
+  for (const FixedPoint& point : seen.fixed.points)
+    seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, view.window));
   return seen;
 }
 
 /// What the search for fixed points is worth. Of orbits of period two nothing is guaranteed.
 std::string guarantee(const PhaseView& view, const MapView& seen) {
-  return guarantee(view.problem, view.window, seen.check, seen.fixed_points.size(),
+  return guarantee(view.problem, view.window, seen.fixed, seen.fixed.points.size(),
                    {.one = "fixed point",
                     .many = "fixed points",
                     .of = "map",
@@ -62,30 +55,28 @@ std::string guarantee(const PhaseView& view, const MapView& seen) {
                     .border = "a fixed point lies on it, or a step from it diverges"});
 }
 
-std::array<std::complex<double>, 2> pair_of(const Multipliers& mu) { return {mu[0], mu[1]}; }
-
 /// The document's part that is about the map.
 void add_map(const PhaseView& view, const MapView& seen, Json& document) {
   document["method"] = seen.method;
   document["h"] = seen.h;
   Json points = Json::array(), pairs = Json::array(), types = Json::array(), multipliers = Json::array();
-  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
-    const FixedPoint& point = seen.fixed_points[i];
+  for (std::size_t i = 0; i < seen.fixed.points.size(); ++i) {
+    const FixedPoint& point = seen.fixed.points[i];
     points.push_back({{"x", point.state(0)},
                       {"v", point.state(1)},
-                      {"multipliers", to_json(pair_of(point.multipliers))},
+                      {"multipliers", to_json(point.multipliers)},
                       {"type", name_of(point.type)},
                       {"spurious", bool(seen.spurious[i])}});
   }
   for (const PeriodTwo& orbit : seen.period_two) {
     Json both = Json::array();
-    for (const VectorXd& y : orbit.states) both.push_back({y(0), y(1)});
+    for (const Vector2d& y : orbit.states) both.push_back({y(0), y(1)});
     pairs.push_back(both);
     types.push_back(name_of(orbit.type));
-    multipliers.push_back(to_json(pair_of(orbit.multipliers)));
+    multipliers.push_back(to_json(orbit.multipliers));
   }
   document["fixed_points"] = points;
-  document["fixed_point_search"] = search_document(view.window, seen.check, guarantee(view, seen));
+  document["fixed_point_search"] = search_document(view.window, seen.fixed, guarantee(view, seen));
   document["period_two"] = pairs;
   document["period_two_types"] = types;
   document["period_two_multipliers"] = multipliers;
@@ -95,21 +86,21 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
   std::string text = fmt::format("\none step of {}, h = {} s\n", seen.method, to_text(seen.h));
   const auto names = axis_names(view.problem);
   TextTable table({"fixed point", "of the equation", names[0], names[1], "multipliers"});
-  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
-    const FixedPoint& point = seen.fixed_points[i];
+  for (std::size_t i = 0; i < seen.fixed.points.size(); ++i) {
+    const FixedPoint& point = seen.fixed.points[i];
     table.add({std::string(name_of(point.type)), seen.spurious[i] ? "no: spurious" : "yes",
-               short_name(point.state(0)), short_name(point.state(1)), in_words(pair_of(point.multipliers))});
+               short_name(point.state(0)), short_name(point.state(1)), in_words(point.multipliers)});
   }
-  text += seen.fixed_points.empty() ? "" : table.text(console);
+  text += seen.fixed.points.empty() ? "" : table.text(console);
   text += guarantee(view, seen) + "\n";
   if (seen.period_two.empty()) return text + "\nno orbit of period two in the window\n";
   TextTable pairs({"period two", "between", "and", "multipliers of two steps"});
-  const auto in_brackets = [](const VectorXd& y) {
+  const auto in_brackets = [](const Vector2d& y) {
     return fmt::format("({}, {})", short_name(y(0)), short_name(y(1)));
   };
   for (const PeriodTwo& orbit : seen.period_two)
     pairs.add({std::string(name_of(orbit.type)), in_brackets(orbit.states[0]), in_brackets(orbit.states[1]),
-               in_words(pair_of(orbit.multipliers))});
+               in_words(orbit.multipliers)});
   return text + "\n" + pairs.text(console);
 }
 
@@ -126,7 +117,7 @@ Figure picture(const PhaseView& view, const MapView& seen) {
   const Vector2d margin = view.window.size();
   for (const Vector2d& start : starts_of(view)) {
     PlaneCurve steps;
-    VectorXd y = start;
+    Vector2d y = start;
     for (int step = 0; step <= shown_steps && y.allFinite(); ++step) {
       steps.push_back({y(0), y(1)});
       if (((y - view.window.lower + margin).array() < 0).any() ||
@@ -137,8 +128,8 @@ Figure picture(const PhaseView& view, const MapView& seen) {
     map.iterates.push_back(std::move(steps));
   }
   std::size_t spurious = 0;
-  for (std::size_t i = 0; i < seen.fixed_points.size(); ++i) {
-    const FixedPoint& point = seen.fixed_points[i];
+  for (std::size_t i = 0; i < seen.fixed.points.size(); ++i) {
+    const FixedPoint& point = seen.fixed.points[i];
     map.fixed_points.push_back(
         {point.state(0), point.state(1), std::string(name_of(point.type)), seen.spurious[i]});
     spurious += seen.spurious[i];

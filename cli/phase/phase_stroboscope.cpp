@@ -144,8 +144,8 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
     section.exponent =
         largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());
   constexpr std::int64_t short_of_divergence = 5'000;  // steps; what diverges takes any number of them
-  section.periodic = search_fixed_points(stroboscope(problem, period, steps, short_of_divergence),
-                                         {section.searched.lower, section.searched.upper});
+  section.periodic =
+      search_fixed_points(stroboscope(problem, period, steps, short_of_divergence), section.searched);
   return section;
 }
 
@@ -357,7 +357,7 @@ Json fixed_point_document(const FixedPoint& point) {
   const auto index = index_of(point);
   return {{"x", point.state(0)},
           {"v", point.state(1)},
-          {"multipliers", to_json({point.multipliers[0], point.multipliers[1]})},
+          {"multipliers", to_json(point.multipliers)},
           {"type", name_of(point.type)},
           {"index", index ? Json(*index) : Json()}};
 }
@@ -399,7 +399,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
     TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
     for (const FixedPoint& point : section.periodic.points)
       table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
-                 in_words({point.multipliers[0], point.multipliers[1]})});
+                 in_words(point.multipliers)});
     text += "\n" + table.text(console);
   }
   text += fmt::format("\n{}\n", guarantee(problem, section));

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "analysis/dynamics/discrete_map.hpp"
+#include "analysis/dynamics/differences.hpp"
 
 namespace hmax {
 

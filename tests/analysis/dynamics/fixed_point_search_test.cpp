@@ -68,7 +68,7 @@ TEST(FixedPointSearch, FindsEveryMotionOfTwoWells) {
                 {{-1.17218622, 0.55576246}, {-0.20005879, 0.02564190}, {0.03181315, 0.15279645}});
 }
 
-const Box square{Vector2d(-1, -1), Vector2d(1, 1)};
+const Window square{{-1, -1}, {1, 1}};
 
 /// (x + i v)^n turns n times around zero, its conjugate as often the other way.
 TEST(FixedPointSearch, CountsHowOftenAFunctionTurns) {
