@@ -1,6 +1,7 @@
 #include "analysis/amplification/order.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -120,21 +121,9 @@ OrderLack lack_of(const OrderObservation& seen, double level, const OrderScale& 
 }  // namespace
 
 std::string_view name_of(OrderLack lack) {
-  switch (lack) {
-    case OrderLack::diverged:
-      return "diverged";
-    case OrderLack::rounded:
-      return "rounded";
-    case OrderLack::narrow:
-      return "narrow";
-    case OrderLack::stalled:
-      return "stalled";
-    case OrderLack::not_asymptotic:
-      return "not_asymptotic";
-    case OrderLack::none:
-      break;
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> names{"",       "diverged", "rounded",
+                                                  "narrow", "stalled",  "not_asymptotic"};
+  return names[static_cast<std::size_t>(lack)];
 }
 
 // For each end time: refine until the error is at most `floor`, keep the four finest, fit. The end time

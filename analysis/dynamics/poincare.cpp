@@ -162,17 +162,8 @@ Exponent largest_lyapunov(const VectorFunction& map, const VectorXd& y, const Ve
 }
 
 std::string_view name_of(Settling settling) {
-  switch (settling) {
-    case Settling::periodic:
-      return "periodic";
-    case Settling::chaotic:
-      return "chaotic";
-    case Settling::unsettled:
-      return "not_settled";
-    case Settling::diverges:
-      break;
-  }
-  return "diverges";
+  constexpr std::array<std::string_view, 4> names{"periodic", "chaotic", "not_settled", "diverges"};
+  return names[static_cast<std::size_t>(settling)];
 }
 
 namespace {

@@ -1,6 +1,7 @@
 #include "analysis/foreign_steps/step_probe.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -545,15 +546,8 @@ ProbedLimit Probe::run() {
 }  // namespace
 
 std::string_view name_of(ProbedState state) {
-  switch (state) {
-    case ProbedState::equilibrium:
-      return "equilibrium";
-    case ProbedState::initial:
-      return "initial";
-    case ProbedState::motion:
-      return "motion";
-  }
-  return "";
+  constexpr std::array<std::string_view, 3> names{"equilibrium", "initial", "motion"};
+  return names[static_cast<std::size_t>(state)];
 }
 
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {

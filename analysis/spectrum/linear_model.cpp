@@ -1,5 +1,6 @@
 #include "analysis/spectrum/linear_model.hpp"
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -87,27 +88,14 @@ void classify_damping(double relative, MechanicalPart& part) {
 }  // namespace
 
 std::string_view name_of(JacobianOrigin origin) {
-  switch (origin) {
-    case JacobianOrigin::analytic:
-      return "analytic";
-    case JacobianOrigin::differences:
-      return "central differences";
-    case JacobianOrigin::grouped_differences:
-      break;
-  }
-  return "central differences by groups of columns";
+  constexpr std::array<std::string_view, 3> names{"analytic", "central differences",
+                                                  "central differences by groups of columns"};
+  return names[static_cast<std::size_t>(origin)];
 }
 
 std::string_view name_of(Damping damping) {
-  switch (damping) {
-    case Damping::none:
-      return "none";
-    case Damping::proportional:
-      return "proportional";
-    case Damping::general:
-      break;
-  }
-  return "general";
+  constexpr std::array<std::string_view, 3> names{"none", "proportional", "general"};
+  return names[static_cast<std::size_t>(damping)];
 }
 
 MatrixXd mass_scaled(const MassMatrix<double>& M, const AnyMatrix& A) {
