@@ -196,6 +196,19 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
   return result;
 }
 
+/// half +- sqrt(discriminant), the roots of lambda^2 - 2 half lambda + product, discriminant = half^2 -
+/// product. The real one of larger modulus has no cancellation; the other follows from the product.
+std::array<Complex, 2> roots_of(double half, double discriminant, double product) {
+  if (discriminant < 0) {
+    const double damped = std::sqrt(-discriminant);
+    return {Complex(half, damped), Complex(half, -damped)};
+  }
+  const double root = std::sqrt(discriminant);
+  const double larger = half < 0 ? half - root : half + root;
+  const double smaller = larger == 0 ? 0 : product / larger;
+  return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
+}
+
 }  // namespace
 
 // lambda = -zeta omega + i omega sqrt(1 - zeta^2), so |lambda| = omega.
@@ -219,40 +232,19 @@ Mode mode_of(const MechanicalMode& oscillation) {
   return mode;
 }
 
-// Roots of lambda^2 + gamma lambda + kappa. The real one of larger modulus has no cancellation; the other
-// follows from the product.
 std::array<Complex, 2> eigenvalues_of(const MechanicalMode& mode) {
   const double half = -mode.gamma / 2;
   // gamma^2/4 - kappa as a product keeps its digits near critical damping.
   const double w = std::sqrt(std::abs(mode.kappa));
   // (gamma/2)^2 - omega^2 = (gamma/2 - omega)(gamma/2 + omega).
-  const double discriminant = mode.kappa > 0 ? (half - w) * (half + w) : half * half + w * w;
-  if (discriminant < 0) {
-    const double damped = std::sqrt(-discriminant);
-    return {Complex(half, damped), Complex(half, -damped)};
-  }
-  const double root = std::sqrt(discriminant);
-  const double larger = half < 0 ? half - root : half + root;
-  // The product of both eigenvalues is kappa.
-  const double smaller = larger == 0 ? 0 : mode.kappa / larger;
-  return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
+  return roots_of(half, mode.kappa > 0 ? (half - w) * (half + w) : half * half + w * w, mode.kappa);
 }
 
 std::array<Complex, 2> eigenvalues_2x2(const Eigen::Matrix2d& J) {
-  const double half_trace = J.trace() / 2;
   // T^2/4 - D = ((J11 - J22)/2)^2 + J12 J21: for a symmetric matrix a sum of squares, never negative by
   // rounding.
   const double half_difference = (J(0, 0) - J(1, 1)) / 2;
-  const double discriminant = half_difference * half_difference + J(0, 1) * J(1, 0);
-  if (discriminant < 0) {
-    const double omega = std::sqrt(-discriminant);
-    return {Complex(half_trace, omega), Complex(half_trace, -omega)};
-  }
-  const double root = std::sqrt(discriminant);
-  const double larger = half_trace < 0 ? half_trace - root : half_trace + root;
-  // The product of both eigenvalues is the determinant.
-  const double smaller = larger == 0 ? 0 : J.determinant() / larger;
-  return {Complex(std::max(larger, smaller), 0.0), Complex(std::min(larger, smaller), 0.0)};
+  return roots_of(J.trace() / 2, half_difference * half_difference + J(0, 1) * J(1, 0), J.determinant());
 }
 
 // k u = kappa u; gamma by Rayleigh's coefficients where C has them, else u^T c u in a basis that makes c
