@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <queue>
 #include <vector>
 
@@ -78,63 +77,37 @@ class SmallestSingularValue {
   VectorXcd start_;
 };
 
-/// A family of lines on which |(z I - A)^-1| is looked at: Re z = a, or the circles |z| = 1 + a.
-struct Lines {
-  const MatrixXd& A;
-  bool circles = false;
+/// Every b >= 0, and more, where (a + i b) I - J has the singular value e. With (z I - J) u = e v and its
+/// adjoint for v, (J - a I, e I; -e I, a I - J^T) (u, v) = i b (u, v) [boyd1989bisection].
+std::vector<double> crossings(const MatrixXd& J, double a, double e) {
+  const Index n = J.rows();
+  const auto one = MatrixXd::Identity(n, n);
+  MatrixXd hamiltonian(2 * n, 2 * n);
+  hamiltonian << J - a * one, e * one, -e * one, a * one - J.transpose();
+  const Eigen::EigenSolver<MatrixXd> solver(hamiltonian, false);
+  const double near = 1e-5 * hamiltonian.norm();
+  std::vector<double> found;
+  for (const Complex& w : solver.eigenvalues())
+    if (std::abs(w.real()) <= near) found.push_back(std::abs(w.imag()));
+  return found;
+}
 
-  [[nodiscard]] Complex z(double a, double b) const { return circles ? std::polar(1 + a, b) : Complex(a, b); }
-  /// In this coordinate the logarithm of the largest norm on the line is convex: Hadamard's three lines, or
-  /// circles.
-  [[nodiscard]] double convex(double a) const { return circles ? std::log1p(a) : a; }
-
-  /// Every b >= 0, and more, where z I - A has the singular value e. With (z I - A) u = e v and its adjoint
-  /// for v,
-  ///   Re z = a:  (A - a I, e I; -e I, a I - A^T) (u, v) = i b (u, v),
-  ///   |z| = r:   (A, e I; 0, r I) (u, v) = exp(i b) (r I, 0; e I, A^T) (u, v)   [boyd1989bisection]
-  [[nodiscard]] std::vector<double> crossings(double a, double e) const {
-    const Index n = A.rows();
-    const auto one = MatrixXd::Identity(n, n);
-    std::vector<double> found;
-    MatrixXd left(2 * n, 2 * n);
-    if (circles) {
-      MatrixXd right(2 * n, 2 * n);
-      left << A, e * one, MatrixXd::Zero(n, n), (1 + a) * one;
-      right << (1 + a) * one, MatrixXd::Zero(n, n), e * one, A.transpose();
-      const Eigen::GeneralizedEigenSolver<MatrixXd> solver(left, right, false);
-      for (Index i = 0; i < 2 * n; ++i) {
-        const Complex alpha = solver.alphas()[i];
-        if (std::abs(std::abs(alpha) - std::abs(solver.betas()[i])) <= 1e-5 * std::abs(alpha))
-          found.push_back(std::abs(std::arg(alpha / solver.betas()[i])));
-      }
-      return found;
-    }
-    left << A - a * one, e * one, -e * one, a * one - A.transpose();
-    const Eigen::EigenSolver<MatrixXd> solver(left, false);
-    const double near = 1e-5 * left.norm();
-    for (const Complex& w : solver.eigenvalues())
-      if (std::abs(w.real()) <= near) found.push_back(std::abs(w.imag()));
-    return found;
-  }
-};
-
-/// An interval of a and the most that a |(z I - A)^-1| can be in it.
+/// An interval of a and the most that a |(z I - J)^-1| can be in it.
 struct BoundedInterval {
   double a0, a1, log_norm0, log_norm1, bound;
   bool operator<(const BoundedInterval& other) const { return bound < other.bound; }
 };
 
-/// sup of a N(a), N(a) the largest norm of the resolvent on line a.
+/// sup of a N(a), N(a) the largest norm of the resolvent on the line Re z = a.
 class KreissSearch {
  public:
   static constexpr double within = 1e-4;
 
-  /// @param growth  |(z I - A)^-1| <= 1 / (a - growth) where a > growth > 0
-  KreissSearch(const Lines& lines, const MatrixXcd& schur, double growth)
-      : lines_(lines), sigma_(schur), growth_(growth) {
+  /// @param growth  |(z I - J)^-1| <= 1 / (a - growth) where a > growth > 0
+  KreissSearch(const MatrixXd& J, const MatrixXcd& schur, double growth)
+      : J_(J), sigma_(schur), growth_(growth) {
     starts_.push_back(0);
-    for (const Complex& lambda : schur.diagonal())
-      starts_.push_back(lines.circles ? std::abs(std::arg(lambda)) : std::abs(lambda.imag()));
+    for (const Complex& lambda : schur.diagonal()) starts_.push_back(std::abs(lambda.imag()));
   }
 
   /// @param least  the smallest a that is looked at
@@ -168,13 +141,10 @@ class KreissSearch {
   static constexpr int most_splits = 300;
 
   double norm(double a, double b) {
-    const Complex z = lines_.z(a, b);
-    const double sigma = sigma_(z), found = sigma > 0 ? 1 / sigma : infinity;
+    const double sigma = sigma_({a, b}), found = sigma > 0 ? 1 / sigma : infinity;
     if (a * found > best_.value) {
       best_.value = a * found;
-      best_.at = z;
-      a_ = a;
-      b_ = b;
+      best_.at = {a, b};
     }
     return found;
   }
@@ -185,9 +155,8 @@ class KreissSearch {
     double most = 0;
     for (const double b : starts_) most = std::max(most, norm(a, b));
     for (int round = 0; round < 40 && std::isfinite(most); ++round) {
-      std::vector<double> places = lines_.crossings(a, 1 / (most * (1 + 1e-7)));
+      std::vector<double> places = crossings(J_, a, 1 / (most * (1 + 1e-7)));
       places.push_back(0);
-      if (lines_.circles) places.push_back(std::numbers::pi);
       std::ranges::sort(places);
       double larger = most;
       for (std::size_t i = 0; i < places.size(); ++i) {
@@ -202,12 +171,10 @@ class KreissSearch {
 
   /// On a chord of the convex log N the largest a N is at an end, or where both slopes cancel.
   void push(BoundedInterval interval) {
-    const double x0 = lines_.convex(interval.a0), x1 = lines_.convex(interval.a1);
-    const double slope = (interval.log_norm1 - interval.log_norm0) / (x1 - x0);
-    // a exp(slope x): x = a, or x = log(1 + a).
-    const double peak = lines_.circles ? -1 / (1 + slope) : -1 / slope;
+    const double slope = (interval.log_norm1 - interval.log_norm0) / (interval.a1 - interval.a0);
+    const double peak = -1 / slope;
     const auto on_chord = [&](double a) {
-      return a * std::exp(interval.log_norm0 + slope * (lines_.convex(a) - x0));
+      return a * std::exp(interval.log_norm0 + slope * (a - interval.a0));
     };
     interval.bound = std::max(on_chord(interval.a0), on_chord(interval.a1));
     if (peak > interval.a0 && peak < interval.a1) interval.bound = std::max(interval.bound, on_chord(peak));
@@ -218,34 +185,27 @@ class KreissSearch {
 
   /// Up from the best point, step by step along both coordinates and their diagonals.
   void climb() {
-    if (!(a_ > 0) || !std::isfinite(best_.value)) return;
+    if (!std::isfinite(best_.at.real()) || !std::isfinite(best_.value)) return;
     double step = 0.3;
     while (step > 1e-9) {
-      const double before = best_.value, a = a_, b = b_;
-      const double side = step * a / (lines_.circles ? 1 + a : 1);
+      const double before = best_.value, a = best_.at.real(), b = best_.at.imag();
       for (const double da : {-1.0, 0.0, 1.0})
         for (const double db : {-1.0, 0.0, 1.0})
-          if (da != 0 || db != 0) (void)norm(a * (1 + da * step / (1 + step)), b + db * side);
+          if (da != 0 || db != 0) (void)norm(a * (1 + da * step / (1 + step)), b + db * step * a);
       if (!(best_.value > before * (1 + 1e-15))) step /= 2;
     }
   }
 
-  const Lines& lines_;
+  const MatrixXd& J_;
   SmallestSingularValue sigma_;
   double growth_;
   std::vector<double> starts_;
-  double a_ = 0, b_ = 0;
   int splits_ = 0;
   KreissConstant best_{.value = 1, .bound = 1, .at = infinity};
   std::priority_queue<BoundedInterval> queue_;
 };
 
 constexpr KreissConstant unbounded{.value = infinity, .bound = infinity, .at = {}};
-
-/// Growth that only an eigenvalue of several on the axis itself can make.
-KreissConstant judged(const KreissConstant& found, double distance, double scale) {
-  return distance < 1e-6 * scale && found.value > 1e6 ? unbounded : found;
-}
 
 }  // namespace
 
@@ -268,19 +228,9 @@ KreissConstant kreiss_constant(const MatrixXd& J) {
   if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return unbounded;
   const double growth = largest_eigenvalue_of((J + J.transpose()) / 2);
   if (growth <= 1e-13 * scale) return {.value = 1, .bound = 1, .at = infinity};
-  const Lines lines{J};
-  const KreissConstant found = KreissSearch(lines, T, growth).run(std::min(1e-9 * scale, growth));
-  return judged(found, found.at.real(), scale);
-}
-
-KreissConstant kreiss_constant_of_step(const MatrixXd& A) {
-  const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(A, false).matrixT();
-  if (T.diagonal().cwiseAbs().maxCoeff() > 1 + 1e-10) return unbounded;
-  const double size = std::sqrt(std::max(0.0, largest_eigenvalue_of(A.transpose() * A)));
-  if (size <= 1 + 1e-13) return {.value = 1, .bound = 1, .at = infinity};
-  const Lines lines{A, true};
-  const KreissConstant found = KreissSearch(lines, T, size - 1).run(std::min(1e-9, size - 1));
-  return judged(found, std::abs(found.at) - 1, 1);
+  const KreissConstant found = KreissSearch(J, T, growth).run(std::min(1e-9 * scale, growth));
+  // Growth that only an eigenvalue of several on the axis itself can make.
+  return found.at.real() < 1e-6 * scale && found.value > 1e6 ? unbounded : found;
 }
 
 EnergyCoordinates energy_coordinates(const MechanicalPart& part) {

@@ -26,7 +26,7 @@ NonNormality non_normality(const Eigen::MatrixXd& J);
 
 /// The largest value that a search has found, and what no value can exceed to rounding.
 struct KreissConstant {
-  double value = 1;         ///< >= 1; infinity where powers or exponentials are unbounded
+  double value = 1;         ///< >= 1; infinity where exponentials are unbounded
   double bound = 1;         ///< >= value, by 1e-4 unless the search grew too long
   std::complex<double> at;  ///< z of the largest value; infinity where the supremum lies there
 };
@@ -42,15 +42,11 @@ struct KreissConstant {
 /// @cost     some 100 spectra of size 2 n
 KreissConstant kreiss_constant(const Eigen::MatrixXd& J);
 
-/// The same of the powers of a step matrix, y_(k+1) = A y_k,
-///   K = sup over |z| > 1 of (|z| - 1) |(z I - A)^-1|,   K <= sup over k of |A^k| <= e n K
-KreissConstant kreiss_constant_of_step(const Eigen::MatrixXd& A);
-
 /// x = to y and y = from x, shapes (2 n, 2 n), with y = (q, v) and |x|^2 = v^T M v + q^T |K| q, twice the
 /// energy. |K| has the eigenvectors of the symmetric part of K in the metric of the masses and the absolute
 /// values of its eigenvalues, none below 1e-12 of the largest (of 1 [1/s^2] where all are zero), so that a
 /// drift without energy has a length too. In these coordinates an undamped system is normal and no passive
-/// one has a Kreiss constant above 1. A step matrix A of (q, v) is brought to them as to A from.
+/// one has a Kreiss constant above 1.
 struct EnergyCoordinates {
   Eigen::MatrixXd to, from;
 };

@@ -64,8 +64,6 @@ TEST(KreissConstant, OfNormalMatricesIsOne) {
     EXPECT_EQ(kreiss_constant(J).value, 1) << J;
     EXPECT_EQ(kreiss_constant(J).bound, 1) << J;
   }
-  const double c = std::cos(0.3), s = std::sin(0.3);
-  EXPECT_EQ(kreiss_constant_of_step(two(c, s, -s, c)).value, 1);
 }
 
 TEST(KreissConstant, OfAJordanBlockIsThatOfItsResolvent) {
@@ -125,38 +123,6 @@ TEST(KreissConstant, IsNoSmallerThanAnySampleAndItsBoundHolds) {
 TEST(KreissConstant, OfWhatGrowsForeverIsInfinite) {
   EXPECT_EQ(kreiss_constant(two(0.1, 0, 0, -1)).value, infinity);
   EXPECT_EQ(kreiss_constant(two(0, 1, 0, 0)).value, infinity);  // a free body drifts
-  EXPECT_EQ(kreiss_constant_of_step(two(1.01, 0, 0, 0)).value, infinity);
-  EXPECT_EQ(kreiss_constant_of_step(two(1, 1, 0, 1)).value, infinity);
-}
-
-TEST(KreissConstant, OfAStepIsThatOfItsResolvent) {
-  // |(z I - A)^-1| of (0, b; 0, 0) is (g / 2 + sqrt(1 + g^2 / 4)) / r with r = |z|, g = b / r.
-  for (const double b : {1.5, 4.0, 300.0}) {
-    const double exact = largest([b](double x) {
-      const double r = x + 1, g = b / r;
-      return x / r * (g / 2 + std::sqrt(1 + g * g / 4));
-    });
-    const KreissConstant found = kreiss_constant_of_step(two(0, b, 0, 0));
-    EXPECT_NEAR(found.value, std::max(1.0, exact), 1e-8 * exact) << b;
-    EXPECT_GE(found.bound, found.value);
-    EXPECT_LE(found.bound, 1.0002 * found.value);
-  }
-}
-
-TEST(KreissConstant, OfAStepWithModesOnTheCircleIsTheirCondition) {
-  // Verlet at omega h = 1.99: a rotation in skew coordinates, neither growing nor decaying.
-  const double w = 1.99, half = 1 - w * w / 2;
-  const Matrix2d A = two(half, 1, -w * w * (1 - w * w / 4), half);
-  double most = 0;
-  Matrix2d power = Matrix2d::Identity();
-  for (int k = 0; k < 5000; ++k) {
-    power = (A * power).eval();
-    most = std::max(most, Eigen::JacobiSVD<Matrix2d>(power).singularValues()[0]);
-  }
-  const KreissConstant found = kreiss_constant_of_step(A);
-  EXPECT_LE(found.value, most * (1 + 1e-6));
-  EXPECT_GE(std::numbers::e * 2 * found.value, most);
-  EXPECT_GT(found.value, 1.5);
 }
 
 TEST(EnergyCoordinates, MakeUndampedChainsNormalAndPassiveOnesContract) {
