@@ -145,8 +145,6 @@ Aggregates aggregates(const std::vector<double>& samples) {
 
 }  // namespace
 
-std::span<const std::string_view> export_columns() { return columns; }
-
 std::string rows_to_csv(std::span<const Row> rows) {
   std::string text;
   for (const std::string_view column : columns) {

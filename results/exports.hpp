@@ -10,16 +10,13 @@
 
 namespace hmax {
 
-/// The columns of the row exports in their order; the first 17 are fixed by contract, units are in the names
-/// (`_s` is seconds). `error_*` and reference_error are in the unit of the state; realtime_factor is
-/// t_reached / cpu_median_s, simulated seconds (from t = 0) per CPU second.
+/// One header line, one line per row; a missing number is an empty cell, texts with commas are quoted
+/// [shafranovich2005common]. The first 17 columns are fixed by contract, units are in the names (`_s` is
+/// seconds). `error_*` and reference_error are in the unit of the state; realtime_factor is t_reached /
+/// cpu_median_s, simulated seconds (from t = 0) per CPU second.
 ///
 /// A number that does not apply is missing: h in mode adaptive, rtol and atol in mode fixed. A number that
 /// could not be obtained is missing too, and `status` says so.
-std::span<const std::string_view> export_columns();
-
-/// One header line, one line per row; a missing number is an empty cell, texts with commas are quoted
-/// [shafranovich2005common].
 std::string rows_to_csv(std::span<const Row> rows);
 
 /// One JSON object per line; a missing or infinite number is null.

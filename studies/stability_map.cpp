@@ -87,9 +87,6 @@ MapAxis map_axis(std::string_view option, std::string_view text, bool logarithmi
 bool StabilityMap::falls_along_x(std::size_t column, std::size_t row) const {
   return falls(at(column, row), at(column + 1, row));
 }
-bool StabilityMap::falls_along_y(std::size_t column, std::size_t row) const {
-  return falls(at(column, row), at(column, row + 1));
-}
 double StabilityMap::falling_share_x() const { return falling_share(*this, 1, 0); }
 double StabilityMap::falling_share_y() const { return falling_share(*this, 0, 1); }
 

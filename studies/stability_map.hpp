@@ -36,7 +36,6 @@ struct StabilityMap {
   }
   /// Whether h_max falls from this column to the next, by more than rounding.
   [[nodiscard]] bool falls_along_x(std::size_t column, std::size_t row) const;
-  [[nodiscard]] bool falls_along_y(std::size_t column, std::size_t row) const;
   /// The share of neighbours along x, both of which have an answer, between which h_max falls.
   [[nodiscard]] double falling_share_x() const;
   [[nodiscard]] double falling_share_y() const;

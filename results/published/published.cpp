@@ -9,12 +9,6 @@
 
 namespace hmax {
 
-std::vector<std::string> published_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, csv] : published_texts()) names.emplace_back(name);
-  return names;
-}
-
 Table published_table(std::string_view name) {
   for (const auto& [known, csv] : published_texts()) {
     if (known == name) return parse_csv(csv, fmt::format("results/published/{}.csv", name));

@@ -9,9 +9,6 @@
 
 namespace hmax {
 
-/// The names that published_table() knows, sorted.
-std::vector<std::string> published_names();
-
 /// A published table: "table_2", "benchmark_liver", "benchmark_liver_mass".
 /// @throws InputError when there is none of that name; the names are listed
 Table published_table(std::string_view name);
