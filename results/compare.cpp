@@ -19,6 +19,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t enough_rows = 8;         ///< for a common ratio and a scatter
 constexpr std::size_t enough_repetitions = 9;  ///< for a rank test among many rows
+constexpr double false_discovery_rate = 0.05;  ///< share of false ones among the rows called faster or slower
+constexpr double minimum_effect = 0.07;        ///< a relative difference below this is never called one
 
 double median(const std::vector<double>& values) { return summarise(values).median; }
 
@@ -45,13 +47,13 @@ double standard_error_of_median(const std::vector<double>& samples) {
   return 1.2533 * (s.q3 - s.q1) / 1.349 / std::sqrt(static_cast<double>(samples.size())) / s.median;
 }
 
-/// Which hypotheses are rejected when at most the share `rate` of the rejections may be false
-/// [benjamini1995controlling]: those with p <= p_(k), k the largest rank with p_(k) <= rate k / m.
-double rejection_threshold(std::vector<double> p, double rate) {
+/// Which hypotheses are rejected when at most that share of the rejections may be false
+/// [benjamini1995controlling]: those with p <= p_(k), k the largest rank with p_(k) <= share k / m.
+double rejection_threshold(std::vector<double> p) {
   std::sort(p.begin(), p.end());
   const auto m = static_cast<double>(p.size());
   for (std::size_t k = p.size(); k > 0; --k) {
-    if (p[k - 1] <= rate * static_cast<double>(k) / m) return p[k - 1];
+    if (p[k - 1] <= false_discovery_rate * static_cast<double>(k) / m) return p[k - 1];
   }
   return -1;
 }
@@ -62,7 +64,7 @@ struct Pair {
 };
 
 /// Fills ratios, p and noise floor of every pair, then judges.
-void judge(const std::vector<Pair>& pairs, const CompareOptions& options, Comparison& comparison) {
+void judge(const std::vector<Pair>& pairs, Comparison& comparison) {
   std::vector<double> logs;
   for (const Pair& pair : pairs) logs.push_back(std::log(pair.result->ratio));
   const bool enough = pairs.size() >= enough_rows;
@@ -83,10 +85,10 @@ void judge(const std::vector<Pair>& pairs, const CompareOptions& options, Compar
     row.p = mann_whitney_p(pair.a->cpu_s, b);
     const double error =
         std::hypot(standard_error_of_median(pair.a->cpu_s), standard_error_of_median(pair.b->cpu_s));
-    row.noise_floor = std::max({options.minimum_effect, 3 * comparison.scatter, 3 * error});
+    row.noise_floor = std::max({minimum_effect, 3 * comparison.scatter, 3 * error});
     p_values.push_back(row.p);
   }
-  const double threshold = rejection_threshold(p_values, options.false_discovery_rate);
+  const double threshold = rejection_threshold(p_values);
   for (const Pair& pair : pairs) {
     RowComparison& row = *pair.result;
     const auto fastest = [](const Row& r) { return *std::min_element(r.cpu_s.begin(), r.cpu_s.end()); };
@@ -100,8 +102,7 @@ void judge(const std::vector<Pair>& pairs, const CompareOptions& options, Compar
   }
 }
 
-std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Comparison& comparison,
-                                    const CompareOptions& options) {
+std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Comparison& comparison) {
   std::vector<std::string> remarks;
   if (pairs.empty()) {
     remarks.push_back("No row has CPU times on both sides and the same work: no time is compared.");
@@ -120,7 +121,7 @@ std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Compar
     remarks.push_back(fmt::format(
         "Around it the rows scatter by {:.1f} %; differences below {:.1f} % count as noise, for noisier rows "
         "more.",
-        100 * comparison.scatter, 100 * std::max(options.minimum_effect, 3 * comparison.scatter)));
+        100 * comparison.scatter, 100 * std::max(minimum_effect, 3 * comparison.scatter)));
   }
   const auto few = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) {
     return std::min(pair.a->cpu_s.size(), pair.b->cpu_s.size()) < enough_repetitions;
@@ -225,7 +226,7 @@ std::vector<std::string> changes_between(const Row& a, const Row& b) {
   return changes;
 }
 
-Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options) {
+Comparison compare(std::span<const Row> a, std::span<const Row> b) {
   std::map<RowKey, const Row*, KeyLess> in_a, in_b;
   for (const Row& row : a) in_a.emplace(row.key, &row);
   for (const Row& row : b) in_b.emplace(row.key, &row);
@@ -263,8 +264,8 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b, const Compare
       comparable.push_back(pair);
     }
   }
-  judge(comparable, options, comparison);
-  comparison.remarks = remarks_on(comparable, comparison, options);
+  judge(comparable, comparison);
+  comparison.remarks = remarks_on(comparable, comparison);
   if (explored > 0)
     comparison.remarks.push_back(fmt::format(
         "{} of the rows were explored on one side at least: their times are not compared.", explored));

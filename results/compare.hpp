@@ -17,11 +17,6 @@ enum class TimingVerdict { same, faster, slower, changed };
 
 std::string_view to_string(TimingVerdict verdict);
 
-struct CompareOptions {
-  double false_discovery_rate = 0.05;  ///< share of false ones among the rows called faster or slower
-  double minimum_effect = 0.07;        ///< a relative difference below this is never called one
-};
-
 /// One key that both sides have.
 struct RowComparison {
   RowKey key;
@@ -57,7 +52,7 @@ struct Comparison {
 ///     (the median of the ratios over all rows, reported by itself), with the false discovery rate over all
 ///     rows held at 5 % [benjamini1995controlling].
 ///  2. The medians differ by more than the noise floor, the largest of
-///       - minimum_effect, what a slow stretch of a shared machine costs,
+///       - 7 %, what a slow stretch of a shared machine costs,
 ///       - 3 times the scatter of all rows around the common ratio, 1.4826 * median |log ratio - log common
 ///       ratio|: rows
 ///         that move about together in an A/A comparison raise the bar for each of them,
@@ -72,7 +67,7 @@ struct Comparison {
 /// Steps, rejected steps, rhs and outcome are compared exactly; t_reached and the errors up to 1e-6 relative
 /// and the two reference errors, since another libm moves their last digits. Rows that changed take no part
 /// in 1 to 3, and neither do rows of which one was explored: only their results are compared.
-Comparison compare(std::span<const Row> a, std::span<const Row> b, const CompareOptions& options = {});
+Comparison compare(std::span<const Row> a, std::span<const Row> b);
 
 /// What differs between two runs of the same key although nothing in it depends on the clock, "steps: 1000 ->
 /// 1001": steps, rejected steps, rhs and outcome exactly, the rest as compare() does.
