@@ -55,23 +55,21 @@ ConstantJacobian run_of(const Problem& problem, std::string mesh, std::string mo
 std::function<void(std::int64_t)> plain_forces(const TissueBody& body) {
   const TetMesh& mesh = body.mesh();
   const TissueMaterial& material = body.settings().materials.front();
-  const auto repeated = [&mesh](auto forces) {
-    return [forces = std::move(forces), x = mesh.points, f = mesh.points](std::int64_t runs) mutable {
-      for (std::int64_t i = 0; i < runs; ++i) {
-        f.setZero();
-        forces.force(x.data(), f.data());
-      }
-    };
+  const auto of = [&mesh](auto forces) {
+    return repeated([forces = std::move(forces), x = mesh.points, f = mesh.points]() mutable {
+      f.setZero();
+      forces.force(x.data(), f.data());
+    });
   };
   if (!body.settings().model.is_of_springs())
-    return repeated(plain::Green(mesh, lame(material.young, material.poisson)));
+    return of(plain::Green(mesh, lame(material.young, material.poisson)));
   plain::Springs springs;
   for (const SpringSet::Spring& spring :
        tissue_springs(mesh, edge_table(mesh), surface_of(mesh), body.settings())) {
     const auto [a, b] = spring.points;
     springs.springs.push_back({a, b, (mesh.points.col(a) - mesh.points.col(b)).norm(), spring.stiffness});
   }
-  return repeated(std::move(springs));
+  return of(std::move(springs));
 }
 
 }  // namespace
@@ -105,22 +103,19 @@ std::vector<ModelCost> model_costs(const std::vector<std::string>& meshes, std::
       all.push_back({.mesh = mesh, .model = model});
       const Problem problem = make_problem(tissue_id(model, mesh, "gravity"),
                                            {.material = std::string(material), .parameters = {}, .y0 = {}});
-      tasks.emplace_back([body = problem.body](std::int64_t runs) {
-        const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
-        Eigen::VectorXd f = zero;
-        for (std::int64_t i = 0; i < runs; ++i) body->force(0, zero, zero, f);
-      });
+      const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.body->dofs());
+      tasks.push_back(
+          repeated([body = problem.body, zero, f = zero]() mutable { body->force(0, zero, zero, f); }));
       tasks.push_back(plain_forces(*problem.body));
       tasks.emplace_back([runner = find_method("linearly_implicit_euler").bind(problem)](std::int64_t runs) {
         runner.repeat({.t_end = steps * h, .h = h}, runs);
       });
     }
   const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 7, .keep_going = {}});
-  const auto least = [&](std::size_t k) { return std::ranges::min(timings[k].samples); };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].force = least(3 * i);
-    all[i].plain = least(3 * i + 1);
-    all[i].step = least(3 * i + 2) / steps;
+    all[i].force = timings[3 * i].least();
+    all[i].plain = timings[3 * i + 1].least();
+    all[i].step = timings[3 * i + 2].least() / steps;
   }
   return all;
 }

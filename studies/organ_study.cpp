@@ -188,11 +188,6 @@ LinearSolutions linear_solutions(const StaticModel& model) {
   Eigen::MatrixXd inverse;
   SparseSolver<double> solver;
   solver.set({.by = LinearSolve::By::direct});
-  const auto repeated = [](auto once) {
-    return [once](std::int64_t runs) {
-      for (std::int64_t i = 0; i < runs; ++i) once();
-    };
-  };
   const std::vector<std::function<void(std::int64_t)>> tasks{
       repeated([&] {
         inverse = Eigen::MatrixXd(K).llt().solve(Eigen::MatrixXd::Identity(model.dofs, model.dofs));
@@ -202,12 +197,11 @@ LinearSolutions linear_solutions(const StaticModel& model) {
         solver.solve(u);
       })};
   const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 5, .keep_going = {}});
-  const auto least = [&](std::size_t i) { return *std::ranges::min_element(timings[i].samples); };
   return {.dofs = model.dofs,
-          .invert = least(0),
-          .factor = least(1),
-          .multiply = least(2),
-          .solve = least(3),
+          .invert = timings[0].least(),
+          .factor = timings[1].least(),
+          .multiply = timings[2].least(),
+          .solve = timings[3].least(),
           .inverse_bytes = static_cast<double>(sizeof(double)) * static_cast<double>(model.dofs) *
                            static_cast<double>(model.dofs)};
 }

@@ -84,11 +84,6 @@ ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
     int runs;  // that one call of the task is made of
     Task task;
   };
-  const auto repeated = [](auto once) -> Task {
-    return [once](std::int64_t runs) {
-      for (std::int64_t i = 0; i < runs; ++i) once();
-    };
-  };
   const std::vector<Timed> timed{
       {&ScaleRow::force, 1, repeated([&] { body.force(0, zero, zero, f); })},
       {&ScaleRow::stiffness, 1, repeated([&] { body.stiffness(0, zero, zero, K); })},
@@ -107,8 +102,7 @@ ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
       time_interleaved(tasks, {.repetitions = row.tetrahedra < least_timed_twice ? 5 : 2,
                                .min_sample_s = 5e-3,
                                .keep_going = keep_going});
-  for (std::size_t i = 0; i < timings.size(); ++i)
-    row.*timed[i].into = *std::ranges::min_element(timings[i].samples) / timed[i].runs;
+  for (std::size_t i = 0; i < timings.size(); ++i) row.*timed[i].into = timings[i].least() / timed[i].runs;
   row.peak_memory = peak_memory();
   return row;
 }

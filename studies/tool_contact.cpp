@@ -109,10 +109,8 @@ ViewSearch view_search(std::string_view mesh, std::string_view material) {
     ++search.touched;
     if (!std::ranges::binary_search(found, t)) ++search.missed;
   }
-  const std::array<std::function<void(std::int64_t)>, 1> task{[&](std::int64_t runs) {
-    for (std::int64_t i = 0; i < runs; ++i) triangles_in(volume, points, triangles);
-  }};
-  search.seconds = std::ranges::min(time_interleaved(task, {.repetitions = 5, .keep_going = {}})[0].samples);
+  const std::array task{repeated([&] { triangles_in(volume, points, triangles); })};
+  search.seconds = time_interleaved(task, {.repetitions = 5, .keep_going = {}}).front().least();
   return search;
 }
 

@@ -1,9 +1,11 @@
 /// CPU time of repeated runs, several candidates in turn.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace hmax {
@@ -30,7 +32,18 @@ struct TimingOptions {
 struct Timing {
   std::vector<double> samples;       ///< CPU time of one run, one entry for each repetition in order [s]
   std::int64_t runs_per_sample = 1;  ///< runs timed together
+
+  /// Of the fastest sample; there must be one [s].
+  [[nodiscard]] double least() const { return std::ranges::min(samples); }
 };
+
+/// `once` as a candidate.
+template <class Once>
+std::function<void(std::int64_t)> repeated(Once once) {
+  return [once = std::move(once)](std::int64_t runs) mutable {
+    for (std::int64_t i = 0; i < runs; ++i) once();
+  };
+}
 
 /// Times candidates against one another. First each is tried with one run, then with more, until a sample
 /// takes min_sample_s; the last of these trials is also its warm-up. Then every repetition goes over all

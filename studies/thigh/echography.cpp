@@ -280,11 +280,8 @@ void outline(EchoImage& image, const ThighAnatomy& anatomy, const SliceFrame& fr
 
 double seconds_of(const std::function<void()>& once) {
   const OneThread alone;
-  const std::array<std::function<void(std::int64_t)>, 1> task{[&](std::int64_t runs) {
-    for (std::int64_t i = 0; i < runs; ++i) once();
-  }};
-  const auto timings = time_interleaved(task, {.repetitions = 7, .min_sample_s = 2e-2, .keep_going = {}});
-  return *std::ranges::min_element(timings.front().samples);
+  const std::array task{repeated(once)};
+  return time_interleaved(task, {.repetitions = 7, .min_sample_s = 2e-2, .keep_going = {}}).front().least();
 }
 
 }  // namespace

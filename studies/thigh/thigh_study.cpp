@@ -132,19 +132,13 @@ void measure_costs(ThighStudy& study, const ThighNetwork& network) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(thigh.points());
   for (const Eigen::Index p : pressed) u[p] = depth.front();
   volatile double used = 0;
-  const auto task = [&used](auto once) -> std::function<void(std::int64_t)> {
-    return [&used, once](std::int64_t runs) {
-      for (std::int64_t i = 0; i < runs; ++i) used = once();
-    };
-  };
   const std::vector<std::function<void(std::int64_t)>> tasks{
-      task([&] { return network.forces(u)[0]; }), task([&] { return thigh.forces(u)[0]; }),
-      task([&] { return press(thigh, pressed, depth).front().force; })};
+      repeated([&] { used = network.forces(u)[0]; }), repeated([&] { used = thigh.forces(u)[0]; }),
+      repeated([&] { used = press(thigh, pressed, depth).front().force; })};
   const auto timings = time_interleaved(tasks, {.repetitions = 7, .min_sample_s = 2e-3, .keep_going = {}});
-  const auto least = [&](std::size_t k) { return *std::ranges::min_element(timings[k].samples); };
-  study.network_seconds = least(0);
-  study.force_seconds = least(1);
-  study.equilibrium_seconds = least(2);
+  study.network_seconds = timings[0].least();
+  study.force_seconds = timings[1].least();
+  study.equilibrium_seconds = timings[2].least();
 }
 
 }  // namespace
@@ -170,7 +164,7 @@ ThighStudy thigh_study(const ThighStudyOptions& options,
     study.starts.push_back(started(study, misfit, 10, 4, options.starts));
   }
   progress("thigh, network");
-  const ThighNetwork network = train(study.truth, study.data, options.training);
+  const ThighNetwork network = train(study.truth, study.data);
   study.tasks = tasks_of(study, network);
   study.curves = curves_of(study, network);
   study.load.point = options.along * (options.around / 2 - 1) + options.along / 2 - 1;

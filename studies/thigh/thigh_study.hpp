@@ -16,7 +16,6 @@ struct ThighStudyOptions {
   Eigen::Index around = 8, along = 8;
   int starts = 4;        ///< from far, for each misfit
   int repetitions = 10;  ///< of the measurements, for the share of intervals that hold the truth
-  Training training{};
 };
 
 /// One fit to the same data.
