@@ -9,6 +9,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "catalogue/methods/catalogue.hpp"
+#include "studies/thigh/thigh_motion.hpp"
 
 namespace hmax {
 
@@ -16,54 +17,18 @@ namespace {
 
 constexpr double tick = 1e-3, frame = 1e-2;  // of hand and tissue [s]
 
-/// M u'' = k (x(t) - u_p) e_p - r(u) - c M u' as a system of second order.
-class TouchedThigh {
- public:
-  using State = Eigen::VectorXd;
-  using Dofs = Eigen::VectorXd;
-  using DofMatrix = Eigen::SparseMatrix<double>;
-
-  TouchedThigh(Thigh thigh, const HapticContact& contact) : thigh_(std::move(thigh)), contact_(contact) {}
-
-  [[nodiscard]] Eigen::Index dofs() const { return thigh_.points(); }
-  [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
-  [[nodiscard]] Dofs mass() const { return Dofs::Constant(dofs(), contact_.mass); }
-  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
-    f = -thigh_.forces(q) - contact_.damping * contact_.mass * v;
-    f[contact_.point] += contact_.stiffness * (contact_.position(t) - q[contact_.point]);
-  }
-  void stiffness(double, const Dofs& q, const Dofs&, DofMatrix& K) const {
-    K = thigh_.stiffness(q);
-    K.coeffRef(contact_.point, contact_.point) += contact_.stiffness;
-  }
-  void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const {
-    C.resize(dofs(), dofs());
-    C.setIdentity();
-    C *= contact_.damping * contact_.mass;
-  }
-  void rhs(double t, const State& y, State& dydt) const {
-    Dofs f;
-    force(t, y.head(dofs()), y.tail(dofs()), f);
-    dydt.head(dofs()) = y.tail(dofs());
-    dydt.tail(dofs()) = f / contact_.mass;
-  }
-
- private:
-  Thigh thigh_;
-  HapticContact contact_;
-};
-
 /// The tissue at each `every` seconds.
 std::vector<Eigen::VectorXd> tissue(const Thigh& thigh, const HapticContact& contact, const char* method,
                                     RunSpec spec) {
-  Problem problem{.id = "touched_thigh",
-                  .material = "",
-                  .note = "points of skin on springs, touched by a probe",
-                  .parameters = {},
-                  .states = {},
-                  .y0 = Eigen::VectorXd::Zero(2 * thigh.points()),
-                  .t_end = contact.t_end,
-                  .system = AnySystem(TouchedThigh(thigh, contact))};
+  // The probe pulls the point with k (x(t) - u).
+  const Eigen::VectorXd springs = contact.stiffness * Eigen::VectorXd::Unit(thigh.points(), contact.point);
+  const Problem problem = driven_thigh(thigh,
+                                       {.mass = contact.mass,
+                                        .damping = contact.damping,
+                                        .force = springs,
+                                        .share = [&](double t) { return contact.position(t); },
+                                        .springs = springs},
+                                       contact.t_end);
   spec.t_end = contact.t_end;
   std::vector<Eigen::VectorXd> states;
   find_method(method).bind(problem).run(spec, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {

@@ -59,13 +59,19 @@ void hold(Matrix& K, const std::vector<bool>& pressed) {
 }  // namespace
 
 Eigen::VectorXd Thigh::forces(const Eigen::VectorXd& u) const {
-  Eigen::VectorXd r = a.cwiseProduct((b.cwiseProduct(u)).unaryExpr([](double x) { return std::expm1(x); }));
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(points());
+  subtract_forces(u, f);
+  f *= -1;
+  return f;
+}
+
+void Thigh::subtract_forces(const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> f) const {
+  f -= a.cwiseProduct((b.cwiseProduct(u)).unaryExpr([](double x) { return std::expm1(x); }));
   for (const SkinSpring& spring : skin) {
     const double pull = spring.stiffness * (u[spring.i] - u[spring.j]);
-    r[spring.i] += pull;
-    r[spring.j] -= pull;
+    f[spring.i] -= pull;
+    f[spring.j] += pull;
   }
-  return r;
 }
 
 Matrix Thigh::stiffness(const Eigen::VectorXd& u) const {

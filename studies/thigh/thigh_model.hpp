@@ -30,6 +30,8 @@ struct Thigh {
 
   /// r(u), shape (points) [N].
   [[nodiscard]] Eigen::VectorXd forces(const Eigen::VectorXd& u) const;
+  /// f -= r(u), both of shape (points) [N].
+  void subtract_forces(const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> f) const;
 
   /// K = dr/du, shape (points, points) [N/m], always of one pattern.
   [[nodiscard]] Eigen::SparseMatrix<double> stiffness(const Eigen::VectorXd& u) const;

@@ -36,18 +36,20 @@ class ThighMotion {
   using DofMatrix = Eigen::SparseMatrix<double>;
   using Jacobian = Eigen::SparseMatrix<double>;
 
-  ThighMotion(Thigh thigh, const ThighLoad& load, Eigen::VectorXd force)
-      : thigh_(std::move(thigh)),
-        force_(std::move(force)),
-        mass_(load.mass),
-        damping_(load.damping * mass_),
-        rise_(load.rise) {}
+  ThighMotion(Thigh thigh, ThighDrive drive)
+      : thigh_(std::move(thigh)), drive_(std::move(drive)), damping_(drive_.damping * drive_.mass) {}
 
   [[nodiscard]] Eigen::Index dofs() const { return thigh_.points(); }
   [[nodiscard]] Eigen::Index dim() const { return 2 * dofs(); }
-  [[nodiscard]] Dofs mass() const { return Dofs::Constant(dofs(), mass_); }
-  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { add_force(t, q, v, f); }
-  void stiffness(double, const Dofs& q, const Dofs&, DofMatrix& K) const { K = thigh_.stiffness(q); }
+  [[nodiscard]] Dofs mass() const { return Dofs::Constant(dofs(), drive_.mass); }
+  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const {
+    f.resize(dofs());
+    write_force(t, q, v, f);
+  }
+  void stiffness(double, const Dofs& q, const Dofs&, DofMatrix& K) const {
+    K = thigh_.stiffness(q);
+    K.diagonal() += drive_.springs;
+  }
   void damping(double, const Dofs&, const Dofs&, DofMatrix& C) const {
     C.resize(dofs(), dofs());
     C.setIdentity();
@@ -56,45 +58,35 @@ class ThighMotion {
   void rhs(double t, const State& y, State& dydt) const {
     const Eigen::Index n = dofs();
     dydt.head(n) = y.tail(n);
-    auto acceleration = dydt.tail(n);
-    add_force(t, y.head(n), y.tail(n), acceleration);
-    acceleration /= mass_;
+    write_force(t, y.head(n), y.tail(n), dydt.tail(n));
+    dydt.tail(n) /= drive_.mass;
   }
-  void jacobian(double, const State& y, Jacobian& J) const {
+  void jacobian(double t, const State& y, Jacobian& J) const {
     const Eigen::Index n = dofs();
-    const DofMatrix K = thigh_.stiffness(y.head(n));
+    DofMatrix K;
+    stiffness(t, y.head(n), y.tail(n), K);
     std::vector<Eigen::Triplet<double, Eigen::Index>> entries;
     for (Eigen::Index j = 0; j < n; ++j) {
       for (DofMatrix::InnerIterator entry(K, j); entry; ++entry)
-        entries.emplace_back(n + entry.row(), j, -entry.value() / mass_);
+        entries.emplace_back(n + entry.row(), j, -entry.value() / drive_.mass);
       entries.emplace_back(j, n + j, 1);
-      entries.emplace_back(n + j, n + j, -damping_ / mass_);
+      entries.emplace_back(n + j, n + j, -damping_ / drive_.mass);
     }
     J.resize(2 * n, 2 * n);
     J.setFromTriplets(entries.begin(), entries.end());
   }
 
  private:
-  /// g(t): rises within one rise, stays for two, falls within one.
-  [[nodiscard]] double share(double t) const {
-    const double x = std::clamp(std::min(t, 4 * rise_ - t) / rise_, 0.0, 1.0);
-    return 0.5 * (1 - std::cos(std::numbers::pi * x));
-  }
-  template <class Q, class V, class F>
-  void add_force(double t, const Q& q, const V& v, F& f) const {
-    f = share(t) * force_ - damping_ * v;
-    for (Eigen::Index i = 0; i < dofs(); ++i) f[i] -= thigh_.a[i] * std::expm1(thigh_.b[i] * q[i]);
-    for (const SkinSpring& spring : thigh_.skin) {
-      const double pull = spring.stiffness * (q[spring.i] - q[spring.j]);
-      f[spring.i] -= pull;
-      f[spring.j] += pull;
-    }
+  using Values = Eigen::Ref<const Dofs>;
+  void write_force(double t, const Values& q, const Values& v, Eigen::Ref<Dofs> f) const {
+    f = drive_.share(t) * drive_.force - damping_ * v;
+    f -= drive_.springs.cwiseProduct(q);
+    thigh_.subtract_forces(q, f);
   }
 
   Thigh thigh_;
-  Eigen::VectorXd force_;  // that holds it at the depth of the load [N]
-  double mass_, damping_;  // of a point [kg], [N s/m]
-  double rise_;
+  ThighDrive drive_;
+  double damping_;  // of a point [N s/m]
 };
 
 Eigen::VectorXd pressed_shape(const Thigh& thigh, const ThighLoad& load) {
@@ -124,7 +116,7 @@ ThighRun sampled(const Problem& problem, const std::string& id, const RunSpec& s
       [&](std::int64_t runs) { runner.repeat(spec, runs); }};
   const auto timing =
       time_interleaved(task, {.repetitions = 5, .min_sample_s = 2e-3, .keep_going = {}}).front();
-  run.real_time = spec.t_end / *std::ranges::min_element(timing.samples);
+  run.real_time = spec.t_end / timing.least();
   return run;
 }
 
@@ -140,6 +132,18 @@ double error_beside(const ThighRun& run, const ThighRun& reference) {
 
 }  // namespace
 
+Problem driven_thigh(const Thigh& thigh, ThighDrive drive, double t_end) {
+  Parameters parameters{{"mass", drive.mass}, {"damping", drive.damping}};
+  return {.id = "thigh",
+          .material = "",
+          .note = "points of skin on springs, pressed by a probe",
+          .parameters = std::move(parameters),
+          .states = {},
+          .y0 = Eigen::VectorXd::Zero(2 * thigh.points()),
+          .t_end = t_end,
+          .system = AnySystem(ThighMotion(thigh, std::move(drive)))};
+}
+
 Problem moving_thigh(const Thigh& thigh, const ThighLoad& load) {
   require_positive(load.mass, "the mass");
   require_positive(load.damping, "the damping");
@@ -148,14 +152,18 @@ Problem moving_thigh(const Thigh& thigh, const ThighLoad& load) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(thigh.points());
   const Eigen::VectorXd r = thigh.forces(pressed_shape(thigh, load));
   for (const Eigen::Index p : pressed_points(thigh, load.point, load.probe)) force[p] = r[p];
-  return {.id = "thigh",
-          .material = "",
-          .note = "points of skin on springs, pressed by a probe",
-          .parameters = {{"mass", load.mass}, {"damping", load.damping}},
-          .states = {},
-          .y0 = Eigen::VectorXd::Zero(2 * thigh.points()),
-          .t_end = 6 * load.rise,
-          .system = AnySystem(ThighMotion(thigh, load, std::move(force)))};
+  // g rises within one rise, stays for two, falls within one.
+  const auto share = [rise = load.rise](double t) {
+    const double x = std::clamp(std::min(t, 4 * rise - t) / rise, 0.0, 1.0);
+    return 0.5 * (1 - std::cos(std::numbers::pi * x));
+  };
+  return driven_thigh(thigh,
+                      {.mass = load.mass,
+                       .damping = load.damping,
+                       .force = std::move(force),
+                       .share = share,
+                       .springs = Eigen::VectorXd::Zero(thigh.points())},
+                      6 * load.rise);
 }
 
 std::vector<ThighLimit> thigh_limits(const std::vector<std::string>& methods, const Thigh& thigh,

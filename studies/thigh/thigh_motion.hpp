@@ -2,6 +2,7 @@
 /// explicit methods.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,19 @@ struct ThighLoad {
   double rise = 0.1;     ///< the force grows, stays for two such times, falls and leaves the thigh free [s]
 };
 
-/// M u'' = g(t) f - r(u) - c M u', u as in Thigh, y = (u, u'); f holds the thigh at load.depth, g rises and
-/// falls as half a cosine. From rest, to six times load.rise.
+/// What acts on a thigh that moves.
+struct ThighDrive {
+  double mass, damping;                   ///< as in ThighLoad
+  Eigen::VectorXd force;                  ///< f, shape (points) [N]
+  std::function<double(double t)> share;  ///< g [1]
+  Eigen::VectorXd springs;                ///< k of each point to where it rests, shape (points) [N/m]
+};
+
+/// M u'' = g(t) f - k u - r(u) - c M u', u as in Thigh, y = (u, u'), from rest.
+Problem driven_thigh(const Thigh& thigh, ThighDrive drive, double t_end);
+
+/// A thigh whose f holds it at load.depth without further springs, while g rises and falls as half a cosine.
+/// To six times load.rise.
 /// @throws std::invalid_argument  for masses, dampings, depths and times that are not positive
 Problem moving_thigh(const Thigh& thigh, const ThighLoad& load);
 
