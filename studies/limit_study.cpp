@@ -16,21 +16,11 @@
 #include "limits/verification.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/oscillator/liver_problems.hpp"
+#include "studies/liver_claims.hpp"
 
 namespace hmax {
 
 namespace {
-
-/// The oscillator with these parameters as a problem of the catalogue.
-Problem problem_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, double t_end) {
-  Problem problem = make_problem(
-      "liver_forced",
-      {.material = {},
-       .parameters = {{"m", p.m}, {"c", p.c}, {"k1", p.k1}, {"k3", p.k3}, {"P", p.P}, {"w", p.w}},
-       .y0 = {y0[0], y0[1]}});
-  problem.t_end = t_end;
-  return problem;
-}
 
 /// The limit of a small motion about the equilibrium, verified; of a nonlinear case also the least along the
 /// motion from the published start, and the one that runs from there show.
@@ -114,8 +104,9 @@ std::vector<LimitCase> limit_cases() {
       if (std::ranges::find(seen, p) != seen.end()) continue;
       seen.push_back(p);
       const bool linear = p.k3 == 0;
-      cases.push_back({kind_of(p) + member.label, std::string(family.id),
-                       problem_of(p, family.y0, family.t_end), linear});
+      cases.push_back(
+          {kind_of(p) + member.label, std::string(family.id), forced_liver(p, family.y0), linear});
+      cases.back().problem.t_end = family.t_end;
     }
   }
   return cases;

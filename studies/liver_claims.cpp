@@ -21,11 +21,7 @@ struct Motion {
 };
 
 Motion motion_of(const OscillatorParameters& p, const Eigen::Vector2d& y0, double t_end) {
-  ProblemSettings settings;
-  for (const auto& [name, value] : oscillator_parameter_names)
-    settings.parameters.emplace_back(std::string(name), p.*value);
-  settings.y0 = {y0[0], y0[1]};
-  Table table = motion(make_problem("liver_forced", settings), find_method("dop_853"), 1e-10, t_end, 0.01);
+  Table table = motion(forced_liver(p, y0), find_method("dop_853"), 1e-10, t_end, 0.01);
   auto& columns = table.values;
   return {std::move(columns[0]), std::move(columns[1]), std::move(columns[2]), std::move(columns[3])};
 }
@@ -269,6 +265,13 @@ Claims claims_on_benchmark() {
 }
 
 }  // namespace
+
+Problem forced_liver(const OscillatorParameters& parameters, const Eigen::Vector2d& y0) {
+  ProblemSettings settings{.material = {}, .parameters = {}, .y0 = {y0[0], y0[1]}};
+  for (const auto& [name, value] : oscillator_parameter_names)
+    settings.parameters.emplace_back(std::string(name), parameters.*value);
+  return make_problem("liver_forced", settings);
+}
 
 std::string_view judged(bool whole, bool in_part) {
   return whole ? Judged::holds : in_part ? Judged::holds_in_part : Judged::does_not_hold;

@@ -7,10 +7,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "catalogue/methods/method.hpp"
 #include "integrators/stats.hpp"
+#include "problems/oscillator/oscillator.hpp"
 #include "results/row.hpp"
 
 namespace hmax {
+
+/// The forced model of the study with other parameters, from y0 = (x, v).
+Problem forced_liver(const OscillatorParameters& parameters, const Eigen::Vector2d& y0);
 
 /// What a test says of a sentence.
 struct Judged {

@@ -10,7 +10,6 @@
 #include "analysis/dynamics/phase_plane.hpp"
 #include "bench/timing/sweep.hpp"
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/problems.hpp"
 #include "catalogue/models/series.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "plots/curves.hpp"
@@ -32,18 +31,9 @@ constexpr std::string_view curve_method = "dop_853";
 constexpr double curve_tolerance = 1e-10;
 constexpr int curve_points = 1500;
 
-/// A member of a family as a problem of the catalogue.
-Problem problem_of(const LiverFamilyMember& member, const Eigen::Vector2d& y0) {
-  ProblemSettings settings;
-  for (const auto& [name, value] : oscillator_parameter_names)
-    settings.parameters.emplace_back(std::string(name), member.parameters.*value);
-  settings.y0 = {y0[0], y0[1]};
-  return make_problem("liver_forced", settings);
-}
-
 LabelledTable curve_of(const LiverFamilyMember& member, const Eigen::Vector2d& y0, double t_end) {
-  return {member.label, motion(problem_of(member, y0), find_method(curve_method), curve_tolerance, t_end,
-                               t_end / curve_points)};
+  return {member.label, motion(forced_liver(member.parameters, y0), find_method(curve_method),
+                               curve_tolerance, t_end, t_end / curve_points)};
 }
 
 std::vector<LabelledTable> curves_of(const LiverFamily& family, double t_end = 0) {
