@@ -10,12 +10,14 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/reproduce_stability.hpp"
-#include "cli/reproduce/rows_page.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/stability/stability.hpp"
 #include "limits/documents/number_json.hpp"
 #include "plots/pages/report.hpp"
+#include "plots/pages/store_report.hpp"
+#include "results/build_info.hpp"
 #include "results/fingerprint.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -28,14 +30,19 @@ double seconds_since(std::chrono::steady_clock::time_point started) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
 }
 
-/// Writes the page of all rows.
+/// Writes the page of all rows of stores in a folder.
 void write_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores,
                 Console& console) {
-  const RowsPage page = write_rows_page(folder, stores);
+  std::vector<ReportedStore> contents;
+  for (const std::string& name : stores)
+    contents.push_back(reported_store(Store::open_existing(folder / name), name));
+  const StoreReport page = store_report(contents, build_info().version);
+  const std::filesystem::path file = folder / "rows.html";
+  write_file(file, page.html);
   if (page.left_out > 0)
     console.remark(fmt::format(
         "{} rows are left out of {}, since it would be larger than 5 MB; the stores have every row",
-        page.left_out, page.file.string()));
+        page.left_out, file.string()));
 }
 
 /// What a shard has stored in a folder.

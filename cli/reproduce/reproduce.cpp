@@ -178,40 +178,24 @@ void add_all(CLI::App& reproduce, Console& console) {
   });
 }
 
-void add_oscillator_study(CLI::App& reproduce, Console& console) {
-  CLI::App& oscillators = add_command(reproduce, console, "oscillators",
-                                      "Reproduce every figure and table of the liver oscillator study",
-                                      {"hmax reproduce oscillators --output results/runs/oscillators"});
-  auto folder = std::make_shared<std::string>("results/runs/oscillators");
-  show_default(add_text(oscillators, "--output", *folder, "Folder of the report and of its stores"));
-  add_footer(oscillators, "What was measured before is kept in FOLDER/*.sqlite and not measured again.");
-  add_force(oscillators);
-  add_figure_style(oscillators);
-  add_jobs(oscillators);
-  auto shard = std::make_shared<std::string>();
-  add_shard(oscillators, *shard);
-  set_callback(oscillators, [&console, folder, shard] {
+/// A study whose rows shards may share out.
+CLI::App& add_sharded_study(CLI::App& reproduce, Console& console, const std::string& name,
+                            const std::string& description, const char* about_folder,
+                            decltype(reproduce_limits)* make) {
+  const auto folder = std::make_shared<std::string>("results/runs/" + name),
+             shard = std::make_shared<std::string>();
+  CLI::App& study = add_command(reproduce, console, name, description,
+                                {fmt::format("hmax reproduce {} --output {}", name, *folder)});
+  show_default(add_text(study, "--output", *folder, about_folder));
+  add_force(study);
+  add_figure_style(study);
+  add_jobs(study);
+  add_shard(study, *shard);
+  set_callback(study, [&console, folder, shard, make] {
     if (shard->empty()) refuse_copies("hmax reproduce");
-    show(reproduce_oscillator_part(*folder, console, shard_from(*shard)), console);
+    show(make(*folder, console, shard_from(*shard)), console);
   });
-}
-
-void add_stability_study(CLI::App& reproduce, Console& console) {
-  CLI::App& stability =
-      add_command(reproduce, console, "stability",
-                  "Predict and observe the step limits of every method on every model of the study",
-                  {"hmax reproduce stability --output results/runs/stability"});
-  auto folder = std::make_shared<std::string>("results/runs/stability");
-  show_default(add_text(stability, "--output", *folder, "Folder of the report"));
-  add_force(stability);
-  add_figure_style(stability);
-  add_jobs(stability);
-  auto shard = std::make_shared<std::string>();
-  add_shard(stability, *shard);
-  set_callback(stability, [&console, folder, shard] {
-    if (shard->empty()) refuse_copies("hmax reproduce");
-    show(reproduce_limits(*folder, console, shard_from(*shard)), console);
-  });
+  return study;
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
@@ -242,8 +226,13 @@ void add_reproduce(CLI::App& app, Console& console) {
                                      "hmax reproduce stability", "hmax reproduce tissue"});
   require_subcommand(reproduce);
   add_all(reproduce, console);
-  add_oscillator_study(reproduce, console);
-  add_stability_study(reproduce, console);
+  CLI::App& oscillators = add_sharded_study(
+      reproduce, console, "oscillators", "Reproduce every figure and table of the liver oscillator study",
+      "Folder of the report and of its stores", reproduce_oscillator_part);
+  add_footer(oscillators, "What was measured before is kept in FOLDER/*.sqlite and not measured again.");
+  add_sharded_study(reproduce, console, "stability",
+                    "Predict and observe the step limits of every method on every model of the study",
+                    "Folder of the report", reproduce_limits);
   add_tissue_study(reproduce, console);
   add_slice(reproduce, console);
 }
