@@ -7,7 +7,6 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "bench/micro/allocations.hpp"
 #include "bench/micro/ratios.hpp"
 #include "bench/micro/start.hpp"
 #include "problems/oscillator/oscillator_reference.hpp"
@@ -41,10 +40,6 @@ Measurement measure(const Engine& engine, double setting, const Oscillator& mode
         m.error = std::max({m.error, std::abs(y[0] - exact[0]), std::abs(y[1] - exact[1])});
         ++m.steps;
       }));
-  const long before = allocations();
-  Point y = start;
-  engine.run(model, t_end, setting, y);
-  m.allocations = static_cast<double>(allocations() - before);
   return m;
 }
 
@@ -57,36 +52,11 @@ void time_runs(benchmark::State& state, const Measurement& m, const Oscillator& 
   state.counters["error"] = m.error;
   state.counters["steps"] = m.steps;
   state.counters["rhs"] = m.evaluations;
-  state.counters["allocations"] = m.allocations;
 }
-
-/// Keeps the times of all repetitions; prints them as well unless only the table is wanted.
-class Collector : public benchmark::ConsoleReporter {
- public:
-  Collector(std::vector<Measurement>& measurements, const std::vector<std::string>& names, bool quiet)
-      : measurements_(measurements), names_(names), quiet_(quiet) {}
-
-  bool ReportContext(const Context& context) override {
-    return quiet_ || benchmark::ConsoleReporter::ReportContext(context);
-  }
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs)
-      for (std::size_t i = 0; i < names_.size(); ++i)
-        if (run.run_type == Run::RT_Iteration && run.run_name.function_name == names_[i])
-          measurements_[i].seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
-    if (!quiet_) benchmark::ConsoleReporter::ReportRuns(runs);
-  }
-
- private:
-  std::vector<Measurement>& measurements_;
-  const std::vector<std::string>& names_;
-  bool quiet_;
-};
 
 int main_of(int argc, char** argv) {
   const auto ratios = micro::start(argc, argv, 25, 0.001);
   if (!ratios) return 2;
-  const bool quiet = *ratios;
 
   const Oscillator model;
   const OscillatorReference reference(model.parameters(), {start[0], start[1]}, t_end);
@@ -107,9 +77,10 @@ int main_of(int argc, char** argv) {
       time_runs(state, measurements[i], model);
     })->Unit(benchmark::kMicrosecond);
 
-  Collector collector(measurements, names, quiet);
+  Collector collector(*ratios);
   benchmark::RunSpecifiedBenchmarks(&collector);
   benchmark::Shutdown();
+  for (std::size_t i = 0; i < names.size(); ++i) measurements[i].seconds = collector.seconds[names[i]];
   fmt::print("\n{}\n{}\nOn top of these flags: hmax {}, Odeint {}.\n", ratio_table(measurements),
              summary(fingerprint()), HMAX_MICRO_OWN_FLAGS, HMAX_MICRO_ODEINT_FLAGS);
   return 0;

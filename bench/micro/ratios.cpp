@@ -109,16 +109,7 @@ std::string ratio_table(const std::vector<Measurement>& measurements) {
             [&](const Curve& c, Statistic s) { return time_at(c, std::pow(10.0, -decade), s); });
     }
   }
-  const auto most = [&](const std::string& side) {
-    double allocations = 0;
-    for (const Measurement& m : measurements)
-      if (m.engine.side.starts_with(side)) allocations = std::max(allocations, m.allocations);
-    return allocations;
-  };
-  return text + fmt::format(
-                    "\nTimes are medians; ratios are of medians, in brackets of the least times. Heap "
-                    "allocations in a run, at most: hmax {}, Odeint {}.\n",
-                    most("hmax"), most("odeint"));
+  return text + "\nTimes are medians; ratios are of medians, in brackets of the least times.\n";
 }
 
 }  // namespace hmax::micro

@@ -14,7 +14,6 @@ struct Measurement {
   double setting;    ///< h or rtol
   double error = 0;  ///< global error: largest |x|, |v| error over all accepted steps
   double steps = 0, evaluations = 0;
-  double allocations = 0;            ///< in a whole run, init included
   std::vector<double> seconds = {};  ///< CPU time of one run, one entry per repetition
 };
 

@@ -1,7 +1,8 @@
-/// How the programs of this folder begin.
+/// How the programs of this folder begin, and collect their times.
 #pragma once
 
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,5 +32,27 @@ inline std::optional<bool> start(int argc, char** argv, int repetitions, double 
   if (benchmark::ReportUnrecognizedArguments(count, raw.data())) return std::nullopt;
   return ratios;
 }
+
+/// Keeps the times of all repetitions; prints them as well unless only the table is wanted.
+class Collector : public benchmark::ConsoleReporter {
+ public:
+  explicit Collector(bool quiet) : quiet_(quiet) {}
+
+  std::map<std::string, std::vector<double>> seconds;  ///< CPU time of a run in each repetition, by benchmark
+
+  bool ReportContext(const Context& context) override {
+    return quiet_ || ConsoleReporter::ReportContext(context);
+  }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs)
+      if (run.run_type == Run::RT_Iteration)
+        seconds[run.run_name.function_name].push_back(run.cpu_accumulated_time /
+                                                      static_cast<double>(run.iterations));
+    if (!quiet_) ConsoleReporter::ReportRuns(runs);
+  }
+
+ private:
+  bool quiet_;
+};
 
 }  // namespace hmax::micro

@@ -171,28 +171,6 @@ double peak_bytes() {
   return 24. * static_cast<double>(n) / median(seconds);
 }
 
-/// Collects the CPU time of every repetition, and prints it as Google Benchmark does unless only the table is
-/// wanted.
-class Collector : public benchmark::ConsoleReporter {
- public:
-  Collector(std::map<std::string, Measurement>& measurements, bool quiet)
-      : measurements_(measurements), quiet_(quiet) {}
-  bool ReportContext(const Context& context) override {
-    return quiet_ || ConsoleReporter::ReportContext(context);
-  }
-  void ReportRuns(const std::vector<Run>& runs) override {
-    for (const Run& run : runs)
-      if (run.run_type == Run::RT_Iteration)
-        measurements_.at(run.run_name.function_name)
-            .seconds.push_back(run.cpu_accumulated_time / static_cast<double>(run.iterations));
-    if (!quiet_) ConsoleReporter::ReportRuns(runs);
-  }
-
- private:
-  std::map<std::string, Measurement>& measurements_;
-  bool quiet_;
-};
-
 void print_table(const std::map<std::string, Measurement>& measurements, double bytes) {
   std::printf(
       "| task | tetrahedra | numbering | plain | eight at a time | ratio | GFLOP/s | of the memory bandwidth |\n"
@@ -218,8 +196,8 @@ void print_table(const std::map<std::string, Measurement>& measurements, double 
 int main_of(int argc, char** argv) {
   const auto ratios = micro::start(argc, argv, 9, 0.02);
   if (!ratios) return 2;
-  const bool quiet = *ratios;
 
+  micro::Collector collector(*ratios);
   std::map<std::string, Measurement> measurements;
   // One mesh in memory at a time: they are built on demand and leave with their measurements.
   for (const int size : sizes)
@@ -242,10 +220,10 @@ int main_of(int argc, char** argv) {
             for (auto _ : state) evaluate(here, m.task, m.plain);
           })->Unit(benchmark::kMicrosecond);
         }
-      Collector collector(measurements, quiet);
       benchmark::RunSpecifiedBenchmarks(&collector);
     }
   benchmark::Shutdown();
+  for (auto& [name, measurement] : measurements) measurement.seconds = collector.seconds[name];
   print_table(measurements, peak_bytes());
   return 0;
 }
