@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 
 namespace hmax {
@@ -17,6 +18,14 @@ std::string html_text(std::string_view text) {
             : c == '"' ? "&quot;"
                        : std::string(1, c);
   return safe;
+}
+
+std::string svg_opening(double width, double height, std::string_view style) {
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+      "{1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {2} -->\n<style>{3}</style>\n"
+      "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
+      width, height, own_mark, style);
 }
 
 std::string svg_text(double x, double y, const std::string& what, const std::string& more) {

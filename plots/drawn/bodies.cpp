@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
-#include "core/own_files.hpp"
 #include "plots/drawn/colour_map.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/svg.hpp"
@@ -137,7 +136,7 @@ std::string scale_bar(double scale, double right, double y) {
 }
 
 const char* const style =
-    ".outline{fill:#808080;stroke:#303030;stroke-width:2;stroke-linejoin:round}"
+    ".small{font-size:11px;fill:#606060}.outline{fill:#808080;stroke:#303030;stroke-width:2;stroke-linejoin:round}"
     ".body{stroke-linejoin:round;stroke-width:.7}"
     ".edges{stroke:#000000;stroke-opacity:.2;stroke-width:.6}"
     ".held{fill:#202020;stroke:#ffffff;stroke-width:.8}";
@@ -331,13 +330,7 @@ class Page {
       headline += svg_text(margin, y, line, "font-size=\"16\"");
       y += title_height;
     }
-    return fmt::format(
-               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
-               "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {3} -->\n"
-               "<style>.small{{font-size:11px;fill:#606060}}{2}</style>\n"
-               "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{4}",
-               width, height, style, own_mark, definitions()) +
-           headline;
+    return svg_opening(width, height, style) + definitions() + headline;
   }
 
   [[nodiscard]] std::string definitions() const {

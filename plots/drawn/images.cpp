@@ -137,13 +137,7 @@ std::string images_svg(const ImagePicture& picture) {
     body += svg_text(border, y, words, "class=\"small\"");
     y += 15;
   }
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
-             "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {2} -->\n"
-             "<style>.small{{font-size:11px;fill:#606060}}</style>\n"
-             "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-             sheet, y, own_mark) +
-         body + "</svg>\n";
+  return svg_opening(sheet, y, ".small{font-size:11px;fill:#606060}") + body + "</svg>\n";
 }
 
 }  // namespace hmax

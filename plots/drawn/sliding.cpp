@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "plots/svg.hpp"
 
@@ -83,12 +82,7 @@ std::string plane(const SlidingPicture& picture, const View& view, const std::st
 }
 
 std::string opening(double height, const std::string& title) {
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 "
-             "{0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"13\">\n<!-- {2} -->\n"
-             "<style>.tick{{font-size:11px;fill:#606060}}.head{{font-size:16px}}</style>\n"
-             "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-             sliding_width, height, own_mark) +
+  return svg_opening(sliding_width, height, ".tick{font-size:11px;fill:#606060}.head{font-size:16px}") +
          svg_text(16, 26, title, "class=\"head\"");
 }
 
