@@ -35,14 +35,13 @@ Words mesh_names() {
 /// The values an option takes, by its name; an option that is not here and takes a value takes a file or a
 /// number.
 std::map<std::string, Words> values_of_options() {
-  Words method_names, materials, models, formats;
+  Words method_names, materials, models;
   for (const Method& method : methods()) {
     method_names.push_back(method.id);
     method_names.insert(method_names.end(), method.aliases.begin(), method.aliases.end());
   }
   for (const LiverMaterial& material : liver_materials()) materials.emplace_back(material.id);
   for (const TissueModel& model : tissue_models()) models.emplace_back(model.id);
-  for (const ExportFormat& format : export_formats()) formats.emplace_back(format.name);
   return {{"--problem", problem_ids()},
           {"--problems", problem_ids()},
           {"--method", method_names},
@@ -51,7 +50,7 @@ std::map<std::string, Words> values_of_options() {
           {"--materials", materials},
           {"--control", Words(controller_names.begin(), controller_names.end())},
           {"--readings", Words(reading_names.begin(), reading_names.end())},
-          {"--format", formats},
+          {"--format", Words(export_formats.begin(), export_formats.end())},
           {"--mesh", mesh_names()},
           {"--model", models},
           {"--load", Words(tissue_loads().begin(), tissue_loads().end())},

@@ -13,10 +13,8 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "results/compare.hpp"
+#include "results/compare_limits.hpp"
 #include "results/exports.hpp"
-#include "results/limits/advice_exports.hpp"
-#include "results/limits/compare_limits.hpp"
-#include "results/limits/limit_exports.hpp"
 #include "results/merge/merge_stores.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
@@ -45,7 +43,7 @@ Json array_of_lines(const std::string& lines) {
 constexpr std::array<std::string_view, 3> kinds{"runs", "limits", "advice"};
 
 struct ExportOptions {
-  std::string store, of{kinds[0]}, format{export_formats().front().name}, output;
+  std::string store, of{kinds[0]}, format{export_formats[0]}, output;
 };
 
 /// What is written: a text, its opening, and how many rows it has.
@@ -55,35 +53,32 @@ struct Exported {
   std::size_t rows;
 };
 
-Exported exported_runs(const Store& store, const ExportFormat& format) {
-  const std::vector<Row> rows = store.rows();
-  return {format.text(rows, last_fingerprint(store)), format.opening, rows.size()};
-}
-
 /// Rows that are written as csv or jsonl.
+/// @param header  the first names of columns
 template <class Record>
-Exported exported(const std::vector<Record>& rows, std::string_view format, std::string_view kind,
-                  std::string (*to_csv)(std::span<const Record>),
-                  std::string (*to_jsonl)(std::span<const Record>)) {
-  if (format == "csv") return {to_csv(rows), "problem,material,parameters,y0,model,", rows.size()};
-  if (format == "jsonl") return {to_jsonl(rows), "{\"problem\":\"", rows.size()};
-  throw InputError(fmt::format("--format is '{}', but {} are written as csv or jsonl", format, kind));
+Exported exported(const std::vector<Record>& rows, std::string_view format, std::string_view header) {
+  if (format == "csv") return {rows_to_csv(rows), header, rows.size()};
+  return {rows_to_jsonl(rows), "{\"problem\":\"", rows.size()};
 }
 
-Exported exported_rows(const Store& store, std::string_view kind, const ExportFormat& format) {
-  if (kind == kinds[1])
-    return exported(store.limits(), format.name, "limits", limits_to_csv, limits_to_jsonl);
-  if (kind == kinds[2])
-    return exported(store.advice(), format.name, "rows of advice", advice_to_csv, advice_to_jsonl);
-  return exported_runs(store, format);
+Exported exported_rows(const Store& store, std::string_view kind, std::string_view format) {
+  constexpr std::string_view header = "problem,material,parameters,y0,model,";
+  if (kind != kinds[0] && format == "gbench")
+    throw InputError(fmt::format("--format is '{}', but {} are written as csv or jsonl", format,
+                                 kind == kinds[1] ? "limits" : "rows of advice"));
+  if (kind == kinds[1]) return exported(store.limits(), format, header);
+  if (kind == kinds[2]) return exported(store.advice(), format, header);
+  const std::vector<Row> rows = store.rows();
+  if (format != "gbench") return exported(rows, format, "problem,material,method,mode,h,rtol,");
+  return {rows_to_google_benchmark(rows, last_fingerprint(store)),
+          "{\n  \"context\": {\n    \"executable\": \"hmax\"", rows.size()};
 }
 
 /// What a store has where it has nothing of a kind.
 std::string remark_on_none(const Store& store, std::string_view kind) {
-  const auto lines = std::ranges::find(export_formats(), "jsonl", &ExportFormat::name);
   std::string others;
   for (const std::string_view other : kinds)
-    if (exported_rows(store, other, *lines).rows > 0)
+    if (exported_rows(store, other, "jsonl").rows > 0)
       others += fmt::format("{}--of {}", others.empty() ? "; " : " or ", other);
   return fmt::format("'{}' holds no {}{}", store.file().string(), kind,
                      others.empty() ? "" : others + " writes what it has");
@@ -91,13 +86,10 @@ std::string remark_on_none(const Store& store, std::string_view kind) {
 
 void export_rows(const ExportOptions& options, Console& console) {
   const std::string& output = options.output;
-  std::vector<std::string_view> names;
-  for (const ExportFormat& each : export_formats()) names.push_back(each.name);
-  const std::string format = parse_choice("--format", options.format, names);
+  const std::string format = parse_choice("--format", options.format, export_formats);
   const std::string kind = parse_choice("--of", options.of, kinds);
-  const auto chosen = std::ranges::find(export_formats(), format, &ExportFormat::name);
   const Store store = open_store(options.store);
-  const Exported out = exported_rows(store, kind, *chosen);
+  const Exported out = exported_rows(store, kind, format);
   if (!output.empty()) {
     write_file(output, out.text, out.opening);
     if (console.json)
@@ -107,8 +99,7 @@ void export_rows(const ExportOptions& options, Console& console) {
       console.print(fmt::format("{} rows in {}\n", out.rows, output));
   } else if (console.json && format != "gbench") {
     // One document whatever the format.
-    const auto lines = std::ranges::find(export_formats(), "jsonl", &ExportFormat::name);
-    console.print_json(array_of_lines(exported_rows(store, kind, *lines).text));
+    console.print_json(array_of_lines(exported_rows(store, kind, "jsonl").text));
   } else {
     console.print(out.text);
   }
@@ -262,11 +253,9 @@ void add_export(CLI::App& app, Console& console) {
   auto options = std::make_shared<ExportOptions>();
   require(
       add_text(command, "store", options->store, "File of the store, or its name under results/runs", ""));
-  std::string formats;
-  for (const ExportFormat& each : export_formats())
-    formats += fmt::format("{}{}{}", formats.empty() ? "" : ", ", each.name,
-                           each.description.empty() ? "" : fmt::format(" ({})", each.description));
-  add_text(command, "--format", options->format, fmt::format("{}; {} by default", formats, options->format),
+  add_text(command, "--format", options->format,
+           fmt::format("{} (Google Benchmark's JSON); {} by default", fmt::join(export_formats, ", "),
+                       options->format),
            "NAME");
   add_text(
       command, "--of", options->of,

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <string>
+
+#include "results/fields.hpp"
 
 namespace hmax {
 
@@ -21,44 +24,55 @@ struct AdviceKey {
   double tolerance = 0;    ///< relative error
   double budget = 0;       ///< CPU time of a frame [s]
 
-  bool operator==(const AdviceKey&) const = default;
+  auto operator<=>(const AdviceKey&) const = default;
 };
+
+inline constexpr Field<AdviceKey> advice_key_fields[] = {
+    {"problem", &AdviceKey::problem},       {"material", &AdviceKey::material},
+    {"parameters", &AdviceKey::parameters}, {"y0", &AdviceKey::y0},
+    {"model", &AdviceKey::model},           {"motion", &AdviceKey::motion},
+    {"ranked_by", &AdviceKey::ranked_by},   {"rate", &AdviceKey::rate},
+    {"tolerance", &AdviceKey::tolerance},   {"budget_s", &AdviceKey::budget}};
 
 /// Shares of the frames, for the distribution of their times.
 inline constexpr std::array<double, 11> frame_shares{0.99, 0.9,  0.75, 0.5,   0.25, 0.1,
                                                      0.05, 0.02, 0.01, 0.005, 0.001};
 
-/// One method with its options at the step that was found. Numbers that do not apply are NaN, limits that no
+/// What was found of a method at its step. Numbers that do not apply are NaN, limits that no
 /// step reaches are infinite.
-struct AdviceRecord {
+struct StepFindings {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
+  double h = none;               ///< [s]
+  double h_max = none;           ///< predicted, the least along the motion [s]; infinity: no step is unstable
+  double h_max_observed = none;  ///< on the motion, to 0.25 % [s], of rows that suit
+  double h_accurate = none;      ///< the longest step tried that meets the tolerance [s]
+  double error = none;           ///< relative to the largest displacement, no less than that of the reference
+  double first_frame = none;     ///< CPU time with what is done once, such as the first factors [s]
+  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
+  double linear_per_frame = none;  ///< the same of conjugate gradients
+  double stiffening = none;        ///< how many times stiffer the model may become before h is unstable
+  std::string status;              ///< what the verdict rests on, or why a number is missing
+};
+
+/// One method with its options at the step that was found.
+struct AdviceRecord : StepFindings {
   AdviceKey key;
   std::string method;  ///< method id
   std::string
       options;        ///< what a simulator chooses besides the step: "Jacobian frozen, direct"; may be empty
   std::string bound;  ///< stability | accuracy | newton | budget | rate
   std::string verdict;  ///< recommended | tie | suitable | unstable | inaccurate | too_slow | predicted
-  std::string status;   ///< what the verdict rests on, or why a number is missing
   /// CPU times that the first frame_shares of the frames exceed, with spaces between [s]; of so few frames as
   /// to have no such share fewer, empty where none was timed.
   std::string frame_tail;
   /// How far the search was when the answer was stored: done, or where it ended early: predicting | searching
   /// | timing | proving | observing | remedies.
   std::string stage = "done";
-  double h = none;  ///< [s]
   double steps_per_frame = none;
-  double h_max = none;                                          ///< predicted [s]
-  double h_max_observed = none;                                 ///< [s]
-  double h_accurate = none;                                     ///< [s]
-  double error = none;                                          ///< relative
   double frame_p50 = none, frame_p99 = none, frame_max = none;  ///< CPU time [s]
-  double first_frame = none;                                    ///< [s]
   double frames = none, missed = none;
-  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
-  double linear_per_frame = none;  ///< the same of conjugate gradients
-  double memory = none;            ///< [bytes]
-  double stiffening = none;
+  double memory = none;      ///< [bytes]
   std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before
 
   /// Stable, accurate and in time.
@@ -70,6 +84,30 @@ struct AdviceRecord {
   /// "rk4", "linearly_implicit_euler, Jacobian frozen, direct"
   [[nodiscard]] std::string words() const { return options.empty() ? method : method + ", " + options; }
 };
+
+inline constexpr Field<AdviceRecord> advice_fields[] = {{"method", &AdviceRecord::method},
+                                                        {"options", &AdviceRecord::options},
+                                                        {"bound", &AdviceRecord::bound},
+                                                        {"verdict", &AdviceRecord::verdict},
+                                                        {"status", &AdviceRecord::status},
+                                                        {"frame_tail_s", &AdviceRecord::frame_tail},
+                                                        {"stage", &AdviceRecord::stage},
+                                                        {"h", &AdviceRecord::h},
+                                                        {"steps_per_frame", &AdviceRecord::steps_per_frame},
+                                                        {"h_max", &AdviceRecord::h_max},
+                                                        {"h_max_observed", &AdviceRecord::h_max_observed},
+                                                        {"h_accurate", &AdviceRecord::h_accurate},
+                                                        {"error", &AdviceRecord::error},
+                                                        {"frame_p50_s", &AdviceRecord::frame_p50},
+                                                        {"frame_p99_s", &AdviceRecord::frame_p99},
+                                                        {"frame_max_s", &AdviceRecord::frame_max},
+                                                        {"first_frame_s", &AdviceRecord::first_frame},
+                                                        {"frames", &AdviceRecord::frames},
+                                                        {"missed", &AdviceRecord::missed},
+                                                        {"newton_per_frame", &AdviceRecord::newton_per_frame},
+                                                        {"linear_per_frame", &AdviceRecord::linear_per_frame},
+                                                        {"memory_bytes", &AdviceRecord::memory},
+                                                        {"stiffening", &AdviceRecord::stiffening}};
 
 /// The body that a question is about, to look at.
 struct AdviceScene {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -23,15 +22,6 @@ constexpr double false_discovery_rate = 0.05;  ///< share of false ones among th
 constexpr double minimum_effect = 0.07;        ///< a relative difference below this is never called one
 
 double median(const std::vector<double>& values) { return summarise(values).median; }
-
-auto ordered(const RowKey& key) {
-  return std::tie(key.problem, key.material, key.parameters, key.y0, key.method, key.mode, key.control, key.h,
-                  key.rtol, key.atol, key.t_end);
-}
-
-struct KeyLess {
-  bool operator()(const RowKey& x, const RowKey& y) const { return ordered(x) < ordered(y); }
-};
 
 bool are_times(const std::vector<double>& samples) {
   return !samples.empty() &&
@@ -139,15 +129,15 @@ std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Compar
 ///   prod_{i=1..n} (1 - q^(m+i)) / (1 - q^i)
 /// and all are integers below 2^53 for n, m <= 20.
 double exact_lower_tail(std::size_t n, std::size_t m, double u) {
-  std::vector<double> counts(n * m + 1, 0.0);
-  counts[0] = 1;
+  std::vector<double> ways(n * m + 1, 0.0);
+  ways[0] = 1;
   for (std::size_t i = 1; i <= n; ++i) {
-    for (std::size_t k = counts.size(); k-- > m + i;) counts[k] -= counts[k - m - i];
-    for (std::size_t k = i; k < counts.size(); ++k) counts[k] += counts[k - i];
+    for (std::size_t k = ways.size(); k-- > m + i;) ways[k] -= ways[k - m - i];
+    for (std::size_t k = i; k < ways.size(); ++k) ways[k] += ways[k - i];
   }
-  const double total = std::accumulate(counts.begin(), counts.end(), 0.0);
-  const auto last = counts.begin() + static_cast<std::ptrdiff_t>(u) + 1;
-  return std::accumulate(counts.begin(), last, 0.0) / total;
+  const double total = std::accumulate(ways.begin(), ways.end(), 0.0);
+  const auto last = ways.begin() + static_cast<std::ptrdiff_t>(u) + 1;
+  return std::accumulate(ways.begin(), last, 0.0) / total;
 }
 
 }  // namespace
@@ -227,7 +217,7 @@ std::vector<std::string> changes_between(const Row& a, const Row& b) {
 }
 
 Comparison compare(std::span<const Row> a, std::span<const Row> b) {
-  std::map<RowKey, const Row*, KeyLess> in_a, in_b;
+  std::map<RowKey, const Row*> in_a, in_b;
   for (const Row& row : a) in_a.emplace(row.key, &row);
   for (const Row& row : b) in_b.emplace(row.key, &row);
 

@@ -1,14 +1,11 @@
 #include "results/exports.hpp"
 
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
-#include <optional>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/numbers.hpp"
 #include "results/table.hpp"
@@ -18,107 +15,23 @@ namespace hmax {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Cell = std::variant<std::string, std::int64_t, std::optional<double>>;
-
-constexpr std::string_view columns[] = {"problem",
-                                        "material",
-                                        "method",
-                                        "mode",
-                                        "h",
-                                        "rtol",
-                                        "t_end",
-                                        "outcome",
-                                        "t_reached",
-                                        "steps",
-                                        "rhs",
-                                        "cpu_median_s",
-                                        "cpu_q1_s",
-                                        "cpu_q3_s",
-                                        "cpu_p99_s",
-                                        "error_end",
-                                        "error_global",
-                                        "realtime_factor",
-                                        "parameters",
-                                        "y0",
-                                        "control",
-                                        "atol",
-                                        "rejected",
-                                        "cpu_per_step_median_s",
-                                        "repetitions",
-                                        "runs_per_sample",
-                                        "reference",
-                                        "reference_error",
-                                        "error_l2",
-                                        "subnormals",
-                                        "session",
-                                        "explored",
-                                        "status"};
 
 double ratio(double a, double b) { return b > 0 ? a / b : std::nan(""); }
 
-/// The cells of one row, in the order of `columns`.
-std::vector<Cell> cells_of(const Row& row) {
-  const RowKey& key = row.key;
-  const TimingSummary cpu = summarise(row.cpu_s);
-  const auto when = [](bool applies, double value) { return applies ? std::optional(value) : std::nullopt; };
-  std::vector<Cell> cells{key.problem,
-                          key.material,
-                          key.method,
-                          key.mode,
-                          when(key.mode != "adaptive", key.h),
-                          when(key.mode != "fixed", key.rtol),
-                          std::optional(key.t_end),
-                          row.outcome,
-                          std::optional(row.t_reached),
-                          row.steps,
-                          row.rhs,
-                          std::optional(cpu.median),
-                          std::optional(cpu.q1),
-                          std::optional(cpu.q3),
-                          std::optional(cpu.p99),
-                          std::optional(row.error_end),
-                          std::optional(row.error_global),
-                          std::optional(ratio(row.t_reached, cpu.median)),
-                          key.parameters,
-                          key.y0,
-                          key.control,
-                          when(key.mode != "fixed", key.atol),
-                          row.rejected,
-                          std::optional(ratio(cpu.median, static_cast<double>(row.steps))),
-                          static_cast<std::int64_t>(row.cpu_s.size()),
-                          row.runs_per_sample,
-                          row.reference,
-                          std::optional(row.reference_error),
-                          std::optional(row.error_l2),
-                          row.subnormals,
-                          row.session,
-                          std::int64_t{row.explored}};
-  std::string status = row.status;
-  if (status.empty()) {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const auto* number = std::get_if<std::optional<double>>(&cells[i]);
-      if (number && *number && !std::isfinite(**number)) {
-        status += fmt::format("{}{}", status.empty() ? "No finite value for " : ", ", columns[i]);
-      }
-    }
-    if (!status.empty()) status += '.';
-  }
-  cells.emplace_back(status);
-  return cells;
+/// Adds every field of a record. A NaN is null, infinity "unbounded".
+template <class Record, class Fields>
+void add_fields(Json& object, const Record& record, const Fields& fields) {
+  each_field(record, fields, [&]<class T>(std::string_view name, const T& value) {
+    Json& cell = object[std::string(name)] = value;
+    if constexpr (std::is_floating_point_v<T>)
+      if (!std::isfinite(value)) cell = std::isnan(value) ? Json() : Json("unbounded");
+  });
 }
 
-std::string csv_text(const Cell& cell) {
-  if (const auto* text = std::get_if<std::string>(&cell)) return csv_cell(*text);
-  if (const auto* count = std::get_if<std::int64_t>(&cell)) return std::to_string(*count);
-  const auto& number = std::get<std::optional<double>>(cell);
-  return number && !std::isnan(*number) ? to_text(*number) : "";
-}
-
-Json json_value(const Cell& cell) {
-  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
-  if (const auto* count = std::get_if<std::int64_t>(&cell)) return *count;
-  const auto& number = std::get<std::optional<double>>(cell);
-  return number && std::isfinite(*number) ? Json(*number) : Json(nullptr);
+std::string csv_text(const Json& cell) {
+  if (cell.is_string()) return csv_cell(cell.get_ref<const std::string&>());
+  if (cell.is_number_integer()) return std::to_string(cell.get<std::int64_t>());
+  return cell.is_null() || std::isnan(cell.get<double>()) ? "" : to_text(cell.get<double>());
 }
 
 /// JSON must be UTF-8; a path or formula that is not is repaired rather than refused.
@@ -145,33 +58,92 @@ Aggregates aggregates(const std::vector<double>& samples) {
 
 }  // namespace
 
-std::string rows_to_csv(std::span<const Row> rows) {
-  std::string text;
-  for (const std::string_view column : columns) {
-    if (!text.empty()) text += ',';
-    text += column;
+Json object_of(const Row& row) {
+  const RowKey& key = row.key;
+  const TimingSummary cpu = summarise(row.cpu_s);
+  const auto when = [](bool applies, double value) { return applies ? Json(value) : Json(); };
+  Json object{{"problem", key.problem},
+              {"material", key.material},
+              {"method", key.method},
+              {"mode", key.mode},
+              {"h", when(key.mode != "adaptive", key.h)},
+              {"rtol", when(key.mode != "fixed", key.rtol)},
+              {"t_end", key.t_end},
+              {"outcome", row.outcome},
+              {"t_reached", row.t_reached},
+              {"steps", row.steps},
+              {"rhs", row.rhs},
+              {"cpu_median_s", cpu.median},
+              {"cpu_q1_s", cpu.q1},
+              {"cpu_q3_s", cpu.q3},
+              {"cpu_p99_s", cpu.p99},
+              {"error_end", row.error_end},
+              {"error_global", row.error_global},
+              {"realtime_factor", ratio(row.t_reached, cpu.median)},
+              {"parameters", key.parameters},
+              {"y0", key.y0},
+              {"control", key.control},
+              {"atol", when(key.mode != "fixed", key.atol)},
+              {"rejected", row.rejected},
+              {"cpu_per_step_median_s", ratio(cpu.median, static_cast<double>(row.steps))},
+              {"repetitions", row.cpu_s.size()},
+              {"runs_per_sample", row.runs_per_sample},
+              {"reference", row.reference},
+              {"reference_error", row.reference_error},
+              {"error_l2", row.error_l2},
+              {"subnormals", row.subnormals},
+              {"session", row.session},
+              {"explored", std::int64_t{row.explored}}};
+  std::string status = row.status;
+  if (status.empty()) {
+    for (const auto& [name, value] : object.items())
+      if (value.is_number_float() && !std::isfinite(value.get<double>()))
+        status += (status.empty() ? "No finite value for " : ", ") + name;
+    if (!status.empty()) status += '.';
   }
-  text += '\n';
-  for (const Row& row : rows) {
-    const std::vector<Cell> cells = cells_of(row);
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (i > 0) text += ',';
-      text += csv_text(cells[i]);
-    }
-    text += '\n';
-  }
-  return text;
+  object["status"] = status;
+  return object;
 }
 
-std::string rows_to_jsonl(std::span<const Row> rows) {
-  std::string text;
-  for (const Row& row : rows) {
-    const std::vector<Cell> cells = cells_of(row);
-    Json object;
-    for (std::size_t i = 0; i < cells.size(); ++i) object[std::string(columns[i])] = json_value(cells[i]);
-    text += dumped(object, -1) + '\n';
+Json object_of(const LimitRow& row) {
+  Json object;
+  add_fields(object, row.point, point_key_fields);
+  add_fields(object, row, limit_fields);
+  object.erase("details");
+  object["session"] = row.session;
+  return object;
+}
+
+Json object_of(const AdviceRecord& record) {
+  Json object;
+  add_fields(object, record.key, advice_key_fields);
+  add_fields(object, record, advice_fields);
+  object["session"] = record.session;
+  return object;
+}
+
+std::string detail::csv_header(const Json& object) {
+  std::string header;
+  for (const auto& [name, value] : object.items()) header += (header.empty() ? "" : ",") + name;
+  return header + "\n";
+}
+
+std::string detail::csv_line(const Json& object) {
+  std::string line;
+  for (const auto& [name, value] : object.items())
+    line += (&value == &object.front() ? "" : ",") + csv_text(value);
+  return line + "\n";
+}
+
+std::string detail::json_line(Json object, bool whole_numbers) {
+  constexpr double exact = 9007199254740992;  // 2^53
+  for (auto& [name, value] : object.items()) {
+    if (!whole_numbers || !value.is_number_float()) continue;
+    const double number = value.get<double>();
+    if (number == std::trunc(number) && std::abs(number) < exact && !(number == 0 && std::signbit(number)))
+      value = static_cast<std::int64_t>(number);
   }
-  return text;
+  return dumped(object, -1) + "\n";
 }
 
 std::string benchmark_name(const RowKey& key) {
@@ -259,17 +231,6 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
                         {"hmax_fingerprint", Json::parse(to_json(fingerprint))}}},
                       {"benchmarks", benchmarks}};
   return dumped(document, 2) + '\n';
-}
-
-std::span<const ExportFormat> export_formats() {
-  static constexpr std::array<ExportFormat, 3> formats{
-      {{"csv", "", "problem,material,method,mode,h,rtol,",
-        [](std::span<const Row> rows, const Fingerprint&) { return rows_to_csv(rows); }},
-       {"jsonl", "", "{\"problem\":\"",
-        [](std::span<const Row> rows, const Fingerprint&) { return rows_to_jsonl(rows); }},
-       {"gbench", "Google Benchmark's JSON", "{\n  \"context\": {\n    \"executable\": \"hmax\"",
-        rows_to_google_benchmark}}};
-  return formats;
 }
 
 }  // namespace hmax

@@ -1,10 +1,14 @@
 /// Limits of the step as they are stored: predictions, what verified them, and the states they hold near.
+/// Another column is another layout, see Store::schema_version.
 #pragma once
 
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <string>
+
+#include "results/fields.hpp"
 
 namespace hmax {
 
@@ -19,8 +23,18 @@ struct OperatingPointKey {
   std::string path;        ///< what limits are also looked for along: motion | load; empty for nothing
   double t_end = 0;        ///< end of that motion [s]; 0 without one
 
-  bool operator==(const OperatingPointKey&) const = default;
+  auto operator<=>(const OperatingPointKey&) const = default;
 };
+
+inline constexpr Field<OperatingPointKey> point_key_fields[] = {
+    {"problem", &OperatingPointKey::problem},
+    {"material", &OperatingPointKey::material},
+    {"parameters", &OperatingPointKey::parameters},
+    {"y0", &OperatingPointKey::y0},
+    {"model", &OperatingPointKey::model},
+    {"asked", &OperatingPointKey::asked},
+    {"path", &OperatingPointKey::path},
+    {"t_end", &OperatingPointKey::t_end}};
 
 /// A state near which a model was linearised.
 struct OperatingPointRow {
@@ -78,5 +92,36 @@ struct LimitRow {
   /// Whether runs showed something.
   [[nodiscard]] bool is_observed() const { return !verdict.empty() && verdict != "not_run"; }
 };
+
+inline constexpr Field<LimitRow> limit_fields[] = {{"method", &LimitRow::method},
+                                                   {"bound", &LimitRow::bound},
+                                                   {"state_kind", &LimitRow::state_kind},
+                                                   {"state", &LimitRow::state},
+                                                   {"newton", &LimitRow::newton},
+                                                   {"verdict", &LimitRow::verdict},
+                                                   {"path_note", &LimitRow::path_note},
+                                                   {"note", &LimitRow::note},
+                                                   {"details", &LimitRow::details},
+                                                   {"h_max", &LimitRow::h_max},
+                                                   {"h_unstable", &LimitRow::h_unstable},
+                                                   {"re", &LimitRow::re},
+                                                   {"im", &LimitRow::im},
+                                                   {"omega", &LimitRow::omega},
+                                                   {"zeta", &LimitRow::zeta},
+                                                   {"rate_slow", &LimitRow::rate_slow},
+                                                   {"rate_fast", &LimitRow::rate_fast},
+                                                   {"newton_h", &LimitRow::newton_h},
+                                                   {"newton_error", &LimitRow::newton_error},
+                                                   {"newton_error_bound", &LimitRow::newton_error_bound},
+                                                   {"observed", &LimitRow::observed},
+                                                   {"gap", &LimitRow::gap},
+                                                   {"steps_used", &LimitRow::steps_used},
+                                                   {"step_defect", &LimitRow::step_defect},
+                                                   {"along_least", &LimitRow::along_least},
+                                                   {"along_at", &LimitRow::along_at},
+                                                   {"along_growing", &LimitRow::along_growing},
+                                                   {"along_grows_from", &LimitRow::along_grows_from},
+                                                   {"from_start", &LimitRow::from_start},
+                                                   {"from_start_stride", &LimitRow::from_start_stride}};
 
 }  // namespace hmax

@@ -1,9 +1,12 @@
 /// One measured run: what was asked, what happened, what it cost, how wrong it was.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "results/fields.hpp"
 
 namespace hmax {
 
@@ -21,8 +24,20 @@ struct RowKey {
   double atol = 0;      ///< absolute tolerance; 0 in mode fixed
   double t_end = 0;     ///< end time asked for [s]
 
-  bool operator==(const RowKey&) const = default;
+  auto operator<=>(const RowKey&) const = default;
 };
+
+inline constexpr Field<RowKey> row_key_fields[] = {{"problem", &RowKey::problem},
+                                                   {"material", &RowKey::material},
+                                                   {"parameters", &RowKey::parameters},
+                                                   {"y0", &RowKey::y0},
+                                                   {"method", &RowKey::method},
+                                                   {"mode", &RowKey::mode},
+                                                   {"control", &RowKey::control},
+                                                   {"h", &RowKey::h},
+                                                   {"rtol", &RowKey::rtol},
+                                                   {"atol", &RowKey::atol},
+                                                   {"t_end", &RowKey::t_end}};
 
 /// A measurement. Numbers that could not be obtained are NaN; `status` then says why.
 struct Row {
@@ -44,6 +59,22 @@ struct Row {
   bool explored = false;             ///< measured beside other rows on all cores, not alone on one
   std::int64_t session = 0;          ///< session that measured it; set by the store, 0 before
 };
+
+inline constexpr Field<Row> row_fields[] = {{"outcome", &Row::outcome},
+                                            {"t_reached", &Row::t_reached},
+                                            {"steps", &Row::steps},
+                                            {"rejected", &Row::rejected},
+                                            {"rhs", &Row::rhs},
+                                            {"cpu_s", &Row::cpu_s},
+                                            {"runs_per_sample", &Row::runs_per_sample},
+                                            {"error_end", &Row::error_end},
+                                            {"error_global", &Row::error_global},
+                                            {"error_l2", &Row::error_l2},
+                                            {"reference_error", &Row::reference_error},
+                                            {"reference", &Row::reference},
+                                            {"subnormals", &Row::subnormals},
+                                            {"status", &Row::status},
+                                            {"explored", &Row::explored}};
 
 /// Order statistics of the CPU samples of one row [s].
 struct TimingSummary {

@@ -13,41 +13,16 @@ namespace {
 using Json = nlohmann::json;
 
 Json to_json(const Row& row) {
-  return {{"outcome", row.outcome},
-          {"t_reached", row.t_reached},
-          {"steps", row.steps},
-          {"rejected", row.rejected},
-          {"rhs", row.rhs},
-          {"cpu_s", row.cpu_s},
-          {"runs_per_sample", row.runs_per_sample},
-          {"error_end", row.error_end},
-          {"error_global", row.error_global},
-          {"error_l2", row.error_l2},
-          {"reference_error", row.reference_error},
-          {"reference", row.reference},
-          {"subnormals", row.subnormals},
-          {"status", row.status},
-          {"explored", row.explored}};
+  Json json;
+  each_field(row, row_fields,
+             [&](std::string_view name, const auto& value) { json[std::string(name)] = value; });
+  return json;
 }
 
 Row row_from(const Json& json) {
   Row row;
-  const auto take = [&](const char* name, auto& member) { json.at(name).get_to(member); };
-  take("outcome", row.outcome);
-  take("t_reached", row.t_reached);
-  take("steps", row.steps);
-  take("rejected", row.rejected);
-  take("rhs", row.rhs);
-  take("cpu_s", row.cpu_s);
-  take("runs_per_sample", row.runs_per_sample);
-  take("error_end", row.error_end);
-  take("error_global", row.error_global);
-  take("error_l2", row.error_l2);
-  take("reference_error", row.reference_error);
-  take("reference", row.reference);
-  take("subnormals", row.subnormals);
-  take("status", row.status);
-  take("explored", row.explored);
+  each_field(row, row_fields,
+             [&](std::string_view name, auto& value) { json.at(std::string(name)).get_to(value); });
   return row;
 }
 

@@ -6,7 +6,6 @@
 #include <set>
 #include <span>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -213,14 +212,8 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-auto as_tuple(const RowKey& k) {
-  return std::tie(k.problem, k.material, k.parameters, k.y0, k.method, k.mode, k.control, k.h, k.rtol, k.atol,
-                  k.t_end);
-}
-
 void refuse_duplicates(const SweepPlan& plan) {
-  const auto less = [](const RowKey& a, const RowKey& b) { return as_tuple(a) < as_tuple(b); };
-  std::set<RowKey, decltype(less)> seen;
+  std::set<RowKey> seen;
   for (const SweepBlock& block : plan.blocks)
     for (const std::size_t m : block.methods) {
       const RowKey key = row_key(plan, block, m);

@@ -11,7 +11,7 @@
 #include "catalogue/methods/families.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "limits/point/prediction.hpp"
-#include "results/limits/limit_exports.hpp"
+#include "results/exports.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -29,7 +29,7 @@ constexpr const char *linear_file = "limits.csv", *nonlinear_file = "nonlinear.c
 void write_rows(const fs::path& file, const std::vector<StudyRow>& rows) {
   std::vector<LimitRow> limits;
   for (const StudyRow& row : rows) limits.push_back(row.limit);
-  write_file(file, limits_to_csv(limits), limits_to_csv({}));
+  write_file(file, rows_to_csv(limits), rows_to_csv<LimitRow>({}));
 }
 
 /// The families of methods that the figure tells apart, in the order of its colours, and their markers.
@@ -159,7 +159,8 @@ LimitSummary summary_of(const std::vector<LimitCase>& cases, const std::vector<S
 }
 
 void check_limit_files(const fs::path& folder) {
-  for (const char* file : {linear_file, nonlinear_file}) check_writable(folder / file, limits_to_csv({}));
+  for (const char* file : {linear_file, nonlinear_file})
+    check_writable(folder / file, rows_to_csv<LimitRow>({}));
 }
 
 fs::path reproduce_stability(const std::vector<LimitCase>& cases, const std::vector<StudyRow>& rows,

@@ -9,13 +9,9 @@
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
-#include "core/numbers.hpp"
 #include "results/compare.hpp"
+#include "results/compare_limits.hpp"
 #include "results/exports.hpp"
-#include "results/limits/advice_columns.hpp"
-#include "results/limits/compare_limits.hpp"
-#include "results/limits/limit_columns.hpp"
-#include "results/limits/limit_exports.hpp"
 
 namespace hmax {
 
@@ -23,31 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const RowKey& key) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", key.problem, key.material, key.parameters,
-                     key.y0, key.method, key.mode, key.control, to_text(key.h), to_text(key.rtol),
-                     to_text(key.atol), to_text(key.t_end));
+/// What identifies a limit.
+std::pair<OperatingPointKey, std::string> key_of(const LimitRow& limit) {
+  return {limit.point, limit.method};
 }
-
-std::string text_of(const OperatingPointKey& key) {
-  std::string text = to_text(key.t_end);
-  for (const auto& column : point_key_texts) text += "\n" + key.*column.member;
-  return text;
-}
-
-std::string text_of(const AdviceKey& key) {
-  std::string text;
-  for (const auto& column : advice_key_texts) text += key.*column.member + "\n";
-  for (const auto& column : advice_key_numbers) text += to_text(key.*column.member) + "\n";
-  return text;
-}
-
-/// What one session of an input has that is new.
-struct Additions {
-  std::vector<Row> rows;
-  std::vector<std::pair<OperatingPointKey, std::vector<LimitRow>>> limits;
-  std::vector<std::pair<AdviceKey, std::vector<AdviceRecord>>> advice;
-};
 
 /// Appends to the last group where it has the same key: rows come ordered by their keys.
 template <class Key, class Member>
@@ -59,19 +34,25 @@ void append(std::vector<std::pair<Key, std::vector<Member>>>& groups, const Key&
 }  // namespace
 
 struct Merger::Parts {
+  /// What one session of an input has that is new.
+  struct Additions {
+    std::vector<Row> rows;
+    std::vector<std::pair<OperatingPointKey, std::vector<LimitRow>>> limits;
+    std::vector<std::pair<AdviceKey, std::vector<AdviceRecord>>> advice;
+  };
+
   Store& out;
   MergeSummary summary;
-  std::map<std::string, Row> rows;
-  std::map<std::string, LimitRow> limits;
-  std::set<std::string> advice;
+  std::map<RowKey, Row> rows;
+  std::map<std::pair<OperatingPointKey, std::string>, LimitRow> limits;
+  std::set<AdviceKey> advice;
   std::optional<std::map<std::string, std::string>> notes;  ///< those that all stores so far have
   std::map<std::int64_t, Additions> additions;              ///< of the input at hand, by its sessions
 
   explicit Parts(Store& store) : out(store) {
-    for (Row& row : out.rows()) rows.emplace(text_of(row.key), std::move(row));
-    for (LimitRow& limit : out.limits())
-      limits.emplace(text_of(limit.point) + "\n" + limit.method, std::move(limit));
-    for (const AdviceRecord& record : out.advice()) advice.insert(text_of(record.key));
+    for (const Row& row : out.rows()) rows.emplace(row.key, row);
+    for (const LimitRow& limit : out.limits()) limits.emplace(key_of(limit), limit);
+    for (const AdviceRecord& record : out.advice()) advice.insert(record.key);
     if (!(rows.empty() && limits.empty() && advice.empty())) notes = out.notes();
   }
 
@@ -85,7 +66,7 @@ struct Merger::Parts {
 
   void take_rows(const Store& in) {
     for (Row& row : in.rows()) {
-      const auto [known, is_new] = rows.try_emplace(text_of(row.key), row);
+      const auto [known, is_new] = rows.try_emplace(row.key, row);
       std::vector<std::string> changes = changes_between(known->second, row);
       // A measured time is worth more than an explored one.
       const bool replaces = !is_new && known->second.explored && !row.explored && changes.empty();
@@ -103,7 +84,7 @@ struct Merger::Parts {
 
   void take_limits(const Store& in) {
     for (LimitRow& limit : in.limits()) {
-      const auto [known, is_new] = limits.try_emplace(text_of(limit.point) + "\n" + limit.method, limit);
+      const auto [known, is_new] = limits.try_emplace(key_of(limit), limit);
       if (is_new) {
         const OperatingPointKey point = limit.point;
         append(additions[limit.session].limits, point, std::move(limit));
@@ -117,24 +98,23 @@ struct Merger::Parts {
 
   /// An answer comes whole or not at all: its rows were judged against one another.
   void take_advice(const Store& in) {
-    std::set<std::string> found;
+    std::set<AdviceKey> found;
     for (AdviceRecord& record : in.advice()) {
-      std::string key = text_of(record.key);
-      if (advice.contains(key)) {
+      const AdviceKey question = record.key;
+      if (advice.contains(question)) {
         ++summary.doubled;
         continue;
       }
-      found.insert(std::move(key));
-      const AdviceKey question = record.key;
+      found.insert(question);
       append(additions[record.session].advice, question, std::move(record));
     }
     advice.merge(found);
   }
 
   void write(const Store& in) {
-    std::map<std::string, std::string> scenes, words;
-    for (AdviceScene& scene : in.scenes()) scenes.emplace(text_of(scene.key), std::move(scene.scene));
-    for (AdviceWords& each : in.advice_words()) words.emplace(text_of(each.key), std::move(each.words));
+    std::map<AdviceKey, std::string> scenes, words;
+    for (const AdviceScene& scene : in.scenes()) scenes.emplace(scene.key, scene.scene);
+    for (const AdviceWords& each : in.advice_words()) words.emplace(each.key, each.words);
     for (const Session& session : in.sessions()) {
       const auto found = additions.find(session.id);
       if (found == additions.end()) continue;
@@ -147,7 +127,7 @@ struct Merger::Parts {
         summary.added += static_cast<std::int64_t>(of_point.size());
       }
       for (const auto& [question, answer] : added.advice) {
-        out.insert_advice(question, answer, scenes[text_of(question)], words[text_of(question)]);
+        out.insert_advice(question, answer, scenes[question], words[question]);
         summary.added += static_cast<std::int64_t>(answer.size());
       }
     }

@@ -1,25 +1,28 @@
-/// Statements made of lists of columns.
+/// Statements made of lists of fields, which are the columns of a table.
 #pragma once
 
-#include <array>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "results/limits/columns.hpp"
+#include "results/fields.hpp"
 #include "results/sqlite/store_impl.hpp"
 
 namespace hmax::sqlite {
 
-/// The names of some columns, each with `before` and `after`, joined by `between`.
-template <class... Columns>
+/// The names of some fields, each with `before` and `after`, joined by `between`.
+template <class... Fields>
 std::string joined(std::string_view before, std::string_view after, std::string_view between,
-                   const Columns&... lists) {
+                   const Fields&... lists) {
   std::string text;
-  const auto add = [&](const auto& columns) {
-    for (const auto& column : columns)
-      text += fmt::format("{}{}{}{}", text.empty() ? "" : between, before, column.name, after);
+  const auto add = [&](const auto& fields) {
+    for (const auto& field : fields)
+      text += fmt::format("{}{}{}{}", text.empty() ? "" : between, before, field.name, after);
   };
   (add(lists), ...);
   return text;
@@ -33,28 +36,40 @@ inline std::string replacing(const std::string& names) {
   return text;
 }
 
-template <class Owner, std::size_t n>
-void bind_texts(Statement& statement, int& index, const Owner& owner,
-                const std::array<Column<Owner, std::string>, n>& columns) {
-  for (const auto& column : columns) statement.bind(index++, std::string_view(owner.*column.member));
+inline void bind(Statement& statement, int index, const auto& value) { statement.bind(index, value); }
+inline void bind(Statement& statement, int index, double value) { bind_exact(statement, index, value); }
+inline void bind(Statement& statement, int index, bool value) { statement.bind(index, std::int64_t{value}); }
+/// As a JSON array, in which numbers that it does not have are texts.
+void bind(Statement& statement, int index, const std::vector<double>& values);
+
+/// @throws std::invalid_argument  for a number that is not finite
+template <class Key, class Fields>
+void bind_key(Statement& statement, int& index, const Key& key, const Fields& fields) {
+  each_field(key, fields, [&]<class T>(std::string_view name, const T& value) {
+    if constexpr (std::is_same_v<T, double>) {
+      if (!std::isfinite(value))
+        throw std::invalid_argument(fmt::format("The key of a row has no finite {}.", name));
+      statement.bind(index++, value);
+    } else {
+      bind(statement, index++, value);
+    }
+  });
 }
 
-template <class Owner, std::size_t n>
-void read_texts(const Statement& query, int& index, Owner& owner,
-                const std::array<Column<Owner, std::string>, n>& columns) {
-  for (const auto& column : columns) owner.*column.member = query.text(index++);
+template <class Record, class Fields>
+void bind_fields(Statement& statement, int& index, const Record& record, const Fields& fields) {
+  each_field(record, fields, [&](std::string_view, const auto& value) { bind(statement, index++, value); });
 }
 
-template <class Owner, std::size_t n>
-void bind_numbers(Statement& statement, int& index, const Owner& owner,
-                  const std::array<Column<Owner, double>, n>& columns) {
-  for (const auto& column : columns) bind_exact(statement, index++, owner.*column.member);
-}
+inline void read(const Statement& query, int column, std::string& value) { value = query.text(column); }
+inline void read(const Statement& query, int column, std::int64_t& value) { value = query.integer(column); }
+inline void read(const Statement& query, int column, double& value) { value = exact_number(query, column); }
+inline void read(const Statement& query, int column, bool& value) { value = query.integer(column) != 0; }
+void read(const Statement& query, int column, std::vector<double>& values);
 
-template <class Owner, std::size_t n>
-void read_numbers(const Statement& query, int& index, Owner& owner,
-                  const std::array<Column<Owner, double>, n>& columns) {
-  for (const auto& column : columns) owner.*column.member = exact_number(query, index++);
+template <class Record, class Fields>
+void read_fields(const Statement& query, int& index, Record& record, const Fields& fields) {
+  each_field(record, fields, [&](std::string_view, auto& value) { read(query, index++, value); });
 }
 
 }  // namespace hmax::sqlite

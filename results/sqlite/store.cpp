@@ -14,6 +14,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "results/patience.hpp"
+#include "results/sqlite/columns.hpp"
 #include "results/sqlite/row_digest.hpp"
 #include "results/sqlite/schema.hpp"
 #include "results/sqlite/sqlite.hpp"
@@ -24,10 +25,7 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-using sqlite::bind_exact;
 using sqlite::Database;
-using sqlite::exact_number;
-using sqlite::is_special;
 using sqlite::Statement;
 
 Patience patience;
@@ -155,104 +153,33 @@ void lay_out(sqlite3* database) {
   keep_a_write_ahead_log(database);
   sqlite::Transaction transaction(database);
   if (!is_empty(identity(database))) return;
-  sqlite::execute(database, store_schema);
-  sqlite::execute(database, limit_schema().c_str());
-  sqlite::execute(database, advice_schema().c_str());
-  sqlite::execute(database, scene_schema().c_str());
-  sqlite::execute(database, words_schema().c_str());
+  sqlite::execute(database, store_schema().c_str());
   sqlite::execute(database, fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
                                         store_application_id, Store::schema_version)
                                 .c_str());
   transaction.commit();
 }
 
-std::string samples_to_json(const std::vector<double>& samples) {
-  std::string json = "[";
-  for (const double sample : samples) {
-    if (json.size() > 1) json += ',';
-    json += std::isfinite(sample) && !is_special(sample) ? to_text(sample) : '"' + to_text(sample) + '"';
-  }
-  return json + "]";
+std::string names_of_columns() {
+  return sqlite::joined("", "", ", ", row_key_fields, row_fields) + ", session";
 }
-
-std::vector<double> samples_from_json(const std::string& text, const fs::path& file) {
-  try {
-    std::vector<double> samples;
-    for (const nlohmann::json& entry : nlohmann::json::parse(text)) {
-      samples.push_back(entry.is_string() ? to_number(entry.get<std::string>()).value_or(std::nan(""))
-                                          : entry.get<double>());
-    }
-    return samples;
-  } catch (const nlohmann::json::exception&) {
-    throw InputError(
-        fmt::format("The store '{}' holds CPU times that cannot be read: restore a copy.", file.string()));
-  }
-}
-
-constexpr int key_columns = 11;
-
-void bind_key(Statement& statement, const RowKey& key) {
-  int index = 0;
-  for (const std::string* text :
-       {&key.problem, &key.material, &key.parameters, &key.y0, &key.method, &key.mode, &key.control}) {
-    statement.bind(index++, *text);
-  }
-  for (const double number : {key.h, key.rtol, key.atol, key.t_end}) {
-    if (!std::isfinite(number)) throw std::invalid_argument("The numbers of a row key must be finite.");
-    statement.bind(index++, number);
-  }
-}
-
-constexpr const char* key_condition =
-    "problem = ? AND material = ? AND parameters = ? AND y0 = ? AND method = ? AND mode = ? AND control = ? "
-    "AND h = ? AND rtol = ? AND atol = ? AND t_end = ?";
-
-constexpr const char* columns =
-    "problem, material, parameters, y0, method, mode, control, h, rtol, atol, t_end, session, outcome, "
-    "t_reached, steps, rejected, rhs, cpu_s, runs_per_sample, error_end, error_global, error_l2, "
-    "reference_error, reference, subnormals, status, explored";
 
 constexpr const char* order =
     "problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
 
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
-  bind_key(statement, row.key);
-  int index = key_columns;
-  statement.bind(index++, session);
-  statement.bind(index++, row.outcome);
-  bind_exact(statement, index++, row.t_reached);
-  for (const std::int64_t count : {row.steps, row.rejected, row.rhs}) statement.bind(index++, count);
-  statement.bind(index++, samples_to_json(row.cpu_s));
-  statement.bind(index++, row.runs_per_sample);
-  for (const double error : {row.error_end, row.error_global, row.error_l2, row.reference_error})
-    bind_exact(statement, index++, error);
-  statement.bind(index++, row.reference);
-  statement.bind(index++, row.subnormals);
-  statement.bind(index++, row.status);
-  statement.bind(index++, std::int64_t{row.explored});
+  int index = 0;
+  sqlite::bind_key(statement, index, row.key, row_key_fields);
+  sqlite::bind_fields(statement, index, row, row_fields);
+  statement.bind(index, session);
 }
 
-Row read_row(const Statement& query, const fs::path& file) {
+Row read_row(const Statement& query) {
   Row row;
   int column = 0;
-  for (std::string* text : {&row.key.problem, &row.key.material, &row.key.parameters, &row.key.y0,
-                            &row.key.method, &row.key.mode, &row.key.control}) {
-    *text = query.text(column++);
-  }
-  for (double* number : {&row.key.h, &row.key.rtol, &row.key.atol, &row.key.t_end})
-    *number = query.number(column++);
-  row.session = query.integer(column++);
-  row.outcome = query.text(column++);
-  row.t_reached = exact_number(query, column++);
-  for (std::int64_t* count : {&row.steps, &row.rejected, &row.rhs}) *count = query.integer(column++);
-  row.cpu_s = samples_from_json(query.text(column++), file);
-  row.runs_per_sample = query.integer(column++);
-  for (double* error : {&row.error_end, &row.error_global, &row.error_l2, &row.reference_error})
-    *error = exact_number(query, column++);
-  row.reference = query.text(column++);
-  row.subnormals = query.integer(column++);
-  row.status = query.text(column++);
-  row.explored = query.integer(column++) != 0;
+  sqlite::read_fields(query, column, row.key, row_key_fields);
+  sqlite::read_fields(query, column, row, row_fields);
+  row.session = query.integer(column);
   return row;
 }
 
@@ -342,13 +269,33 @@ void settle(const Database& database, Identity id, const std::string& path, bool
 
 }  // namespace
 
+void sqlite::bind(Statement& statement, int index, const std::vector<double>& values) {
+  std::string json = "[";
+  for (const double value : values) {
+    if (json.size() > 1) json += ',';
+    json += std::isfinite(value) && !is_special(value) ? to_text(value) : '"' + to_text(value) + '"';
+  }
+  statement.bind(index, json + "]");
+}
+
+void sqlite::read(const Statement& query, int column, std::vector<double>& values) {
+  try {
+    for (const nlohmann::json& entry : nlohmann::json::parse(query.text(column)))
+      values.push_back(entry.is_string() ? to_number(entry.get<std::string>()).value_or(std::nan(""))
+                                         : entry.get<double>());
+  } catch (const nlohmann::json::exception&) {
+    throw Failure(SQLITE_CORRUPT, 0, "CPU times that cannot be read");
+  }
+}
+
 void set_patience(Patience with) { patience = with; }
 
 std::int64_t Store::Impl::id_of(const RowKey& key) const {
   if (!find)
-    find =
-        std::make_unique<Statement>(db(), fmt::format("SELECT id FROM rows WHERE {}", key_condition).c_str());
-  bind_key(*find, key);
+    find = std::make_unique<Statement>(
+        db(), ("SELECT id FROM rows WHERE " + sqlite::joined("", " = ?", " AND ", row_key_fields)).c_str());
+  int index = 0;
+  sqlite::bind_key(*find, index, key, row_key_fields);
   const std::int64_t id = find->step() ? find->integer(0) : 0;
   find->reset();
   return id;
@@ -420,7 +367,8 @@ void Store::insert(std::span<const Row> rows) {
   reporting(impl_->file, [&] {
     sqlite::Transaction transaction(impl_->db());
     if (!impl_->insert)
-      impl_->insert = std::make_unique<Statement>(impl_->db(), sqlite::insert_into("rows", columns).c_str());
+      impl_->insert =
+          std::make_unique<Statement>(impl_->db(), sqlite::insert_into("rows", names_of_columns()).c_str());
     for (const Row& row : rows) {
       if (const std::int64_t existing = impl_->id_of(row.key);
           existing != 0 && (row.explored || !gives_way(existing)))
@@ -453,8 +401,9 @@ std::int64_t Store::size() const {
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
-    Statement query(impl_->db(), fmt::format("SELECT {} FROM rows ORDER BY {}", columns, order).c_str());
-    while (query.step()) rows.push_back(read_row(query, impl_->file));
+    Statement query(impl_->db(),
+                    fmt::format("SELECT {} FROM rows ORDER BY {}", names_of_columns(), order).c_str());
+    while (query.step()) rows.push_back(read_row(query));
     return rows;
   });
 }

@@ -1,4 +1,4 @@
-/// What the parts of Store share; private to store.cpp and store_limits.cpp.
+/// What the parts of Store share; private to its sources.
 #pragma once
 
 #include <cmath>
@@ -15,16 +15,6 @@
 #include "results/store.hpp"
 
 namespace hmax {
-
-/// The tables of limits and of the states that they hold near, made from the lists of limit_columns.hpp.
-/// Numbers carry no type, as in store_schema.
-std::string limit_schema();
-/// The table of advice, likewise from advice_columns.hpp; numbers of the key are typed.
-std::string advice_schema();
-/// The table of the bodies of answers, with the same key.
-std::string scene_schema();
-/// The table of the words of answers, with the same key.
-std::string words_schema();
 
 /// What SQLite could not do, as a sentence with a remedy.
 InputError translated(const sqlite::Failure& failure, const std::filesystem::path& file);
@@ -46,7 +36,7 @@ namespace sqlite {
 
 inline bool is_special(double value) { return std::isnan(value) || (value == 0 && std::signbit(value)); }
 
-/// See store_schema: numbers that SQLite would change travel as text.
+/// See store_schema(): numbers that SQLite would change travel as text.
 inline void bind_exact(Statement& statement, int index, double value) {
   if (is_special(value)) {
     statement.bind(index, to_text(value));

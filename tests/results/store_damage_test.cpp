@@ -10,16 +10,17 @@
 
 #include "core/errors.hpp"
 #include "results/exports.hpp"
-#include "results/limits/advice_columns.hpp"
-#include "results/limits/advice_exports.hpp"
-#include "results/limits/limit_columns.hpp"
-#include "results/limits/limit_exports.hpp"
 #include "results/store.hpp"
 #include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
+
+/// Texts that say what they are of.
+constexpr auto name_texts = []<class T>(std::string_view name, T& value) {
+  if constexpr (std::is_same_v<T, std::string>) value = "text of " + std::string(name);
+};
 
 /// Two sessions with runs, limits and advice of every table.
 void make_store(const std::filesystem::path& file) {
@@ -54,7 +55,7 @@ void make_store(const std::filesystem::path& file) {
     point.key.material = cpu;
     point.document = "{}";
     LimitRow limit;
-    for (const auto& column : limit_texts) limit.*column.member = "text of " + std::string(column.name);
+    each_field(limit, limit_fields, name_texts);
     limit.h_max = 0.1;
     limit.re = -0.0;
     store.insert_limits(point, std::vector{limit});
@@ -62,7 +63,7 @@ void make_store(const std::filesystem::path& file) {
     question.problem = cpu;
     question.rate = 100;
     AdviceRecord record;
-    for (const auto& column : advice_texts) record.*column.member = column.name;
+    each_field(record, advice_fields, name_texts);
     record.h = 0.01;
     store.insert_advice(question, std::vector{record}, "{\"scene\": 1}", "{\"words\": 1}");
   }
@@ -72,7 +73,7 @@ void make_store(const std::filesystem::path& file) {
 /// Everything that commands take from a store.
 std::string all_of(const Store& store) {
   std::string text = rows_to_jsonl(store.rows()) + rows_to_csv(store.rows());
-  text += limits_to_csv(store.limits()) + advice_to_csv(store.advice());
+  text += rows_to_csv(store.limits()) + rows_to_csv(store.advice());
   for (const LimitRow& limit : store.limits()) text += store.operating_point(limit.point).value().document;
   for (const AdviceScene& scene : store.scenes()) text += scene.key.problem + scene.scene;
   for (const AdviceWords& words : store.advice_words()) text += words.key.problem + words.words;

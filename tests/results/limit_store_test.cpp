@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "results/limits/limit_columns.hpp"
 #include "results/store.hpp"
 #include "tests/results/scratch.hpp"
 
@@ -31,8 +30,12 @@ OperatingPointRow a_point(const std::string& material = "male_slim") {
 LimitRow a_limit(const std::string& method) {
   LimitRow row;
   double value = 0.1;
-  for (const auto& column : limit_numbers) row.*column.member = value += 1.0 / 3;
-  for (const auto& column : limit_texts) row.*column.member = "text of " + std::string(column.name);
+  each_field(row, limit_fields, [&]<class T>(std::string_view name, T& field) {
+    if constexpr (std::is_same_v<T, std::string>)
+      field = "text of " + std::string(name);
+    else if constexpr (std::is_same_v<T, double>)
+      field = value += 1.0 / 3;
+  });
   row.method = method;
   row.h_max = INFINITY;
   row.h_unstable = LimitRow::none;
@@ -42,6 +45,10 @@ LimitRow a_limit(const std::string& method) {
 
 bool same_bits(double a, double b) {
   return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
+}
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return a == b;
 }
 
 TEST(LimitStore, KeepsEveryColumnBitForBit) {
@@ -57,19 +64,53 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].point, a_point().key);
   EXPECT_EQ(rows[0].session, 1);
-  for (const auto& column : limit_texts)
-    EXPECT_EQ(rows[0].*column.member, limit.*column.member) << column.name;
-  for (const auto& column : limit_numbers)
-    EXPECT_TRUE(same_bits(rows[0].*column.member, limit.*column.member)) << column.name;
+  for (const auto& field : limit_fields)
+    std::visit(
+        [&]<class T>(T LimitRow::*member) {
+          EXPECT_TRUE(same_bits(rows[0].*member, limit.*member)) << field.name;
+        },
+        field.member);
   const auto point = store.operating_point(a_point().key);
   ASSERT_TRUE(point);
-  for (const auto& column : point_texts)
-    EXPECT_EQ((*point).*column.member, a_point().*column.member) << column.name;
+  EXPECT_EQ(point->document, a_point().document);
   OperatingPointKey other = a_point().key;
   other.model = "another";
   EXPECT_FALSE(store.operating_point(other));
   EXPECT_TRUE(store.limits_at(other).empty());
 }
+
+constexpr const char* rows_of_layout_9 = R"sql(CREATE TABLE rows (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  session INTEGER NOT NULL REFERENCES sessions(id),
+  problem TEXT NOT NULL,
+  material TEXT NOT NULL,
+  parameters TEXT NOT NULL,
+  y0 TEXT NOT NULL,
+  method TEXT NOT NULL,
+  mode TEXT NOT NULL,
+  control TEXT NOT NULL,
+  h REAL NOT NULL,
+  rtol REAL NOT NULL,
+  atol REAL NOT NULL,
+  t_end REAL NOT NULL,
+  outcome TEXT NOT NULL,
+  t_reached NOT NULL,
+  steps INTEGER NOT NULL,
+  rejected INTEGER NOT NULL,
+  rhs INTEGER NOT NULL,
+  cpu_s TEXT NOT NULL,
+  runs_per_sample INTEGER NOT NULL,
+  error_end NOT NULL,
+  error_global NOT NULL,
+  error_l2 NOT NULL,
+  reference_error NOT NULL,
+  reference TEXT NOT NULL,
+  subnormals INTEGER NOT NULL,
+  status TEXT NOT NULL,
+  explored INTEGER NOT NULL,
+  digest TEXT NOT NULL,
+  UNIQUE (problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC)
+))sql";
 
 constexpr const char* operating_points_of_layout_9 = R"sql(CREATE TABLE operating_points (
   id INTEGER PRIMARY KEY AUTOINCREMENT,
@@ -202,6 +243,7 @@ TEST(LimitStore, HasTheTablesOfItsLayout) {
     sqlite3_exec(database, query.c_str(), take, &text, nullptr);
     return text;
   };
+  EXPECT_EQ(table("rows"), rows_of_layout_9);
   EXPECT_EQ(table("operating_points"), operating_points_of_layout_9);
   EXPECT_EQ(table("limits"), limits_of_layout_9);
   EXPECT_EQ(table("advice"), advice_of_layout_9);

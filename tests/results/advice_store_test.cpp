@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "results/limits/advice_columns.hpp"
-#include "results/limits/advice_exports.hpp"
+#include "results/exports.hpp"
 #include "results/store.hpp"
 #include "tests/results/scratch.hpp"
 
@@ -15,7 +14,9 @@ namespace {
 
 AdviceKey a_question(double rate = 100) {
   AdviceKey key;
-  for (const auto& column : advice_key_texts) key.*column.member = std::string(column.name) + ", 'quoted'";
+  each_field(key, advice_key_fields, []<class T>(std::string_view name, T& value) {
+    if constexpr (std::is_same_v<T, std::string>) value = std::string(name) + ", 'quoted'";
+  });
   key.rate = rate;
   key.tolerance = 0.01;
   key.budget = 0.001;
@@ -25,8 +26,12 @@ AdviceKey a_question(double rate = 100) {
 AdviceRecord a_record(const std::string& method) {
   AdviceRecord record;
   double value = 0.1;
-  for (const auto& column : advice_texts) record.*column.member = column.name;
-  for (const auto& column : advice_numbers) record.*column.member = value *= 1.7;
+  each_field(record, advice_fields, [&]<class T>(std::string_view name, T& field) {
+    if constexpr (std::is_same_v<T, std::string>)
+      field = name;
+    else if constexpr (std::is_same_v<T, double>)
+      field = value *= 1.7;
+  });
   record.h_max = INFINITY;
   record.h_max_observed = NAN;
   record.method = method;
@@ -44,12 +49,13 @@ TEST(AdviceStore, KeepsEveryColumn) {
   ASSERT_EQ(kept.size(), 2U);
   EXPECT_EQ(kept[0].key, a_question());
   for (std::size_t i = 0; i < 2; ++i) {
-    for (const auto& column : advice_texts)
-      EXPECT_EQ(kept[i].*column.member, records[i].*column.member) << column.name;
-    for (const auto& column : advice_numbers) {
-      const double before = records[i].*column.member, after = kept[i].*column.member;
-      EXPECT_TRUE(before == after || (std::isnan(before) && std::isnan(after))) << column.name;
-    }
+    for (const auto& field : advice_fields)
+      std::visit(
+          [&]<class T>(T AdviceRecord::*member) {
+            const T &before = records[i].*member, &after = kept[i].*member;
+            EXPECT_TRUE(before == after || (before != before && after != after)) << field.name;
+          },
+          field.member);
   }
 }
 
@@ -104,7 +110,7 @@ TEST(AdviceStore, KeepsTheWordsOfAnAnswerUntilItIsReplaced) {
 TEST(AdviceExports, WriteNumbersThatDoNotApply) {
   std::vector<AdviceRecord> records{a_record("rk4")};
   records[0].key = a_question();
-  const std::string csv = advice_to_csv(records), lines = advice_to_jsonl(records);
+  const std::string csv = rows_to_csv(records), lines = rows_to_jsonl(records);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 2);
   EXPECT_NE(csv.find(",unbounded,,"), std::string::npos) << csv;
   EXPECT_NE(lines.find("\"h_max\":\"unbounded\",\"h_max_observed\":null"), std::string::npos) << lines;

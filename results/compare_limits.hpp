@@ -16,6 +16,9 @@ struct LimitChange {
   std::vector<std::string> changes;  ///< "h_max: 0.1 -> 0.2"
 };
 
+/// The name of a limit where stores are compared: problem, material, parameters, state, path and method.
+std::string limit_name(const LimitRow& row);
+
 struct LimitComparison {
   std::size_t compared = 0;  ///< limits in both
   std::vector<LimitChange> changed;

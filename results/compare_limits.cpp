@@ -1,4 +1,4 @@
-#include "results/limits/compare_limits.hpp"
+#include "results/compare_limits.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "core/numbers.hpp"
-#include "results/limits/limit_exports.hpp"
 
 namespace hmax {
 
@@ -54,6 +53,14 @@ std::vector<std::string> changes_between(const LimitRow& a, const LimitRow& b) {
 }
 
 }  // namespace
+
+std::string limit_name(const LimitRow& row) {
+  const OperatingPointKey& point = row.point;
+  std::string name = point.problem;
+  for (const std::string& part : {point.material, point.parameters, point.asked, point.path, row.method})
+    if (!part.empty()) name += "/" + part;
+  return name;
+}
 
 LimitComparison compare_limits(std::span<const LimitRow> a, std::span<const LimitRow> b) {
   LimitComparison comparison;

@@ -1,11 +1,11 @@
-#include "results/limits/compare_limits.hpp"
+#include "results/compare_limits.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "results/limits/limit_exports.hpp"
+#include "results/exports.hpp"
 
 namespace hmax {
 namespace {
@@ -61,7 +61,7 @@ TEST(CompareLimits, TakesTheModelThatWasComputedLast) {
 
 TEST(LimitExports, HaveOneColumnForEachNumberAndWordsForInfinity) {
   const LimitRow row = a_limit("newmark", INFINITY);
-  const std::string csv = limits_to_csv(std::span(&row, 1));
+  const std::string csv = rows_to_csv(std::vector{row});
   const std::string header = csv.substr(0, csv.find('\n'));
   EXPECT_EQ(header.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U)
       << header;
@@ -69,7 +69,7 @@ TEST(LimitExports, HaveOneColumnForEachNumberAndWordsForInfinity) {
   EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',') + 1)
       << "the start has a comma of its own, in quotes: " << line;
   EXPECT_NE(line.find(",unbounded,"), std::string::npos);
-  const auto object = nlohmann::json::parse(limits_to_jsonl(std::span(&row, 1)));
+  const auto object = nlohmann::json::parse(rows_to_jsonl(std::vector{row}));
   EXPECT_EQ(object.at("h_max"), "unbounded");
   EXPECT_TRUE(object.at("observed").is_null());
   EXPECT_EQ(object.at("method"), "newmark");
