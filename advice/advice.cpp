@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/numbers.hpp"
+#include "limits/rows/model_digest.hpp"
+
 namespace hmax {
 
 std::string error_scale(const Problem& problem) {
@@ -31,6 +35,42 @@ double time_to_meet(const AdviceRow& row, double tolerance) {
   const double order = std::max(1, row.candidate.method.order);
   const double more = std::isnan(row.error) ? 1 : std::pow(row.error / tolerance, 1 / order);
   return row.frame_time() * std::max(1.0, more);
+}
+
+AdviceKey advice_key(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {
+  return {.problem = problem.id,
+          .material = problem.material,
+          .parameters = describe(problem.parameters),
+          .y0 = start_in_words(problem),
+          .model = model_digest(problem),
+          .motion = advice.motion,
+          .ranked_by = question.least_error ? "error" : "cost",
+          .rate = question.rate,
+          .tolerance = question.tolerance,
+          .budget = question.frame_budget()};
+}
+
+std::vector<AdviceRecord> advice_records(const Advice& advice) {
+  std::vector<AdviceRecord> records;
+  for (const AdviceRow& row : advice.rows) {
+    AdviceRecord& record = records.emplace_back();
+    static_cast<StepFindings&>(record) = row;
+    record.method = row.candidate.method.id;
+    record.options = row.candidate.options();
+    record.bound = name_of(row.bound);
+    record.verdict = name_of(row.verdict);
+    record.stage = name_of(advice.stage);
+    record.steps_per_frame = static_cast<double>(row.steps_per_frame);
+    record.frame_p50 = row.frame.p50;
+    record.frame_p99 = row.frame.p99;
+    record.frame_max = row.frame.max;
+    for (const double time : row.frame.tail)
+      record.frame_tail += (record.frame_tail.empty() ? "" : " ") + to_text(time);
+    record.frames = static_cast<double>(row.frames);
+    record.missed = static_cast<double>(row.missed);
+    record.memory = row.memory ? static_cast<double>(*row.memory) : AdviceRecord::none;
+  }
+  return records;
 }
 
 }  // namespace hmax

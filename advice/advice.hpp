@@ -17,6 +17,7 @@
 #include "advice/proof.hpp"
 #include "advice/uncertainty.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
+#include "results/advice_record.hpp"
 
 namespace hmax {
 
@@ -61,34 +62,22 @@ std::string error_scale(const Problem& problem);
 
 /// A candidate at the longest of its steps that holds and meets the tolerance; at the last one that was tried
 /// where none does.
-struct AdviceRow {
-  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
+struct AdviceRow : StepFindings {
   Candidate candidate;
-  double h = none;                   ///< [s]
   std::int64_t steps_per_frame = 0;  ///< a frame is a whole number of steps
   std::int64_t least_steps = 0;      ///< the fewest of them that were seen to suffice
-  double h_max = none;           ///< predicted, the least along the motion [s]; infinity: no step is unstable
-  bool h_max_of_start = false;   ///< that of the start alone: none is known along the motion
-  bool limit_pending = false;    ///< it was not sought along the motion; h_max may be that of the start
-  double h_max_observed = none;  ///< on the motion, to 0.25 % [s], of rows that suit; else NaN
-  std::string unobserved;        ///< why runs beside a predicted limit show none
-  double expected_frame = none;  ///< CPU time of a frame as first_answer() (first_answer.hpp) has it [s]
-  double h_accurate = none;      ///< the longest step tried that meets the tolerance [s]
+  bool h_max_of_start = false;       ///< that of the start alone: none is known along the motion
+  bool limit_pending = false;        ///< it was not sought along the motion; h_max may be that of the start
+  std::string unobserved;            ///< why runs beside a predicted limit show none
+  double expected_frame = none;      ///< CPU time of a frame as first_answer() (first_answer.hpp) has it [s]
   AdviceBound bound = AdviceBound::rate;
-  double error = none;        ///< relative to the largest displacement, no less than that of the reference
-  FrameTimes frame;           ///< CPU time of a frame on one thread [s]
-  double first_frame = none;  ///< with what is done once, such as the first factors [s]
-  std::size_t frames = 0, missed = 0;  ///< frames that were timed, and those over the budget
-  std::size_t disturbed = 0;           ///< frames over it in one run of three alone, as MotionRun::disturbed
-  double newton_per_frame = none;  ///< iterations of Newton's method that 99.9 % of the frames do not exceed
-  double linear_per_frame = none;  ///< the same of conjugate gradients
+  FrameTimes frame;                     ///< CPU time of a frame on one thread [s]
+  std::size_t frames = 0, missed = 0;   ///< frames that were timed, and those over the budget
+  std::size_t disturbed = 0;            ///< frames over it in one run of three alone, as MotionRun::disturbed
   std::optional<std::int64_t> memory;   ///< peak of the process while the row was tried [bytes]
   std::vector<double> damping_added;    ///< to the damping ratio of each of Advice::modes
   std::vector<double> frequency_shift;  ///< relative, of each of them
-  double stiffening = none;             ///< how many times stiffer the model may become before h is unstable
   AdviceVerdict verdict = AdviceVerdict::unstable;
-  std::string status;  ///< what the verdict rests on, or why a number is missing
 
   /// CPU time of a frame [s]: the median, or what is expected of a row that was not run.
   [[nodiscard]] double frame_time() const { return std::isnan(frame.p50) ? expected_frame : frame.p50; }
@@ -157,5 +146,11 @@ struct Advice {
     return !rows.empty() && rows.front().verdict == AdviceVerdict::recommended ? &rows.front() : nullptr;
   }
 };
+
+/// What identifies a question about a problem. The motion is the one that was found for it.
+AdviceKey advice_key(const Problem& problem, const AdviceQuestion& question, const Advice& advice);
+
+/// Every row, best first; AdviceRecord::key is left.
+std::vector<AdviceRecord> advice_records(const Advice& advice);
 
 }  // namespace hmax

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "advice/advice_records.hpp"
 #include "advice/step_search.hpp"
 #include "catalogue/models/body_summary.hpp"
 #include "problems/tissue/body.hpp"

@@ -2,25 +2,20 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "advice/advise.hpp"
 #include "cli/shared/console.hpp"
+#include "plots/pages/answer_words.hpp"
 
 namespace hmax {
 
 /// An answer, sentence by sentence.
-struct AdviceText {
+struct AdviceText : AnswerWords {
   std::string model;     ///< id of the problem, and its material
-  std::string body;      ///< what a body is made of: E, nu, mass, size, supports; empty of what is none
   std::string motion;    ///< by which steps are judged
   std::string question;  ///< rate, tolerance and budget
   std::string answer;    ///< what to take; that nothing suits; or how far a search got that ended early
-  /// Of what is recommended: names and words; what has no name goes on with the last.
-  std::vector<std::pair<std::string, std::string>> facts;
-  std::string help;                             ///< what is said of remedies; empty where none are sought
-  std::vector<std::string> remedies;            ///< one change each
   std::vector<std::vector<std::string>> table;  ///< every row, under its headings
   std::vector<std::string> reasons;             ///< why rows do not suit, each reason once
   std::vector<std::string> notes;               ///< on the dashes of the table

@@ -11,7 +11,6 @@
 #include <fmt/ranges.h>
 
 #include "advice/advice_json.hpp"
-#include "advice/advice_records.hpp"
 #include "advice/motion/candidate.hpp"
 #include "advice/remaking.hpp"
 #include "bench/timing/timing.hpp"
@@ -20,7 +19,6 @@
 #include "catalogue/models/tissue_choice.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
-#include "cli/bodies/body_scene.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -190,10 +188,6 @@ bool was_interrupted(const std::exception_ptr& end) {
   }
 }
 
-AnswerWords stored_words(const AdviceText& text) {
-  return {.body = text.body, .facts = text.facts, .help = text.help, .remedies = text.remedies};
-}
-
 /// Whether a store has an answer to this question whose search was not interrupted.
 bool has_whole_answer(const Store& store, const AdviceKey& key) {
   return std::ranges::any_of(store.advice(),
@@ -225,7 +219,7 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
                                store.file().generic_string()));
     } else {
       store.begin_session(fingerprint());
-      store.insert_advice(key, rows, scene, answer_text(stored_words(text)));
+      store.insert_advice(key, rows, scene, answer_text(text));
       if (!console.json) console.print(fmt::format("\nStored in {}\n", store.file().generic_string()));
     }
   }

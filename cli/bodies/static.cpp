@@ -22,6 +22,7 @@
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "limits/documents/model_json.hpp"
+#include "limits/documents/number_json.hpp"
 #include "plots/draw.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
@@ -364,11 +365,9 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
     residuals.push_back(row.residual);
     times.push_back(row.seconds);
   }
-  Json parameters = Json::object();
-  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
   Json document{{"problem", problem.id},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
-                {"parameters", parameters},
+                {"parameters", parameters_json(problem.parameters)},
                 {"load_scale", answer.load_scale},
                 {"solver", name_of(answer.settings.method)},
                 {"linear", name_of(answer.settings.inner)},
