@@ -15,7 +15,7 @@
 #include "cli/shared/work_limit.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
-#include "limits/documents/probe_json.hpp"
+#include "limits/documents/method_json.hpp"
 
 namespace hmax {
 

@@ -14,17 +14,8 @@
 namespace hmax {
 
 std::string_view name_of(Linearity linearity) {
-  switch (linearity) {
-    case Linearity::linear:
-      return "linear";
-    case Linearity::time_varying:
-      return "time_varying";
-    case Linearity::nonlinear:
-      return "nonlinear";
-    case Linearity::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 4> names{"linear", "time_varying", "nonlinear", "unknown"};
+  return names[static_cast<std::size_t>(linearity)];
 }
 
 Linearity linearity_of(const Problem& problem) {

@@ -34,6 +34,7 @@
 #include "integrators/run_end.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/documents/model_json.hpp"
+#include "limits/documents/number_json.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
@@ -238,8 +239,6 @@ std::vector<double> listed(const Problem& problem, const Eigen::VectorXd& y) {
 Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, const TimedRun& run,
              bool full) {
   const RunRecord& record = run.record;
-  Json parameters = Json::object();
-  for (const auto& [name, value] : problem.parameters) parameters[name] = value;
   const Stats& stats = record.stats;
   Json document{{"problem", problem.id},
                 {"method", method.id},
@@ -259,7 +258,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
                 {"cpu_seconds", run.cpu_seconds},
                 {"status", record.outcome == Outcome::reached_end ? "" : in_words(problem, record, spec)},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
-                {"parameters", parameters},
+                {"parameters", parameters_json(problem.parameters)},
                 {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
                 {"states", problem.states},
                 {"order", method.order},

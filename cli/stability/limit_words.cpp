@@ -45,47 +45,46 @@ std::string step_words(double h, int digits) {
 }
 
 std::string limit_table(std::span<const LimitRow> rows, const LimitColumns& columns, const Console& console) {
-  std::vector<std::string> header{"method", "material", "h_max [s]", "limited by", "omega [rad/s]", "zeta"};
-  // Where they are not all of one kind.
-  const bool names_states = std::ranges::any_of(
-      rows, [&](const LimitRow& row) { return row.state_kind != rows.front().state_kind; });
-  if (names_states) header.insert(header.begin() + 2, "at");
-  const bool solves = std::ranges::any_of(rows, [](const LimitRow& row) { return !row.newton.empty(); });
-  const bool any_real = std::ranges::any_of(rows, has_real_limiting_mode);
-  if (any_real) header.emplace_back("rates [1/s]");
-  if (solves) header.insert(header.end(), {"solved up to [s]", "error there [mm]"});
-  if (columns.verified) header.insert(header.end(), {"observed [s]", "gap", "steps"});
-  if (!columns.path.empty())
-    header.insert(header.end(), {"necessary [s]", columns.path == "load" ? "at share [1]" : "at t [s]"});
-  if (columns.safe) header.emplace_back("safe [s]");
+  using R = const LimitRow&;
+  std::vector<std::string> header;
+  std::vector<std::string (*)(R)> cells;
+  const auto show = [&](bool shown, const char* heading, std::string (*cell)(R)) {
+    if (!shown) return;
+    header.emplace_back(heading);
+    cells.push_back(cell);
+  };
+  const auto any = [&](const auto& holds) { return std::ranges::any_of(rows, holds); };
+  const bool mixed = any([&](R row) { return row.state_kind != rows.front().state_kind; });
+  const bool solves = any([](R row) { return !row.newton.empty(); });
+  const bool path = !columns.path.empty();
+  show(true, "method", [](R row) { return row.method; });
+  show(true, "material", [](R row) { return row.point.material.empty() ? "-" : row.point.material; });
+  show(mixed, "at", [](R row) { return row.state_kind; });
+  show(true, "h_max [s]", [](R row) { return step_words(row.h_max, 7); });
+  show(true, "limited by", [](R row) { return row.bound; });
+  show(true, "omega [rad/s]", [](R row) { return number_or_dash(row.omega); });
+  show(true, "zeta", [](R row) { return std::isnan(row.zeta) ? "-" : short_number(0.0 + row.zeta); });
+  show(any(has_real_limiting_mode), "rates [1/s]", words_of_rates);
+  show(solves, "solved up to [s]", [](R row) {
+    return row.newton.empty() ? "-" : (row.newton == "limit" ? "" : "> ") + short_number(row.newton_h, 3);
+  });
+  show(solves, "error there [mm]", [](R row) { return number_or_dash(1000 * row.newton_error, 3); });
+  show(columns.verified, "observed [s]", words_of_observed);
+  show(columns.verified, "gap", [](R row) { return std::isfinite(row.gap) ? percents(row.gap) : "-"; });
+  show(columns.verified, "steps",
+       [](R row) { return row.is_observed() ? fmt::format("{:.0f}", row.steps_used) : "-"; });
+  show(path, "necessary [s]", [](R row) { return step_words(row.along_least, 7); });
+  show(path, columns.path == "load" ? "at share [1]" : "at t [s]",
+       [](R row) { return std::isfinite(row.along_least) ? short_number(row.along_at, 4) : "-"; });
+  show(columns.safe, "safe [s]", [](R row) {
+    return (std::isinf(row.from_start) && row.safe() == row.longest_run() ? "> " : "") +
+           step_words(row.safe(), 7);
+  });
   TextTable table(std::move(header));
   for (const LimitRow& row : rows) {
-    std::vector<std::string> cells{row.method,
-                                   row.point.material.empty() ? "-" : row.point.material,
-                                   step_words(row.h_max, 7),
-                                   row.bound,
-                                   number_or_dash(row.omega),
-                                   std::isnan(row.zeta) ? "-" : short_number(0.0 + row.zeta)};
-    if (names_states) cells.emplace(cells.begin() + 2, row.state_kind);
-    if (any_real) cells.push_back(words_of_rates(row));
-    if (solves) {
-      cells.push_back(
-          row.newton.empty() ? "-" : (row.newton == "limit" ? "" : "> ") + short_number(row.newton_h, 3));
-      cells.push_back(number_or_dash(1000 * row.newton_error, 3));
-    }
-    if (columns.verified) {
-      cells.push_back(words_of_observed(row));
-      cells.push_back(std::isfinite(row.gap) ? percents(row.gap) : "-");
-      cells.push_back(!row.is_observed() ? "-" : fmt::format("{:.0f}", row.steps_used));
-    }
-    if (!columns.path.empty()) {
-      cells.push_back(step_words(row.along_least, 7));
-      cells.push_back(std::isfinite(row.along_least) ? short_number(row.along_at, 4) : "-");
-      if (columns.safe)
-        cells.push_back((std::isinf(row.from_start) && row.safe() == row.longest_run() ? "> " : "") +
-                        step_words(row.safe(), 7));
-    }
-    table.add(std::move(cells));
+    std::vector<std::string> line;
+    for (const auto cell : cells) line.push_back(cell(row));
+    table.add(std::move(line));
   }
   return table.text(console);
 }

@@ -17,7 +17,7 @@
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
-#include "limits/documents/stability_json.hpp"
+#include "limits/documents/method_json.hpp"
 
 namespace hmax {
 

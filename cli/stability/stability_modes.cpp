@@ -1,4 +1,5 @@
 /// hmax stability modes
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -12,7 +13,6 @@
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
-#include "cli/stability/matrix_modes.hpp"
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/errors.hpp"
@@ -61,21 +61,44 @@ void check_output(const ModesOptions& options) {
   check_writable(options.output);
 }
 
-/// A mode of free motion and where it lives.
-struct ModeReport {
+struct FreeMode {
   double kappa;  ///< [1/s^2]
-  bool strains;  ///< false: the body moves as one, but for rounding
   double omega;  ///< [rad/s]
   double zeta;
-  ModeOwner owner;
-  NamedElement element;
   Eigen::VectorXd shape;
 
   [[nodiscard]] double frequency() const { return omega / (2 * std::numbers::pi); }
 };
 
-std::vector<ModeReport> reports_of(const Problem& problem, const MechanicalPart& part,
-                                   const ExtremeStiffnesses& found) {
+/// The slowest or the fastest modes.
+/// @param rigid     modes of a stiffness up to this one have no frequency [1/s^2]
+/// @param unknowns  what they are called
+std::vector<FreeMode> free_modes(const MechanicalPart& part, Eigen::Index count, bool fastest, double rigid,
+                                 std::string_view unknowns) {
+  const ExtremeStiffnesses found =
+      fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
+  if (!found.converged)
+    throw InputError(
+        fmt::format("the modes of {} {} did not converge; ask for fewer", part.mass.size(), unknowns));
+  std::vector<FreeMode> modes;
+  for (std::size_t i = 0; i < found.kappa.size(); ++i) {
+    const double kappa = found.kappa[i], omega = kappa > rigid ? std::sqrt(kappa) : 0;
+    const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
+    const Eigen::VectorXd Cu = std::visit([&](const auto& C) -> Eigen::VectorXd { return C * u; }, part.C);
+    modes.push_back({kappa, omega, omega > 0 ? 0.0 + u.dot(Cu) / (2 * omega) : 0, u});  // no -0
+  }
+  return modes;
+}
+
+/// A mode of a body and where it lives.
+struct ModeReport : FreeMode {
+  bool strains;  ///< false: the body moves as one, but for rounding
+  ModeOwner owner;
+  NamedElement element;
+};
+
+std::vector<ModeReport> reports_of(const Problem& problem, const MechanicalPart& part, Eigen::Index count,
+                                   bool fastest) {
   const TissueBody& body = *problem.body;
   const ElementSum elements = elements_of(body);
   // Modes that strain nothing but for rounding have no frequency, and no element has a share of them.
@@ -83,19 +106,9 @@ std::vector<ModeReport> reports_of(const Problem& problem, const MechanicalPart&
   Eigen::VectorXd mass(body.dofs() / 3);
   for (Eigen::Index i = 0; i < mass.size(); ++i) mass[i] = body.mass()[3 * i];
   std::vector<ModeReport> modes;
-  for (std::size_t i = 0; i < found.kappa.size(); ++i) {
-    const Eigen::VectorXd u = found.shapes.col(static_cast<Eigen::Index>(i));
-    const bool strains = std::abs(found.kappa[i]) > rigid;
-    const double omega = strains ? std::sqrt(std::max(found.kappa[i], 0.0)) : 0;
-    const double gamma = u.dot(Eigen::VectorXd(std::get<Eigen::SparseMatrix<double>>(part.C) * u));
-    const ModeOwner owner = owner_of(elements, mass, u);
-    modes.push_back({.kappa = found.kappa[i],
-                     .strains = strains,
-                     .omega = omega,
-                     .zeta = omega > 0 ? gamma / (2 * omega) : 0,
-                     .owner = owner,
-                     .element = named_element(problem, owner.element),
-                     .shape = u});
+  for (const FreeMode& mode : free_modes(part, count, fastest, rigid, "degrees of freedom")) {
+    const ModeOwner owner = owner_of(elements, mass, mode.shape);
+    modes.push_back({mode, std::abs(mode.kappa) > rigid, owner, named_element(problem, owner.element)});
   }
   return modes;
 }
@@ -163,6 +176,59 @@ std::string in_words(const Problem& problem, const OperatingPoint& point,
          "the\npoints' shares of kinetic energy.\n";
 }
 
+struct MatrixMode : FreeMode {
+  double moving;         ///< 1 over the sum of squares of the unknowns' shares of kinetic energy
+  Eigen::Index unknown;  ///< with the largest share
+  double share;
+};
+
+/// The slowest or the fastest modes of matrices of a user, and which unknowns move in them.
+void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eigen::Index count, bool fastest,
+                        Console& console) {
+  if (!point.model.mechanical)
+    throw InputError("a first-order model has no modes of free motion; give stiffness and mass");
+  const MechanicalPart& part = *point.model.mechanical;
+  if (!part.symmetric)
+    throw InputError(
+        "stiffness and damping are not both symmetric, so there are no modes of free motion; `hmax stability "
+        "predict` takes such matrices");
+  count = std::min(count, part.mass.size());
+  std::vector<MatrixMode> modes;
+  for (const FreeMode& mode : free_modes(part, count, fastest, 0, "unknowns")) {
+    const Eigen::VectorXd shares = mode.shape.cwiseProduct(part.mass.times(mode.shape));
+    MatrixMode& added = modes.emplace_back(MatrixMode{mode, 1 / shares.squaredNorm(), 0, 0});
+    added.share = shares.maxCoeff(&added.unknown);
+  }
+  const MatrixModel* model = problem.matrices.get();
+  const auto row_of = [&](const MatrixMode& mode) {
+    return model->unknowns[static_cast<std::size_t>(mode.unknown)];
+  };
+  if (console.json) {
+    Json list = Json::array();
+    for (const MatrixMode& mode : modes)
+      list.push_back({{"kappa", mode.kappa},
+                      {"omega", mode.omega},
+                      {"frequency", mode.frequency()},
+                      {"zeta", mode.zeta},
+                      {"moving_unknowns", mode.moving},
+                      {"unknown", row_of(mode) + 1},
+                      {"unknown_share", mode.share}});
+    return console.print_json({{"problem", problem.id},
+                               {"dofs", part.mass.size()},
+                               {"state_kind", name_of(point.kind)},
+                               {"end", fastest ? "fastest" : "slowest"},
+                               {"modes", list}});
+  }
+  TextTable table(
+      {"mode", "frequency [Hz]", "omega [rad/s]", "zeta", "moving unknowns", "largest share of the energy"});
+  for (std::size_t i = 0; i < modes.size(); ++i)
+    table.add({std::to_string(i + 1), short_number(modes[i].frequency()), short_number(modes[i].omega),
+               short_number(modes[i].zeta, 4), short_number(modes[i].moving, 3),
+               fmt::format("{} with {} %", model->name_of(row_of(modes[i])),
+                           short_number(100 * modes[i].share, 3))});
+  console.print(fmt::format("{}\n{}\n\n{}", problem.id, problem.note, table.text(console)));
+}
+
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   if (problem.matrices) {
@@ -192,12 +258,7 @@ void modes(const ModesOptions& options, Console& console) {
   const MechanicalPart& part = *point.model.mechanical;
   if (!part.symmetric)
     throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
-  const ExtremeStiffnesses found =
-      options.fastest ? largest_stiffnesses(part, count) : smallest_stiffnesses(part, count);
-  if (!found.converged)
-    throw InputError(
-        fmt::format("the modes of {} degrees of freedom did not converge; ask for fewer", body.dofs()));
-  const std::vector<ModeReport> reports = reports_of(problem, part, found);
+  const std::vector<ModeReport> reports = reports_of(problem, part, count, options.fastest);
   if (!options.output.empty()) write_shapes(options.output, body, reports);
   if (console.json) return console.print_json(to_json(options, problem, point, reports));
   console.print(in_words(problem, point, reports, console));

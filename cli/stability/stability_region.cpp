@@ -13,7 +13,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
-#include "limits/documents/stability_json.hpp"
+#include "limits/documents/method_json.hpp"
 #include "plots/draw.hpp"
 #include "results/table.hpp"
 

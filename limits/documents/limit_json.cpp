@@ -128,8 +128,6 @@ Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem&
 
 Json to_json(const LimitRow& row, const std::string& state_status,
              const std::vector<std::pair<std::string, double>>& parameters) {
-  Json values = Json::object();
-  for (const auto& [name, value] : parameters) values[name] = value;
   Json details = Json::parse(row.details);
   const bool seen = row.is_observed();
   Json document{{"problem", row.point.problem},
@@ -149,7 +147,7 @@ Json to_json(const LimitRow& row, const std::string& state_status,
                 {"modes", std::move(details["modes"])},
                 {"state_kind", row.state_kind},
                 {"state", row.state},
-                {"parameters", std::move(values)}};
+                {"parameters", parameters_json(parameters)}};
   if (details.contains("growth")) document["growth"] = std::move(details["growth"]);
   if (details.contains("options")) document["options"] = std::move(details["options"]);
   if (!row.newton.empty())

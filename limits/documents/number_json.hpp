@@ -12,8 +12,8 @@ namespace hmax {
 
 /// A number, "unbounded" for infinity, null for NaN.
 inline nlohmann::ordered_json number_or_word(double value) {
-  using Json = nlohmann::ordered_json;
-  return std::isnan(value) ? Json() : std::isinf(value) ? Json("unbounded") : Json(value);
+  if (std::isinf(value)) return "unbounded";
+  return std::isnan(value) ? nullptr : nlohmann::ordered_json(value);
 }
 
 /// {name: value}

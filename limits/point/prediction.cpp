@@ -1,25 +1,13 @@
 #include "limits/point/prediction.hpp"
 
+#include <array>
+
 namespace hmax {
 
 std::string_view name_of(Bound bound) {
-  switch (bound) {
-    case Bound::stability:
-      return "stability";
-    case Bound::accuracy:
-      return "accuracy";
-    case Bound::newton:
-      return "newton";
-    case Bound::model:
-      return "model";
-    case Bound::every_step:
-      return "every_step";
-    case Bound::error_control:
-      return "error_control";
-    case Bound::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, 7> names{"stability",  "accuracy",      "newton", "model",
+                                                  "every_step", "error_control", "unknown"};
+  return names[static_cast<std::size_t>(bound)];
 }
 
 }  // namespace hmax

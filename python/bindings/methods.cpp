@@ -1,7 +1,6 @@
 /// The catalogue of methods, and their stability.
 #include "catalogue/methods/choice/formulas.hpp"
 #include "limits/documents/method_json.hpp"
-#include "limits/documents/stability_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 

@@ -5,7 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "analysis/foreign_steps/step_probe.hpp"
-#include "limits/documents/probe_json.hpp"
+#include "limits/documents/method_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
 
