@@ -31,6 +31,11 @@ struct MethodId {
   }
 };
 
+/// With and without the slope at the end as the next first stage, an error estimate, and stages of an
+/// interpolant: for what the coefficients have no part in.
+using OneOfEachKind = testing::Types<tableaux::ExplicitEuler, tableaux::Rk4, tableaux::BogackiShampine32,
+                                     tableaux::DormandPrince54, tableaux::Fehlberg78, tableaux::Dop853>;
+
 /// y' = lambda y, in every component with a factor of its own: y_i(t) = y_i(0) exp(lambda_i t).
 template <class StateT>
 struct Decay {
