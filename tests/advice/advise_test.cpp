@@ -16,6 +16,7 @@
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/advice/cube.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -69,7 +70,7 @@ TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
 
 TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
   const ProbingMotion motion = probing_motion(cube("press", {{"force", 50}}));
-  EXPECT_NE(motion.words.find("equilibrium"), std::string::npos) << motion.words;
+  EXPECT_TRUE(says(motion.words, "equilibrium"));
   EXPECT_LT(motion.load_share, 1);
   EXPECT_EQ(motion.gravity_share, 1);
 }
@@ -83,7 +84,7 @@ TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
       resting.problem.body->settings().gravity.norm() / problem.body->settings().gravity.norm();
   EXPECT_GT(share, 0);
   EXPECT_LT(share, 1);
-  EXPECT_NE(resting.words.find("under which it has an equilibrium"), std::string::npos) << resting.words;
+  EXPECT_TRUE(says(resting.words, "under which it has an equilibrium"));
   EXPECT_EQ(resting.share, share);
   // At rest there: the forces are those of rounding.
   Eigen::VectorXd f(problem.body->dofs()), start(problem.body->dofs());
@@ -96,7 +97,7 @@ TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
 TEST(ProbingMotion, TakesAsMuchOfALoadAsMovesTheBodyByTwoPercent) {
   const ProbingMotion motion = probing_motion(cube("press", {{"force", 1e6}}));
   const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
-  EXPECT_NE(motion.words.find("2 %"), std::string::npos) << motion.words;
+  EXPECT_TRUE(says(motion.words, "2 %"));
   // Sides of 0.1 m: the diagonal is 0.173 m.
   EXPECT_GT(reference.scale, 0.5 * 0.02 * 0.173);
   EXPECT_LT(reference.scale, 2 * 0.02 * 0.173);
@@ -283,7 +284,7 @@ TEST(Proof, TakesShorterStepsWhereLongRunsAreNotStable) {
   ASSERT_NE(advice.recommended(), nullptr);
   const AdviceRow& row = *advice.recommended();
   EXPECT_GT(row.steps_per_frame, first_steps(row.h_max, asked.frame()));
-  EXPECT_NE(row.status.find("is not stable on"), std::string::npos) << row.status;
+  EXPECT_TRUE(says(row.status, "is not stable on"));
   ASSERT_FALSE(advice.proof.empty());
   for (const ProofRun& run : advice.proof) EXPECT_TRUE(run.holds()) << run.why;
 }

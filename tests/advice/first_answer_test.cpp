@@ -12,6 +12,7 @@
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "tests/advice/cube.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -90,7 +91,7 @@ TEST(Advise, AnswersWithWhatItKnowsWhenItsTimeIsOver) {
   EXPECT_EQ(predicted.recommended(), nullptr);
   for (const AdviceRow& row : predicted.rows) {
     EXPECT_EQ(row.verdict, AdviceVerdict::predicted);
-    EXPECT_NE(row.status.find("time"), std::string::npos);
+    EXPECT_TRUE(says(row.status, "time"));
   }
   const Advice searched = waiting_in("steps of newmark");
   ASSERT_NE(searched.recommended(), nullptr);

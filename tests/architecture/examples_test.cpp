@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/architecture/source_tree.hpp"
+#include "tests/says.hpp"
 
 namespace hmax::architecture {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 void expect_quoted(const std::string& page, const std::string& example) {
   const std::string text = read_text(source_dir() / page), program = read_text(source_dir() / example);
   ASSERT_FALSE(program.empty());
-  EXPECT_NE(text.find("```cpp\n" + program + "```\n"), std::string::npos)
+  EXPECT_TRUE(says(text, "```cpp\n" + program + "```\n"))
       << page << " does not quote " << example << " as it is";
 }
 
@@ -22,7 +23,7 @@ TEST(Examples, PagesQuoteWholePrograms) {
 
 TEST(Examples, NoneNeedsWhatIsNotMeantForUsers) {
   for (const std::string& file : files_under("examples", {".cpp"}))
-    EXPECT_EQ(read_text(source_dir() / file).find("detail::"), std::string::npos) << file;
+    EXPECT_FALSE(says(read_text(source_dir() / file), "detail::")) << file;
 }
 
 TEST(Examples, EachHasOneScreen) {
@@ -35,7 +36,7 @@ TEST(Examples, EachHasOneScreen) {
 TEST(Examples, EachIsNamedInTheirReadme) {
   const std::string readme = read_text(source_dir() / "examples/README.md");
   for (const std::string& file : files_under("examples", {".cpp"}))
-    EXPECT_NE(readme.find(file.substr(file.rfind('/') + 1)), std::string::npos) << file;
+    EXPECT_TRUE(says(readme, file.substr(file.rfind('/') + 1))) << file;
 }
 
 }  // namespace

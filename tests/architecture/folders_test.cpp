@@ -11,6 +11,7 @@
 #include "tests/architecture/functions.hpp"
 #include "tests/architecture/include_arrows.hpp"
 #include "tests/architecture/source_tree.hpp"
+#include "tests/says.hpp"
 
 namespace hmax::architecture {
 namespace {
@@ -89,8 +90,7 @@ TEST(Folders, ReadmesNameWhatIsThere) {
     const std::size_t slash = folder.rfind('/');
     if (slash == std::string::npos) continue;
     const std::string parent = folder.substr(0, slash);
-    EXPECT_NE(read_text(source_dir() / parent / "README.md").find(folder.substr(slash + 1) + "/"),
-              std::string::npos)
+    EXPECT_TRUE(says(read_text(source_dir() / parent / "README.md"), folder.substr(slash + 1) + "/"))
         << parent << "/README.md does not name its folder " << folder << ".";
   }
   EXPECT_EQ(lost_sources("plots", "| `draw.*`, `sketch.hpp` | `paper.hpp` |"),

@@ -47,7 +47,7 @@ TEST(CheckCommand, UpdateWritesTheBaselineAndShowsWhatMoved) {
   write_baseline(shell / "mine.csv", rows);
   const Told told = shell.hmax("check --update --baseline mine.csv");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find(wrong), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, wrong));
   EXPECT_TRUE(compare(read_baseline(committed), read_baseline(shell / "mine.csv")).equal());
 }
 
@@ -94,7 +94,7 @@ TEST(CheckCommand, NamesMethodsThatItDoesNotRun) {
     expect_refused(shell.hmax("check --methods " + id), id);
     const Told beside = shell.hmax("check --methods rk4," + id);
     EXPECT_EQ(beside.exit_code, 0);
-    EXPECT_NE(beside.err.find(id), std::string::npos) << beside.err;
+    EXPECT_TRUE(says(beside.err, id));
     return;
   }
 }

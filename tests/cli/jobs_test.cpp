@@ -60,12 +60,10 @@ TEST(JobsOption, IsOnEveryCommandThatStartsThreads) {
     for (const char* wrong : {"0", "-1", "1.5", "many", "1025"}) {
       const Told told = shell.hmax(command + " --jobs " + wrong);
       EXPECT_EQ(told.exit_code, 2) << command;
-      EXPECT_NE(told.err.find("--jobs is "), std::string::npos) << command << "\n" << told.err;
-      EXPECT_NE(
-          told.err.find(std::string(wrong) == "1025" ? "up to 1024" : "must be a whole number of at least 1"),
-          std::string::npos)
-          << command << "\n"
-          << told.err;
+      EXPECT_TRUE(says(told.err, "--jobs is ")) << command;
+      EXPECT_TRUE(says(told.err,
+                       std::string(wrong) == "1025" ? "up to 1024" : "must be a whole number of at least 1"))
+          << command;
       EXPECT_EQ(told.err.find('\n'), told.err.size() - 1) << told.err;
     }
 }
@@ -108,8 +106,7 @@ TEST(JobsOfRun, AreForBodiesAndMatrices) {
   EXPECT_EQ(converted.err, "hmax: --jobs is for --matrices; leave it out\n");
   const Told compared = shell.hmax("static --mesh phantom --load press --compare out --jobs 2");
   EXPECT_EQ(compared.exit_code, 2);
-  EXPECT_NE(compared.err.find("compare times of one thread; leave --jobs out"), std::string::npos)
-      << compared.err;
+  EXPECT_TRUE(says(compared.err, "compare times of one thread; leave --jobs out"));
 }
 
 TEST(SpeedUp, ComparesAnswersAndTimesOfThreads) {
@@ -118,8 +115,8 @@ TEST(SpeedUp, ComparesAnswersAndTimesOfThreads) {
   const std::string script = "'" HMAX_SOURCE_DIR "/scripts/speed-up' ";
   const Told told = shell.line(script + "'" HMAX_PROGRAM "' --only bifurcation --repeat 1");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find("| | 1 thread | 2 threads | gain on 2 |"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("| bifurcation | "), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "| | 1 thread | 2 threads | gain on 2 |"));
+  EXPECT_TRUE(says(told.out, "| bifurcation | "));
   // A program whose answer is its number of threads.
   write_text(shell / "fake", "#!/bin/sh\nfor last; do :; done\necho \"[$last]\"\n");
   const Told differs = shell.line("chmod +x fake; " + script + "fake --only bifurcation --repeat 1");

@@ -10,7 +10,7 @@ namespace {
 TEST(Program, SaysWhatToDoNextWithoutArguments) {
   const Told told = Shell().hmax("");
   EXPECT_EQ(told.exit_code, 0);
-  EXPECT_NE(told.out.find("hmax --help"), std::string::npos);
+  EXPECT_TRUE(says(told.out, "hmax --help"));
   EXPECT_EQ(told.err, "");
 }
 
@@ -41,7 +41,7 @@ TEST(Program, ReportsAFullDiskAndIgnoresAReaderThatLeft) {
   const Shell shell;
   const Told full = shell.hmax("list methods >/dev/full");
   EXPECT_EQ(full.exit_code, 2);
-  EXPECT_NE(full.err.find("cannot write to standard output"), std::string::npos) << full.err;
+  EXPECT_TRUE(says(full.err, "cannot write to standard output"));
   const Told closed = shell.line("{ sleep 0.1; hmax list methods --json; echo $? >&2; } | true");
   EXPECT_EQ(closed.err, "0\n");
 }

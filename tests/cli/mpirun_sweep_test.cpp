@@ -5,6 +5,7 @@
 #include "results/compare.hpp"
 #include "results/store.hpp"
 #include "tests/cli/mpirun.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -66,7 +67,7 @@ TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
     ASSERT_EQ(shell.hmax(sweep + "--out one.sqlite").exit_code, 0);
     expect_same_rows(shell, "two.sqlite", "one.sqlite");
     for (const Row& row : Store::open_existing(shell / "two.sqlite").rows()) EXPECT_TRUE(row.explored);
-    EXPECT_NE(told.json()["warnings"].dump().find("approximate"), std::string::npos);
+    EXPECT_TRUE(says(told.json()["warnings"].dump(), "approximate"));
     // Either form goes on where the other one ended; one that measures takes the rows anew whose times are
     // rough.
     const json again = shell.hmax(sweep + "--out two.sqlite --resume --json").json();
@@ -127,7 +128,7 @@ TEST_F(MpirunSweep, TellsAnErrorOnce) {
     EXPECT_EQ(told.out, "") << arguments;
     const std::size_t first = told.err.find("hmax: ");
     ASSERT_NE(first, std::string::npos) << arguments;
-    EXPECT_NE(told.err.find(named), std::string::npos) << told.err;
+    EXPECT_TRUE(says(told.err, named));
     EXPECT_EQ(told.err.find("hmax: ", first + 1), std::string::npos) << told.err;
   }
 }
@@ -136,7 +137,7 @@ TEST_F(MpirunSweep, RanksWithDifferentOptionsAreRefused) {
   const Told told = line("timeout 180 mpirun --oversubscribe -n 1 " HMAX_PROGRAM
                          " sweep --methods rk4 --h 0.1 : -n 1 " HMAX_PROGRAM " sweep --methods rk4 --h 0.2");
   EXPECT_EQ(told.exit_code, 2) << told.err;
-  EXPECT_NE(told.err.find("rank 1 has another sweep"), std::string::npos) << told.err;
+  EXPECT_TRUE(says(told.err, "rank 1 has another sweep"));
 }
 
 TEST_F(MpirunSweep, AnotherMpirunIsRefused) {
@@ -167,14 +168,12 @@ Told modelled(const std::vector<double>& seconds, const std::string& options) {
 TEST(ScalingModel, TimesOfSimpleSweepsAreThoseByHand) {
   if (Shell().line("python3 --version").exit_code != 0) GTEST_SKIP() << "there is no python3";
   // Eight tasks of 2 s on 4 ranks. The last rank gets its hands behind three others, and is back behind none.
-  EXPECT_NE(modelled(std::vector(8, 2.0), "--ranks 4").out.find("    4     4.006"), std::string::npos)
-      << modelled(std::vector(8, 2.0), "--ranks 4").out;
+  EXPECT_TRUE(says(modelled(std::vector(8, 2.0), "--ranks 4").out, "    4     4.006"));
   // The longest task bounds the time.
-  EXPECT_NE(modelled({9, 1, 1, 1}, "--ranks 1000").out.find(" 1000     9.002"), std::string::npos)
-      << modelled({9, 1, 1, 1}, "--ranks 1000").out;
+  EXPECT_TRUE(says(modelled({9, 1, 1, 1}, "--ranks 1000").out, " 1000     9.002"));
   const Told told = modelled({}, "");
   EXPECT_EQ(told.exit_code, 2);
-  EXPECT_NE(told.err.find("not of a sweep under mpirun"), std::string::npos) << told.err;
+  EXPECT_TRUE(says(told.err, "not of a sweep under mpirun"));
 }
 
 TEST(MpirunSweeps, TheProgramItselfLoadsNoMpi) {

@@ -24,7 +24,7 @@ TEST(PrecisionCommand, MeasuresAdaptiveMethodsOverTolerancesAndTheOthersOverStep
     if (row.at("method") != "dormand_prince_54") continue;
     (row.at("rtol") == 1e-4 ? loose : tight) = row.at("error_global").get<double>();
   }
-  EXPECT_NE(rows[0].at("error_of").get<std::string>().find("v [m/s]"), std::string::npos);
+  EXPECT_TRUE(says(rows[0].at("error_of").get<std::string>(), "v [m/s]"));
   EXPECT_LE(lost, 1);
   EXPECT_GT(loose, 1000 * tight);
 }
@@ -33,17 +33,16 @@ TEST(PrecisionCommand, ShowsTheErrorOfTheEndOfStiffProblems) {
   const Shell shell;
   const std::string stiff = "precision --problem van_der_pol --methods rodas_4 --rtol 1e-4 --t-end 1000 ";
   const Told by_default = shell.hmax(stiff), largest = shell.hmax(stiff + "--error max");
-  EXPECT_NE(by_default.out.find("at the end"), std::string::npos) << by_default.out;
-  EXPECT_NE(largest.out.find("at any accepted step"), std::string::npos) << largest.out;
-  EXPECT_NE(shell.hmax("precision --problem liver_forced --methods rk4 --h 0.1 --t-end 5")
-                .out.find("at any accepted step"),
-            std::string::npos);
+  EXPECT_TRUE(says(by_default.out, "at the end"));
+  EXPECT_TRUE(says(largest.out, "at any accepted step"));
+  EXPECT_TRUE(says(shell.hmax("precision --problem liver_forced --methods rk4 --h 0.1 --t-end 5").out,
+                   "at any accepted step"));
 }
 
 TEST(PrecisionCommand, ShowsTheRootMeanSquareOverTime) {
   const Shell shell;
   const std::string command = "precision --problem liver_forced --methods rk4 --h 0.1 --t-end 20 --error l2";
-  EXPECT_NE(shell.hmax(command).out.find("root mean square over time"), std::string::npos);
+  EXPECT_TRUE(says(shell.hmax(command).out, "root mean square over time"));
   const auto row = shell.hmax(command + " --json").json().at(0);
   const double mean = row.at("error_l2").get<double>(), largest = row.at("error_global").get<double>();
   EXPECT_GT(mean, 0);
@@ -57,7 +56,7 @@ TEST(PrecisionCommand, RefusesAFigureBeforeItMeasures) {
   write_text(shell / "mine/precision.svg", "a drawing of my own");
   const Told told = shell.hmax("precision --methods rk4 --h 0.1 --t-end 5 --store kept.sqlite --output mine");
   EXPECT_EQ(told.exit_code, 2);
-  EXPECT_NE(told.err.find("--force"), std::string::npos) << told.err;
+  EXPECT_TRUE(says(told.err, "--force"));
   EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
 }
 
@@ -65,7 +64,7 @@ TEST(PrecisionCommand, GivesUpRunsThatTakeTooLong) {
   const Told told = Shell().hmax("precision --problem hires --methods rk4 --h 1e-3 --budget 1e-6 --json");
   EXPECT_EQ(told.json().at(0).at("outcome"), "over_budget");
   EXPECT_TRUE(told.json().at(0).at("cpu_median_s").is_null());
-  EXPECT_NE(told.json().at(0).at("status").get<std::string>().find("given up"), std::string::npos);
+  EXPECT_TRUE(says(told.json().at(0).at("status").get<std::string>(), "given up"));
 }
 
 TEST(PrecisionCommand, DrawsTheFigureAndKeepsTheRowsWhereAsked) {
@@ -76,7 +75,7 @@ TEST(PrecisionCommand, DrawsTheFigureAndKeepsTheRowsWhereAsked) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_TRUE(std::filesystem::exists(shell / "figure/precision.gp"));
   EXPECT_TRUE(std::filesystem::exists(shell / "kept.sqlite"));
-  EXPECT_NE(told.out.find("bogacki_shampine_32"), std::string::npos);
+  EXPECT_TRUE(says(told.out, "bogacki_shampine_32"));
 }
 
 TEST(PrecisionCommand, BadInputIsRefusedInOneSentence) {
@@ -98,8 +97,8 @@ TEST(PrecisionCommand, StatesItsTolerances) {
   const std::string command = "precision --methods ode45 --rtol 1e-4 --t-end 5";
   EXPECT_EQ(shell.hmax(command + " --json").json().at(0).at("atol"), 1e-4);
   EXPECT_EQ(shell.hmax(command + " --atol-over-rtol 0.5 --json").json().at(0).at("atol"), 0.5e-4);
-  EXPECT_NE(shell.hmax(command).out.find("\natol = rtol\n"), std::string::npos);
-  EXPECT_NE(shell.hmax(command + " --atol-over-rtol 0.5").out.find("\natol = 0.5 rtol\n"), std::string::npos);
+  EXPECT_TRUE(says(shell.hmax(command).out, "\natol = rtol\n"));
+  EXPECT_TRUE(says(shell.hmax(command + " --atol-over-rtol 0.5").out, "\natol = 0.5 rtol\n"));
   const Told fixed = shell.hmax("precision --methods rk4 --h 0.1 --t-end 5 --json");
   EXPECT_TRUE(fixed.json().at(0).at("atol").is_null());
 }
@@ -127,7 +126,7 @@ TEST(PrecisionCommand, NamesMethodsThatTakeNoTolerance) {
   const Told told = Shell().hmax("precision --methods rk4,ode45 --rtol 1e-4 --t-end 1");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   // rk4 runs at the default steps.
-  EXPECT_EQ(told.err.find("left out"), std::string::npos) << told.err;
+  EXPECT_FALSE(says(told.err, "left out"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 

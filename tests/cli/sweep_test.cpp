@@ -48,8 +48,8 @@ TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
       "sweep --problems liver_forced,mine.toml --methods rk4,ode45 --h 0.2,0.1,0.05,0.04 --t-end 10 ";
   const Told told = shell.hmax(options + "--explore --jobs 3 --out e");
   ASSERT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.err.find("approximate"), std::string::npos) << told.err;
-  EXPECT_NE(told.out.find("approximate CPU time [s]"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.err, "approximate"));
+  EXPECT_TRUE(says(told.out, "approximate CPU time [s]"));
   ASSERT_EQ(shell.hmax(options + "--out m").exit_code, 0);
   const auto compared = shell.hmax("compare m e --json").json();
   EXPECT_EQ(compared["same"], 24);
@@ -61,7 +61,7 @@ TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   EXPECT_EQ(benchmarks.size(), 24U);
   for (const auto& each : benchmarks) EXPECT_EQ(each.value("error_occurred", false), true);
   ASSERT_EQ(shell.hmax("report e --output e.html").exit_code, 0);
-  EXPECT_NE(read_text(shell / "e.html").find("explored, not shown"), std::string::npos);
+  EXPECT_TRUE(says(read_text(shell / "e.html"), "explored, not shown"));
   const Told merged = shell.hmax("merge both e m --json");
   EXPECT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_EQ(merged.json()["rows"], 24);
@@ -79,17 +79,17 @@ TEST(SweepCommand, DrawsAFigureForEachProblem) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const auto figures = told.json()["figures"];
   if (figures.empty()) {
-    EXPECT_NE(told.err.find("gnuplot"), std::string::npos) << told.err;
+    EXPECT_TRUE(says(told.err, "gnuplot"));
     return;
   }
   ASSERT_EQ(figures.size(), 2U);
   for (const char* words : {"liver_linear", "rk4", "CPU time"})
-    EXPECT_NE(read_text(shell / figures[1].get<std::string>()).find(words), std::string::npos) << words;
+    EXPECT_TRUE(says(read_text(shell / figures[1].get<std::string>()), words));
   // Tolerances have no steps to draw over.
   const Told over =
       shell.hmax("sweep --methods ode45 --rtol 1e-4,1e-6 --t-end 10 --out over --output drawn_over");
   ASSERT_EQ(over.exit_code, 0) << over.err;
-  EXPECT_NE(over.out.find("The figure: drawn_over/sweep.svg"), std::string::npos) << over.out;
+  EXPECT_TRUE(says(over.out, "The figure: drawn_over/sweep.svg"));
   expect_refused(shell.hmax(std::string(quick) + " --style slide"), "--output");
 }
 
@@ -155,8 +155,8 @@ TEST(SweepCommand, ResumesTheSameSweepOnly) {
 TEST(SweepCommand, ShowsTheFastestMethodForEachErrorAndWhatToDoNext) {
   const Shell shell;
   const Told told = shell.hmax(quick);
-  EXPECT_NE(told.out.find("fastest method"), std::string::npos);
-  EXPECT_NE(told.out.find("hmax export results/runs/quick.sqlite"), std::string::npos);
+  EXPECT_TRUE(says(told.out, "fastest method"));
+  EXPECT_TRUE(says(told.out, "hmax export results/runs/quick.sqlite"));
 }
 
 TEST(SweepCommand, ReadsAFileAndLetsFlagsGoBeforeIt) {
@@ -221,10 +221,8 @@ TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
   const Shell shell;
   const Told told = shell.hmax("sweep --methods explicit_euler --h 2 --out own.sqlite");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(
-      told.out.find("1 of them did not reach the end:\n  explicit_euler, fixed, h = 2 s: diverged at t = "),
-      std::string::npos)
-      << told.out;
+  EXPECT_TRUE(
+      says(told.out, "1 of them did not reach the end:\n  explicit_euler, fixed, h = 2 s: diverged at t = "));
   EXPECT_EQ(Store::open_existing(shell / "own.sqlite").rows().at(0).outcome, "diverged");
 }
 
@@ -247,7 +245,7 @@ TEST(SweepCommand, KeepsWhatIsFinishedWhenItIsInterrupted) {
   const int status = std::system(line.c_str());
   EXPECT_EQ(WEXITSTATUS(status), 124) << "`timeout` had to interrupt";
   const std::string err = read_text(scratch / "err");
-  EXPECT_NE(err.find("--resume measures the rest"), std::string::npos) << err;
+  EXPECT_TRUE(says(err, "--resume measures the rest"));
   const auto document = nlohmann::json::parse(read_text(scratch / "out"));
   EXPECT_EQ(document["interrupted"], true);
   EXPECT_EQ(document["rows"], document["measured"]);
@@ -303,9 +301,9 @@ TEST(SweepCommand, StatesItsTolerances) {
   EXPECT_EQ(shell.hmax("sweep --methods rk4 --h 1 --t-end 2 --out c --json").json().at("tolerances"),
             nlohmann::json::array());
   const Told words = shell.hmax(sampled + "d");
-  EXPECT_NE(words.out.find("sampled at rtol 1e-06, atol 1e-06"), std::string::npos) << words.out;
+  EXPECT_TRUE(says(words.out, "sampled at rtol 1e-06, atol 1e-06"));
   const Told adaptive = shell.hmax("sweep --methods ode45 --rtol 1e-4 --atol 1e-5 --t-end 2 --out e");
-  EXPECT_NE(adaptive.out.find("rtol 1e-04, atol 1e-05"), std::string::npos) << adaptive.out;
+  EXPECT_TRUE(says(adaptive.out, "rtol 1e-04, atol 1e-05"));
 }
 
 TEST(SweepCommand, NamesMethodsThatItDoesNotRunAndRunsNoOthersInTheirPlace) {
@@ -316,8 +314,7 @@ TEST(SweepCommand, NamesMethodsThatItDoesNotRunAndRunsNoOthersInTheirPlace) {
   EXPECT_FALSE(std::filesystem::exists(shell / "results/runs/none.sqlite"));
   const Told some = shell.hmax("sweep --methods rk4,ode45 --rtol 1e-4 --t-end 1 --out some");
   EXPECT_EQ(some.exit_code, 0) << some.err;
-  EXPECT_NE(some.err.find("hmax: warning: left out: rk4: has no error estimate"), std::string::npos)
-      << some.err;
+  EXPECT_TRUE(says(some.err, "hmax: warning: left out: rk4: has no error estimate"));
 }
 
 }  // namespace

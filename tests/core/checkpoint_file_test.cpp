@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/says.hpp"
+
 namespace hmax {
 namespace {
 
@@ -28,12 +30,7 @@ struct CheckpointFile : testing::Test {
   }
   void put(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
   [[nodiscard]] std::string refusal() const {
-    try {
-      read_checkpoint(file);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
+    return error_of<std::runtime_error>([&] { read_checkpoint(file); });
   }
 };
 
@@ -73,9 +70,9 @@ TEST_F(CheckpointFile, IsRefusedWhereAnyByteIsDamagedOrMissing) {
     EXPECT_NE(refusal(), "") << "cut at " << at;
   }
   put(whole + "x");
-  EXPECT_NE(refusal().find("damaged"), std::string::npos);
+  EXPECT_TRUE(says(refusal(), "damaged"));
   std::filesystem::remove(file);
-  EXPECT_NE(refusal().find("cannot be read"), std::string::npos);
+  EXPECT_TRUE(says(refusal(), "cannot be read"));
 }
 
 TEST_F(CheckpointFile, NamesWhatDiffersFirst) {
@@ -106,12 +103,7 @@ TEST_F(CheckpointFile, IsTheOldOrTheNewOneAfterAKill) {
 TEST_F(CheckpointFile, OneProcessAtATimeHasTheLock) {
   const std::filesystem::path lock = file.string() + ".lock";
   const auto refusal_of_lock = [&]() -> std::string {
-    try {
-      const CheckpointLock mine(file);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
+    return error_of<std::runtime_error>([&] { const CheckpointLock mine(file); });
   };
   {
     const CheckpointLock first(file);

@@ -10,6 +10,7 @@
 #include "integrators/implicit/rosenbrock_tableaux.hpp"
 #include "integrators/multistep/adams_pece.hpp"
 #include "tests/integrators/implicit_methods.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -127,13 +128,8 @@ TEST(ComponentTolerances, RefusesWhatIsNotOnePositiveNumberForEach) {
   refused(Eigen::Vector3d::Constant(1e-6));
   refused(Vector::Constant(1, 1e-6));
   refused(Vector());
-  try {
-    check_atol(Vector(Eigen::Vector3d::Ones()), 2);
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(),
-                 "the absolute tolerance has 3 components, but the state has 2; give one for each");
-  }
+  EXPECT_EQ(error_of<std::invalid_argument>([&] { check_atol(Vector(Eigen::Vector3d::Ones()), 2); }),
+            "the absolute tolerance has 3 components, but the state has 2; give one for each");
 }
 
 TEST(DefaultTolerances, AreThoseOfTheDocumentation) {

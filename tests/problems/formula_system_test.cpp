@@ -11,6 +11,7 @@
 
 #include "integrators/system.hpp"
 #include "problems/oscillator/oscillator.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -39,17 +40,10 @@ double value(const std::string& formula) {
 }
 
 std::string refusal(const FormulaDefinition& definition) {
-  try {
-    const FormulaSystem system(definition);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return error_of<std::invalid_argument>([&] { const FormulaSystem system(definition); });
 }
 
 std::string refusal(const std::string& formula) { return refusal(single(formula)); }
-
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 TEST(FormulaSystem, EqualsTheOscillatorOnRandomStates) {
   const FormulaSystem formulas(liver());
@@ -104,12 +98,7 @@ TEST(FormulaSystem, SettingAParameterChangesThisCopyOnly) {
 TEST(FormulaSystem, SettingRefusesUnknownNamesAndNumbersThatAreNotFinite) {
   FormulaSystem system(liver());
   EXPECT_THROW(system.set("c", std::nan("")), std::invalid_argument);
-  try {
-    system.set("k4", 1);
-    FAIL();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_SAYS(std::string(error.what()), "did you mean 'k1'?");
-  }
+  EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { system.set("k4", 1); }), "did you mean 'k1'?"));
 }
 
 TEST(FormulaSystem, OneSystemServesSeveralThreads) {
@@ -141,90 +130,90 @@ TEST(FormulaSystem, LaterDivisionsByZeroGiveNumbersThatAreNotFinite) {
 }
 
 TEST(FormulaSystem, UnknownNamesAreNamedWithColumnAndSuggestion) {
-  EXPECT_SAYS(refusal("a*x + coz(t)"),
-              "equation x' = \"a*x + coz(t)\", column 7: the name 'coz' is not known; did you");
-  EXPECT_SAYS(refusal("a*x + coz(t)"), "'cos'?");
-  EXPECT_SAYS(refusal("velocity"), "known are x, a, t, pi, e");
-  EXPECT_SAYS(refusal("_pi"), "'_pi' is not known; did you mean 'pi'?");
+  EXPECT_TRUE(says(refusal("a*x + coz(t)"),
+                   "equation x' = \"a*x + coz(t)\", column 7: the name 'coz' is not known; did you"));
+  EXPECT_TRUE(says(refusal("a*x + coz(t)"), "'cos'?"));
+  EXPECT_TRUE(says(refusal("velocity"), "known are x, a, t, pi, e"));
+  EXPECT_TRUE(says(refusal("_pi"), "'_pi' is not known; did you mean 'pi'?"));
 }
 
 TEST(FormulaSystem, SyntaxErrorsNameTheEquationTheColumnAndTheRemedy) {
-  EXPECT_SAYS(refusal(""), "the formula is empty");
-  EXPECT_SAYS(refusal("  "), "the formula is empty");
-  EXPECT_SAYS(refusal("x +* a"), "column 4: the operator '*' is out of place");
-  EXPECT_SAYS(refusal("x +"), "ends too early");
-  EXPECT_SAYS(refusal("(x + a"), "not closed");
-  EXPECT_SAYS(refusal("x + a)"), "column 6: the parenthesis ')'");
-  EXPECT_SAYS(refusal("x a"), "column 3: an operator is missing before 'a'");
-  EXPECT_SAYS(refusal("2x"), "column 2: a name follows a number");
-  EXPECT_SAYS(refusal("2e"), "column 2: a name follows a number");
-  EXPECT_SAYS(refusal("x(2)"), "out of place");
-  EXPECT_SAYS(refusal("sin"), "column 1: the function 'sin' has no arguments");
-  EXPECT_SAYS(refusal("sin()"), "too few arguments");
-  EXPECT_SAYS(refusal("sin(x, a)"), "too many arguments");
-  EXPECT_SAYS(refusal("x ? a"), "a ? b : c");
-  EXPECT_SAYS(refusal("1.2.3"), "column 1: this is no number");
-  EXPECT_SAYS(refusal("()"), "column 2: the parentheses are empty");
-  EXPECT_SAYS(refusal("x & a"), "column 3: conditions are joined by &&");
-  EXPECT_SAYS(refusal(std::string(6000, '1')), "equation x'");
-  EXPECT_SAYS(refusal(std::string(100'000, '(') + "x"), "nested too deeply");
-  EXPECT_SAYS(refusal(std::string(100'000, '-') + "x"), "nested too deeply");
+  EXPECT_TRUE(says(refusal(""), "the formula is empty"));
+  EXPECT_TRUE(says(refusal("  "), "the formula is empty"));
+  EXPECT_TRUE(says(refusal("x +* a"), "column 4: the operator '*' is out of place"));
+  EXPECT_TRUE(says(refusal("x +"), "ends too early"));
+  EXPECT_TRUE(says(refusal("(x + a"), "not closed"));
+  EXPECT_TRUE(says(refusal("x + a)"), "column 6: the parenthesis ')'"));
+  EXPECT_TRUE(says(refusal("x a"), "column 3: an operator is missing before 'a'"));
+  EXPECT_TRUE(says(refusal("2x"), "column 2: a name follows a number"));
+  EXPECT_TRUE(says(refusal("2e"), "column 2: a name follows a number"));
+  EXPECT_TRUE(says(refusal("x(2)"), "out of place"));
+  EXPECT_TRUE(says(refusal("sin"), "column 1: the function 'sin' has no arguments"));
+  EXPECT_TRUE(says(refusal("sin()"), "too few arguments"));
+  EXPECT_TRUE(says(refusal("sin(x, a)"), "too many arguments"));
+  EXPECT_TRUE(says(refusal("x ? a"), "a ? b : c"));
+  EXPECT_TRUE(says(refusal("1.2.3"), "column 1: this is no number"));
+  EXPECT_TRUE(says(refusal("()"), "column 2: the parentheses are empty"));
+  EXPECT_TRUE(says(refusal("x & a"), "column 3: conditions are joined by &&"));
+  EXPECT_TRUE(says(refusal(std::string(6000, '1')), "equation x'"));
+  EXPECT_TRUE(says(refusal(std::string(100'000, '(') + "x"), "nested too deeply"));
+  EXPECT_TRUE(says(refusal(std::string(100'000, '-') + "x"), "nested too deeply"));
   EXPECT_LT(refusal(std::string(6000, '1')).size(), 300u);
 }
 
 TEST(FormulaSystem, AssignmentsSeveralValuesAndForeignCharactersAreRefused) {
-  EXPECT_SAYS(refusal("a = 3"), "column 3: a formula assigns nothing");
-  EXPECT_SAYS(refusal("x = a == 2"), "column 3: a formula assigns nothing");
-  EXPECT_SAYS(refusal("1,5"), "decimals with a point");
-  EXPECT_SAYS(refusal("x, a"), "decimals with a point");
-  EXPECT_SAYS(refusal("\"text\""), "column 1: a formula cannot contain '\"'");
-  EXPECT_SAYS(refusal("x; a"), "cannot contain ';'");
-  EXPECT_SAYS(refusal("x \xc3\x97 a"), "this character");
-  EXPECT_SAYS(refusal(std::string("x\0a", 3)), "this character");
+  EXPECT_TRUE(says(refusal("a = 3"), "column 3: a formula assigns nothing"));
+  EXPECT_TRUE(says(refusal("x = a == 2"), "column 3: a formula assigns nothing"));
+  EXPECT_TRUE(says(refusal("1,5"), "decimals with a point"));
+  EXPECT_TRUE(says(refusal("x, a"), "decimals with a point"));
+  EXPECT_TRUE(says(refusal("\"text\""), "column 1: a formula cannot contain '\"'"));
+  EXPECT_TRUE(says(refusal("x; a"), "cannot contain ';'"));
+  EXPECT_TRUE(says(refusal("x \xc3\x97 a"), "this character"));
+  EXPECT_TRUE(says(refusal(std::string("x\0a", 3)), "this character"));
 }
 
 TEST(FormulaSystem, DerivativesThatAreNotFiniteAtTheStartAreRefused) {
-  EXPECT_SAYS(refusal("1/0"), "not finite at the start");
-  EXPECT_SAYS(refusal("1/(x - 3)"), "not finite at the start");
-  EXPECT_SAYS(refusal("sqrt(-x)"), "not finite at the start");
-  EXPECT_SAYS(refusal("ln(0*t)"), "not finite at the start");
+  EXPECT_TRUE(says(refusal("1/0"), "not finite at the start"));
+  EXPECT_TRUE(says(refusal("1/(x - 3)"), "not finite at the start"));
+  EXPECT_TRUE(says(refusal("sqrt(-x)"), "not finite at the start"));
+  EXPECT_TRUE(says(refusal("ln(0*t)"), "not finite at the start"));
 }
 
 TEST(FormulaSystem, NamesThatAreNotFreeAreRefused) {
   const auto named = [](const std::string& state, const std::string& parameter) {
     return refusal({.name = "n", .equations = {{state, "0"}}, .parameters = {{parameter, 1}}, .y0 = {0}});
   };
-  EXPECT_EQ(named("x", "a"), "accepted");
-  EXPECT_SAYS(named("t", "a"), "the state 't' has the name of the time");
-  EXPECT_SAYS(named("x", "pi"), "the parameter 'pi' has the name of a constant");
-  EXPECT_SAYS(named("x", "sin"), "the parameter 'sin' has the name of a function");
-  EXPECT_SAYS(named("x", "x"), "the parameter 'x' is defined twice");
-  EXPECT_SAYS(named("1x", "a"), "the state '1x' is no name");
-  EXPECT_SAYS(named("x y", "a"), "is no name");
-  EXPECT_SAYS(named("", "a"), "is no name");
-  EXPECT_SAYS(named(std::string(101, 'x'), "a"), "is no name");
-  EXPECT_EQ(named(std::string(100, 'x'), "a"), "accepted");
+  EXPECT_EQ(named("x", "a"), "");
+  EXPECT_TRUE(says(named("t", "a"), "the state 't' has the name of the time"));
+  EXPECT_TRUE(says(named("x", "pi"), "the parameter 'pi' has the name of a constant"));
+  EXPECT_TRUE(says(named("x", "sin"), "the parameter 'sin' has the name of a function"));
+  EXPECT_TRUE(says(named("x", "x"), "the parameter 'x' is defined twice"));
+  EXPECT_TRUE(says(named("1x", "a"), "the state '1x' is no name"));
+  EXPECT_TRUE(says(named("x y", "a"), "is no name"));
+  EXPECT_TRUE(says(named("", "a"), "is no name"));
+  EXPECT_TRUE(says(named(std::string(101, 'x'), "a"), "is no name"));
+  EXPECT_EQ(named(std::string(100, 'x'), "a"), "");
 }
 
 TEST(FormulaSystem, SizesAndNumbersAreChecked) {
   auto definition = single("x");
   definition.equations.clear();
-  EXPECT_SAYS(refusal(definition), "no equations");
+  EXPECT_TRUE(says(refusal(definition), "no equations"));
   definition = single("x");
   definition.y0 = {1, 2};
-  EXPECT_SAYS(refusal(definition), "1 equations but 2 initial values");
+  EXPECT_TRUE(says(refusal(definition), "1 equations but 2 initial values"));
   definition.y0 = {std::nan("")};
-  EXPECT_SAYS(refusal(definition), "initial value of 'x' is not finite");
+  EXPECT_TRUE(says(refusal(definition), "initial value of 'x' is not finite"));
   definition = single("x");
   definition.parameters[0].second = std::numeric_limits<double>::infinity();
-  EXPECT_SAYS(refusal(definition), "parameter 'a' is not finite");
+  EXPECT_TRUE(says(refusal(definition), "parameter 'a' is not finite"));
   definition = single("x");
   definition.t_end = 5;
-  EXPECT_SAYS(refusal(definition), "t_end is 5, the time of the start");
+  EXPECT_TRUE(says(refusal(definition), "t_end is 5, the time of the start"));
   definition.t_end = 4;
-  EXPECT_EQ(refusal(definition), "accepted") << "backwards";
+  EXPECT_EQ(refusal(definition), "") << "backwards";
   definition.t_end = std::nan("");
-  EXPECT_SAYS(refusal(definition), "time span");
+  EXPECT_TRUE(says(refusal(definition), "time span"));
 }
 
 /// What muParser 2.3.3 made of formulas with x = 3, a = 2 and t = 5; it read them before.
@@ -263,8 +252,8 @@ TEST(FormulaSystem, PowersMayBeWrittenAsInOtherLanguages) {
   EXPECT_EQ(value("-x ** 2"), -9);
   EXPECT_EQ(value("pow(x, 3)"), 27);
   EXPECT_EQ(value("0.5 && 1"), 1);
-  EXPECT_SAYS(refusal("pow(x)"), "too few arguments for the function 'pow'");
-  EXPECT_SAYS(refusal("x *** a"), "column 5: the operator '*' is out of place");
+  EXPECT_TRUE(says(refusal("pow(x)"), "too few arguments for the function 'pow'"));
+  EXPECT_TRUE(says(refusal("x *** a"), "column 5: the operator '*' is out of place"));
 }
 
 /// A system of n states y1, y2, ... started at (0.3, 0.7, 1.1, ...), with a = 2 and z = 0.
@@ -610,8 +599,8 @@ TEST(FormulaSystem, OfManyEquationsThatMeetInASumHasFullMatrices) {
   EXPECT_EQ(J, Eigen::MatrixXd(Eigen::MatrixXd::Ones(n, n)));
   // A message names no more than people read.
   all.equations.front().second = "velocity";
-  EXPECT_SAYS(refusal(all), "known are x0, x1, x2, ");
-  EXPECT_SAYS(refusal(all), "x59 and ");
+  EXPECT_TRUE(says(refusal(all), "known are x0, x1, x2, "));
+  EXPECT_TRUE(says(refusal(all), "x59 and "));
 }
 
 TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
@@ -627,15 +616,16 @@ TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
     definition.velocities = std::move(velocities);
     return refusal(definition);
   };
-  EXPECT_SAYS(named({"x"}, {}), "1 positions but 0 velocities");
-  EXPECT_SAYS(named({"x"}, {"u"}), "name 'u', which has no equation");
-  EXPECT_SAYS(named({"x"}, {"x"}), "name 'x' twice");
+  EXPECT_TRUE(says(named({"x"}, {}), "1 positions but 0 velocities"));
+  EXPECT_TRUE(says(named({"x"}, {"u"}), "name 'u', which has no equation"));
+  EXPECT_TRUE(says(named({"x"}, {"x"}), "name 'x' twice"));
   definition.equations = {{"x", "2*v"}, {"v", "-x"}, {"z", "0"}};
   definition.y0 = {1, 2, 3};
-  EXPECT_SAYS(named({"x"}, {"v"}), "name 2 of 3 states");
+  EXPECT_TRUE(says(named({"x"}, {"v"}), "name 2 of 3 states"));
   definition.equations.pop_back();
   definition.y0.pop_back();
-  EXPECT_SAYS(named({"x"}, {"v"}), "equation x' = \"2*v\": this is not the velocity 'v'; write x = \"v\"");
+  EXPECT_TRUE(
+      says(named({"x"}, {"v"}), "equation x' = \"2*v\": this is not the velocity 'v'; write x = \"v\""));
 }
 
 TEST(FormulaSystem, SlopesThatItsRulesDoNotTellAreInfinite) {

@@ -6,6 +6,7 @@
 
 #include "core/errors.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -69,12 +70,7 @@ TEST(Baseline, BrokenFilesAreRefusedByLine) {
   EXPECT_THROW(read_baseline(scratch / "absent.csv"), InputError);
   for (const char* line : {"liver,rk4", "a,b,c,d,x,0,1,1,1,1,1,1", "a,b,c,d,0,0,1e300,1,1,1,1,1"}) {
     write_text(scratch / "broken.csv", std::string("\n") + line + "\n");
-    try {
-      read_baseline(scratch / "broken.csv");
-      FAIL() << line;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("broken.csv:2"), std::string::npos) << error.what();
-    }
+    EXPECT_TRUE(says(error_of<InputError>([&] { read_baseline(scratch / "broken.csv"); }), "broken.csv:2"));
   }
 }
 

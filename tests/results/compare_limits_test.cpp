@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "results/exports.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -68,7 +69,7 @@ TEST(LimitExports, HaveOneColumnForEachNumberAndWordsForInfinity) {
   const std::string line = csv.substr(header.size() + 1);
   EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',') + 1)
       << "the start has a comma of its own, in quotes: " << line;
-  EXPECT_NE(line.find(",unbounded,"), std::string::npos);
+  EXPECT_TRUE(says(line, ",unbounded,"));
   const auto object = nlohmann::json::parse(rows_to_jsonl(std::vector{row}));
   EXPECT_EQ(object.at("h_max"), "unbounded");
   EXPECT_TRUE(object.at("observed").is_null());

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/says.hpp"
+
 namespace hmax {
 namespace {
 
@@ -167,7 +169,7 @@ TEST(Compare, WithFewRowsNoCommonRatioIsRemoved) {
   const Comparison c = compare(a, b);
   EXPECT_EQ(c.common_ratio, 1.0);
   EXPECT_EQ(c.count(TimingVerdict::slower), 2u);
-  EXPECT_NE(c.remarks.at(0).find("Only 2 rows"), std::string::npos);
+  EXPECT_TRUE(says(c.remarks.at(0), "Only 2 rows"));
 }
 
 TEST(Compare, EightRowsAreEnoughForACommonRatio) {
@@ -282,8 +284,7 @@ TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
   EXPECT_TRUE(found.rows[0].changes.empty());
   EXPECT_TRUE(std::isnan(found.rows[0].ratio));
   EXPECT_EQ(found.rows[1].verdict, TimingVerdict::changed);
-  EXPECT_NE(found.remarks.back().find("2 of the rows were explored"), std::string::npos)
-      << found.remarks.back();
+  EXPECT_TRUE(says(found.remarks.back(), "2 of the rows were explored"));
 }
 
 }  // namespace

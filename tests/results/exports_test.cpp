@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/says.hpp"
+
 namespace hmax {
 namespace {
 
@@ -121,7 +123,7 @@ TEST(Exports, JsonlIsOneObjectPerRowWithNullsAndAStatus) {
   EXPECT_TRUE(b["error_global"].is_null());
   EXPECT_TRUE(b["realtime_factor"].is_null());
   EXPECT_EQ(b["t_reached"], 3);
-  EXPECT_NE(b["status"].get<std::string>().find("error_end"), std::string::npos);
+  EXPECT_TRUE(says(b["status"].get<std::string>(), "error_end"));
 }
 
 TEST(Exports, GoogleBenchmarkHasOneEntryPerRepetitionAndItsAggregates) {

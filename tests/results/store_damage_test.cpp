@@ -11,8 +11,8 @@
 #include "core/errors.hpp"
 #include "results/exports.hpp"
 #include "results/store.hpp"
-#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -85,7 +85,7 @@ std::string all_of(const Store& store) {
 }
 
 std::string error_of_reading(const std::filesystem::path& file) {
-  return input_error([&] { (void)all_of(Store::open_existing(file)); });
+  return error_of<InputError>([&] { (void)all_of(Store::open_existing(file)); });
 }
 
 void foreign_sql(const std::filesystem::path& file, const std::string& sql) {
@@ -132,10 +132,11 @@ TEST(StoreDamage, AFlippedBitIsRefusedOrChangesNothing) {
     damaged[at] = static_cast<char>(damaged[at] ^ 1 << random() % 8);
     put(scratch / "flipped", damaged);
     std::string found;
-    const std::string error = input_error([&] { found = all_of(Store::open_existing(scratch / "flipped")); });
+    const std::string error =
+        error_of<InputError>([&] { found = all_of(Store::open_existing(scratch / "flipped")); });
     refused += error.empty() ? 0 : 1;
     if (!error.empty()) {
-      EXPECT_NE(error.find("flipped"), std::string::npos) << error;
+      EXPECT_TRUE(says(error, "flipped"));
     } else if (found != expected) {
       ++accepted;
       ADD_FAILURE() << "a bit of byte " << at << " changes what is read";
@@ -159,9 +160,8 @@ TEST(StoreDamage, AnyChangedValueIsRefusedAndItsRowIsNamed) {
       foreign_sql(scratch / "changed", std::string("UPDATE ") + table + " SET " + column + " = 'abc' WHERE " +
                                            "rowid = (SELECT max(rowid) FROM " + table + ")");
       const std::string error = error_of_reading(scratch / "changed");
-      EXPECT_NE(error.find(std::string(" of its table ") + table), std::string::npos)
-          << column << ": " << error;
-      EXPECT_NE(error.find("differs from its digest"), std::string::npos) << column << ": " << error;
+      EXPECT_TRUE(says(error, std::string(" of its table ") + table)) << column;
+      EXPECT_TRUE(says(error, "differs from its digest")) << column;
       ++changed;
     }
   }
@@ -174,10 +174,10 @@ TEST(StoreDamage, TheRowAndItsMethodAreNamedAndTheRestIsReadWithoutIt) {
   make_store(file);
   foreign_sql(file, "UPDATE rows SET h = 'abc' WHERE id = 2");
   const std::string error = error_of_reading(file);
-  EXPECT_NE(error.find("row 2 of its table rows: newmark, differs from its digest"), std::string::npos)
-      << error;
-  EXPECT_NE(error.find("DELETE FROM rows WHERE rowid = 2"), std::string::npos) << error;
-  EXPECT_EQ(input_error([&] { Store::open_or_create(file); }), error) << "nothing is resumed from it";
+  EXPECT_TRUE(says(error, "row 2 of its table rows: newmark, differs from its digest"));
+  EXPECT_TRUE(says(error, "DELETE FROM rows WHERE rowid = 2"));
+  EXPECT_EQ(error_of<InputError>([&] { Store::open_or_create(file); }), error)
+      << "nothing is resumed from it";
   foreign_sql(file, "DELETE FROM rows WHERE rowid = 2");
   EXPECT_EQ(error_of_reading(file), "");
   EXPECT_EQ(Store::open_existing(file).size(), 5);
@@ -192,7 +192,7 @@ TEST(StoreDamage, AnotherTypeOfTheSameValueIsRefused) {
         "rows SET steps = 1e300", "limits SET h_max = CAST(h_max AS TEXT)", "rows SET error_global = 0.0"}) {
     put(scratch / "changed", bytes);
     foreign_sql(scratch / "changed", std::string("UPDATE ") + change);
-    EXPECT_NE(error_of_reading(scratch / "changed").find("is damaged"), std::string::npos) << change;
+    EXPECT_TRUE(says(error_of_reading(scratch / "changed"), "is damaged")) << change;
   }
 }
 
@@ -208,8 +208,7 @@ TEST(StoreDamage, RowsThatAreGoneOrReferToNothingAreRefused) {
         {"ALTER TABLE rows RENAME COLUMN rhs TO evaluations", "is damaged"}}) {
     put(scratch / "changed", bytes);
     foreign_sql(scratch / "changed", change);
-    EXPECT_NE(error_of_reading(scratch / "changed").find(words), std::string::npos)
-        << error_of_reading(scratch / "changed");
+    EXPECT_TRUE(says(error_of_reading(scratch / "changed"), words));
   }
 }
 
@@ -222,7 +221,7 @@ TEST(StoreDamage, APageThatSqliteCannotReadNamesTheFile) {
     std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(page * 4096), 64, '\x5a');
     put(scratch / "torn", damaged);
     const std::string error = error_of_reading(scratch / "torn");
-    EXPECT_NE(error.find("torn' is damaged"), std::string::npos) << page << ": " << error;
+    EXPECT_TRUE(says(error, "torn' is damaged")) << page;
   }
 }
 

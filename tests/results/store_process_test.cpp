@@ -20,8 +20,8 @@
 #include "core/errors.hpp"
 #include "results/patience.hpp"
 #include "results/store.hpp"
-#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -129,7 +129,7 @@ TEST(StoreProcess, ARowThatAnotherProcessStoredMeanwhileIsAnInputError) {
   first.begin_session({});
   second.begin_session({});
   first.insert(numbered(1));
-  EXPECT_NE(input_error([&] { second.insert(numbered(1)); }).find("Another process"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { second.insert(numbered(1)); }), "Another process"));
   second.insert(numbered(2));
   EXPECT_EQ(first.size(), 2);
   EXPECT_EQ(first.rows()[0].session, 2);  // h descends
@@ -170,7 +170,9 @@ TEST(StoreProcess, AStoreIsReadWithoutRightsToWrite) {
       const std::vector<Row> rows = store.rows();
       if (rows.size() != 1 || !(rows[0].key == numbered(1).key)) return 1;
       if (!store.contains(numbered(1).key) || store.sessions().size() != 1) return 2;
-      return input_error([&] { store.begin_session({}); }).find("read-only") == std::string::npos ? 3 : 0;
+      return error_of<InputError>([&] { store.begin_session({}); }).find("read-only") == std::string::npos
+                 ? 3
+                 : 0;
     }));
     chmod(folder.c_str(), 0755);
     if (code == 77) GTEST_SKIP() << "cannot give up root";
@@ -190,12 +192,11 @@ TEST(StoreProcess, AnotherSchemaOrApplicationIsRefusedAndLeftUntouched) {
   foreign_sql(scratch / "other", "CREATE TABLE addresses (name TEXT); INSERT INTO addresses VALUES ('x')");
   for (const char* name : {"old", "other"}) {
     const std::string before = read_text(scratch / name);
-    EXPECT_NE(input_error([&] { Store::open_or_create(scratch / name); }).find(name), std::string::npos);
-    EXPECT_NE(input_error([&] { Store::open_existing(scratch / name); }).find("untouched"),
-              std::string::npos);
+    EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_or_create(scratch / name); }), name));
+    EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_existing(scratch / name); }), "untouched"));
     EXPECT_EQ(read_text(scratch / name), before);
   }
-  EXPECT_NE(input_error([&] { Store::open_existing(scratch / "old"); }).find("schema 77"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_existing(scratch / "old"); }), "schema 77"));
 }
 
 TEST(StoreProcess, ALockedStoreIsAnInputErrorAfterAShortWait) {
@@ -206,7 +207,7 @@ TEST(StoreProcess, ALockedStoreIsAnInputErrorAfterAShortWait) {
   sqlite3* other = nullptr;
   ASSERT_EQ(sqlite3_open((scratch / "a").c_str(), &other), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
-  EXPECT_NE(input_error([&] { store.insert(numbered(2)); }).find("locked"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { store.insert(numbered(2)); }), "locked"));
   EXPECT_EQ(store.size(), 1);
   sqlite3_close(other);
   store.insert(numbered(2));
@@ -246,7 +247,7 @@ TEST(StoreProcess, AFullDiskIsAnInputErrorAndKeepsWhatWasStored) {
     const rlimit limit{400000, 400000};
     setrlimit(RLIMIT_FSIZE, &limit);
     int stored = 1;
-    const std::string words = input_error([&] {
+    const std::string words = error_of<InputError>([&] {
       for (;; ++stored) {
         Row big = numbered(stored);
         big.status = std::string(5000, 'x');
@@ -279,15 +280,19 @@ TEST(StoreProcess, WithoutRightsWritingIsRefusedAndReadingWorks) {
   chmod(scratch.folder().c_str(), 0755);
   const int code = exit_code(in_child([&] {
     if (geteuid() == 0 && setuid(65534) != 0) return 77;  // root writes anywhere: become nobody
-    if (input_error([&] { Store::open_or_create(folder / "new"); }).find("writable") == std::string::npos)
+    if (error_of<InputError>([&] { Store::open_or_create(folder / "new"); }).find("writable") ==
+        std::string::npos)
       return 1;
-    if (input_error([&] { Store::open_or_create(folder / "deep/new"); }).find("folder") == std::string::npos)
+    if (error_of<InputError>([&] { Store::open_or_create(folder / "deep/new"); }).find("folder") ==
+        std::string::npos)
       return 2;
-    if (input_error([&] { Store::open_or_create(folder / "a"); }).find("read-only") == std::string::npos)
+    if (error_of<InputError>([&] { Store::open_or_create(folder / "a"); }).find("read-only") ==
+        std::string::npos)
       return 3;
     Store store = Store::open_existing(folder / "a");
     if (store.rows().size() != 1) return 4;
-    return input_error([&] { store.begin_session({}); }).find("read-only") == std::string::npos ? 5 : 0;
+    return error_of<InputError>([&] { store.begin_session({}); }).find("read-only") == std::string::npos ? 5
+                                                                                                         : 0;
   }));
   chmod(folder.c_str(), 0755);
   if (code == 77) GTEST_SKIP() << "cannot give up root";

@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
-#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -253,20 +253,19 @@ TEST(Store, RefusesWhatIsNoStoreAndLeavesItUntouched) {
        {std::string("h,error\n1,2\n"), std::string(5000, 'x'), std::string("SQLite format 3\0garbage", 23)}) {
     write_text(scratch / "notes.csv", content);
     for (const bool create : {true, false}) {
-      const std::string words = input_error([&] {
+      const std::string words = error_of<InputError>([&] {
         create ? Store::open_or_create(scratch / "notes.csv") : Store::open_existing(scratch / "notes.csv");
       });
-      EXPECT_NE(words.find((scratch / "notes.csv").string()), std::string::npos) << words;
+      EXPECT_TRUE(says(words, (scratch / "notes.csv").string()));
     }
     EXPECT_EQ(read_text(scratch / "notes.csv"), content);
   }
-  EXPECT_NE(input_error([&] { Store::open_or_create(scratch.folder()); }).find("folder"), std::string::npos);
-  EXPECT_NE(input_error([&] { Store::open_existing(scratch / "absent"); }).find("no store"),
-            std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_or_create(scratch.folder()); }), "folder"));
+  EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_existing(scratch / "absent"); }), "no store"));
   EXPECT_FALSE(std::filesystem::exists(scratch / "absent"));
-  EXPECT_NE(input_error([&] { Store::open_or_create("/dev/full"); }).find("regular file"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { Store::open_or_create("/dev/full"); }), "regular file"));
   write_text(scratch / "file", "x");
-  EXPECT_NE(input_error([&] { Store::open_or_create(scratch / "file/store"); }), "");
+  EXPECT_NE(error_of<InputError>([&] { Store::open_or_create(scratch / "file/store"); }), "");
 }
 
 }  // namespace

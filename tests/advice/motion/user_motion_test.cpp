@@ -10,6 +10,7 @@
 #include "core/errors.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -69,19 +70,14 @@ TEST(UserMotion, IsWhatStepsAreJudgedBy) {
   asked.methods = choose_methods({"symplectic_euler", "newmark"}, {problem});
   const Advice advice = advise(problem, asked);
   EXPECT_NE(advice.recommended(), nullptr);
-  EXPECT_NE(advice.motion.find("motion.csv"), std::string::npos) << advice.motion;
+  EXPECT_TRUE(says(advice.motion, "motion.csv"));
   EXPECT_EQ(advice.t_end, 0.2);
 }
 
 TEST(UserMotion, RefusesWhatIsNone) {
   const Scratch scratch;
   const auto refused = [&](const std::string& text, const std::string& why) {
-    try {
-      read_user_motion(written(scratch, text));
-      ADD_FAILURE() << text;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
-    }
+    EXPECT_TRUE(says(error_of<InputError>([&] { read_user_motion(written(scratch, text)); }), why));
   };
   refused("fx\n0\n1\n", "no column t");
   refused("t,a\n0,0\n1,1\n", "neither fx");

@@ -16,6 +16,7 @@
 #include "core/ranks/thread_ranks.hpp"
 #include "results/compare.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -245,7 +246,7 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
   EXPECT_NE(sessions[0].fingerprint.cpu, "another");
   EXPECT_EQ(sessions[1].fingerprint.cpu, "another");
   ASSERT_EQ(summary.warnings.size(), 1U);
-  EXPECT_NE(summary.warnings[0].find("another machine"), std::string::npos);
+  EXPECT_TRUE(says(summary.warnings[0], "another machine"));
   std::size_t of_others = 0;
   for (const Row& row : store.rows()) of_others += row.session == sessions[1].id;
   EXPECT_GT(of_others, 0U);
@@ -253,7 +254,7 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
 
 /// What a sweep on two ranks throws.
 template <class Error>
-std::string error_of(
+std::string error_of_sweep(
     const std::function<SweepPlan(int rank)>& plan,
     const std::function<std::string(int rank, std::string_view)>& change =
         [](int, std::string_view b) { return unchanged(b); },
@@ -263,35 +264,32 @@ std::string error_of(
   ThreadRanks ranks(2, most_on_a_node);
   const Helpers helpers(ranks, 2, plan, change);
   SweepDealer dealer(ranks[0]);
-  try {
+  return error_of<Error>([&] {
     const SweepPlan own = plan_sweep(small_sweep());
     dealer.run(own, store);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing";
+  });
 }
 
 TEST(DealtSweep, ErrorsOfARankAreThoseOfRank0) {
-  EXPECT_EQ(error_of<InputError>([](int) -> SweepPlan { throw InputError("no file here"); }),
+  EXPECT_EQ(error_of_sweep<InputError>([](int) -> SweepPlan { throw InputError("no file here"); }),
             "rank 1: no file here");
-  EXPECT_EQ(error_of<std::logic_error>([](int) -> SweepPlan { throw std::runtime_error("broken"); }),
+  EXPECT_EQ(error_of_sweep<std::logic_error>([](int) -> SweepPlan { throw std::runtime_error("broken"); }),
             "rank 1: broken");
   const auto other = [](int) {
     SweepSpec spec = small_sweep();
     spec.h.back() = 0.001;
     return plan_sweep(spec);
   };
-  EXPECT_NE(error_of<InputError>(other).find("rank 1 has another sweep"), std::string::npos);
+  EXPECT_TRUE(says(error_of_sweep<InputError>(other), "rank 1 has another sweep"));
   const auto shard = [](int) { return shard_of(plan_sweep(small_sweep()), {1, 2}); };
-  EXPECT_NE(error_of<InputError>(shard).find("rank 1 has another sweep"), std::string::npos);
+  EXPECT_TRUE(says(error_of_sweep<InputError>(shard), "rank 1 has another sweep"));
   const auto own = [](int) { return plan_sweep(small_sweep()); };
   const auto of_another_build = [](int, std::string_view bytes) {
     SweepMessage message = sweep_message(bytes);
     if (auto* ready = std::get_if<RankReady>(&message)) ready->machine.program = "another";
     return to_bytes(message);
   };
-  EXPECT_NE(error_of<InputError>(own, of_another_build).find("another build"), std::string::npos);
+  EXPECT_TRUE(says(error_of_sweep<InputError>(own, of_another_build), "another build"));
 }
 
 TEST(DealtSweep, ARankThatIsLateIsHeardBeforeTheSweepEnds) {
@@ -303,7 +301,7 @@ TEST(DealtSweep, ARankThatIsLateIsHeardBeforeTheSweepEnds) {
   };
   // Ranks that share a node: rank 0 measures, too.
   const auto as_sent = [](int, std::string_view bytes) { return unchanged(bytes); };
-  EXPECT_NE(error_of<InputError>(late, as_sent, 2).find("rank 1 has another sweep"), std::string::npos);
+  EXPECT_TRUE(says(error_of_sweep<InputError>(late, as_sent, 2), "rank 1 has another sweep"));
 }
 
 TEST(DealtSweep, AnErrorOfRank0EndsTheOthers) {

@@ -7,6 +7,7 @@
 
 #include "core/errors.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -14,12 +15,7 @@ namespace {
 SweepSpec read(const std::string& text) { return spec_from(sweep_from(parse_toml(text, "s.toml"))); }
 
 std::string refusal(const std::string& text) {
-  try {
-    plan_sweep(read(text));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return error_of<InputError>([&] { plan_sweep(read(text)); });
 }
 
 TEST(SweepFile, AnEmptyFileAsksForNothing) {
@@ -69,7 +65,7 @@ TEST(SweepFile, TolerancesWithoutStepsAreSwept) {
   ASSERT_EQ(spec.tolerances.size(), 2u);
   EXPECT_EQ(spec.tolerances[1].rtol, 1e-6);
   EXPECT_EQ(spec.tolerances[1].atol, 1e-6);
-  EXPECT_NE(refusal("[sweep]\nrtol = [1e-3, 1e-6]\nh = 1\n").find("only without steps"), std::string::npos);
+  EXPECT_TRUE(says(refusal("[sweep]\nrtol = [1e-3, 1e-6]\nh = 1\n"), "only without steps"));
 }
 
 TEST(SweepFile, AllMaterialsAreTheSixOfTheTable) {
@@ -114,7 +110,7 @@ TEST(SweepFile, MistakesAreNamedWithTheirLine) {
            {"[set]\nq = 6\n", "unknown parameter 'q'"},
            {"sweep = 1\n", "sweep"},
        })
-    EXPECT_NE(refusal(text).find(named), std::string::npos) << text << refusal(text);
+    EXPECT_TRUE(says(refusal(text), named)) << text;
 }
 
 }  // namespace

@@ -25,8 +25,8 @@
 #include "core/parallel_for.hpp"
 #include "results/exports.hpp"
 #include "results/merge/merge_stores.hpp"
-#include "tests/results/input_error.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -58,7 +58,7 @@ const Row& row(const std::vector<Row>& rows, const std::string& method, const st
 }
 
 std::string refusal(const SweepSpec& spec) {
-  return input_error([&] { plan_sweep(spec); });
+  return error_of<InputError>([&] { plan_sweep(spec); });
 }
 
 auto identity(const RowKey& k) {
@@ -131,7 +131,7 @@ TEST(Sweep, ADivergedRunIsARowWithItsTimeOfDivergence) {
   EXPECT_LT(rows[0].t_reached, 100);
   EXPECT_TRUE(std::isnan(rows[0].error_end));
   EXPECT_TRUE(std::isnan(rows[0].error_global));
-  EXPECT_NE(rows[0].status.find("diverged"), std::string::npos);
+  EXPECT_TRUE(says(rows[0].status, "diverged"));
   EXPECT_EQ(rows[0].cpu_s.size(), 9u);
 }
 
@@ -225,7 +225,7 @@ TEST(Sweep, WithoutAReferenceThereIsNoErrorAndSoNoTime) {
   EXPECT_EQ(r.outcome, "reached_end") << "a loose tolerance damps what it cannot resolve";
   EXPECT_TRUE(r.cpu_s.empty());
   EXPECT_TRUE(std::isnan(r.error_end));
-  EXPECT_NE(r.status.find("reference ends"), std::string::npos);
+  EXPECT_TRUE(says(r.status, "reference ends"));
 }
 
 TEST(Sweep, ARunThatReachesTheLimitOfStepsIsGivenUpAndNotTimed) {
@@ -238,7 +238,7 @@ TEST(Sweep, ARunThatReachesTheLimitOfStepsIsGivenUpAndNotTimed) {
   EXPECT_EQ(r.outcome, "too_many_steps");
   EXPECT_TRUE(r.cpu_s.empty());
   EXPECT_TRUE(std::isnan(r.error_global));
-  EXPECT_NE(r.status.find("given up"), std::string::npos);
+  EXPECT_TRUE(says(r.status, "given up"));
 }
 
 TEST(Sweep, SubnormalNumbersAreCounted) {
@@ -413,12 +413,11 @@ TEST(Exploring, IsNotResumedAsMeasuring) {
   EXPECT_FALSE(ended.warnings.empty());
   EXPECT_EQ(run_sweep(plan, store).measured, plan.rows() - ended.rows);
   spec.explore = false;
-  EXPECT_NE(input_error([&] {
-              open_sweep_store(plan_sweep(spec), scratch / "explored.sqlite", true);
-            }).find("explored"),
-            std::string::npos);
+  EXPECT_TRUE(says(
+      error_of<InputError>([&] { open_sweep_store(plan_sweep(spec), scratch / "explored.sqlite", true); }),
+      "explored"));
   spec.repeats = 1;
-  EXPECT_NE(refusal(spec).find("at least 9"), std::string::npos);
+  EXPECT_TRUE(says(refusal(spec), "at least 9"));
 }
 
 TEST(Measuring, KeepsOneThreadOnItsCore) {
@@ -526,14 +525,15 @@ TEST(SweepStore, IsNotTakenForAnotherSweep) {
     Store store = open_sweep_store(plan, file, false);
     run_sweep(plan, store);
   }
-  EXPECT_NE(input_error([&] { open_sweep_store(plan, file, false); }).find("--resume"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { open_sweep_store(plan, file, false); }), "--resume"));
   spec.h = {2, 1};
-  const std::string other_steps = input_error([&] { open_sweep_store(plan_sweep(spec), file, true); });
-  EXPECT_NE(other_steps.find("h was [2.0] and is [2.0,1.0]"), std::string::npos) << other_steps;
+  const std::string other_steps =
+      error_of<InputError>([&] { open_sweep_store(plan_sweep(spec), file, true); });
+  EXPECT_TRUE(says(other_steps, "h was [2.0] and is [2.0,1.0]"));
   spec.h = {2};
   spec.problems[0].settings.parameters = {{"c", 3.0}};
-  EXPECT_NE(input_error([&] { open_sweep_store(plan_sweep(spec), file, true); }).find("problems"),
-            std::string::npos);
+  EXPECT_TRUE(
+      says(error_of<InputError>([&] { open_sweep_store(plan_sweep(spec), file, true); }), "problems"));
   EXPECT_EQ(Store::open_existing(file).size(), 6);
 }
 
@@ -547,7 +547,7 @@ TEST(SweepStore, OfAnotherSchemaIsLeftAlone) {
   ASSERT_EQ(sqlite3_exec(database, "PRAGMA user_version = 99", nullptr, nullptr, nullptr), SQLITE_OK);
   sqlite3_close(database);
   const std::string before = read_text(file);
-  EXPECT_NE(input_error([&] { open_sweep_store(plan, file, true); }).find("schema 99"), std::string::npos);
+  EXPECT_TRUE(says(error_of<InputError>([&] { open_sweep_store(plan, file, true); }), "schema 99"));
   EXPECT_EQ(read_text(file), before);
 }
 
@@ -563,22 +563,17 @@ TEST(SweepPlan, RefusesWhatCannotBeMeasuredBeforeAnythingRuns) {
     EXPECT_NE(changed([&](S& s) { s.h = {h}; }), "");
     EXPECT_NE(changed([&](S& s) { s.h = {1, h}, s.fixed = false; }), "");
   }
-  EXPECT_NE(changed([](S& s) { s.h = {1e-9}; }).find("more than the limit"), std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.h = {1e-7}, s.fixed = false; }).find("in memory"), std::string::npos);
+  EXPECT_TRUE(says(changed([](S& s) { s.h = {1e-9}; }), "more than the limit"));
+  EXPECT_TRUE(says(changed([](S& s) { s.h = {1e-7}, s.fixed = false; }), "in memory"));
   for (const double t_end : {0.0, -1.0, nan, inf}) EXPECT_NE(changed([&](S& s) { s.t_end = t_end; }), "");
-  EXPECT_NE(changed([](S& s) { s.methods = {"rk5"}; }).find("unknown method"), std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.problems[0].name = "liver_force"; }).find("liver_forced"),
-            std::string::npos);
-  EXPECT_NE(changed([](S& s) {
-              s.problems[0].settings.parameters = {{"q", 1}};
-            }).find("'q'"),
-            std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.h = {1, 1}; }).find("twice"), std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.repeats = 8; }).find("at least 9"), std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.methods = {"rk4"}, s.fixed = false; }).find("error estimate"),
-            std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.fixed = s.sampled = false; }).find("--fixed"), std::string::npos);
-  EXPECT_NE(changed([](S& s) { s.h = {}; }).find("--rtol"), std::string::npos);
+  EXPECT_TRUE(says(changed([](S& s) { s.methods = {"rk5"}; }), "unknown method"));
+  EXPECT_TRUE(says(changed([](S& s) { s.problems[0].name = "liver_force"; }), "liver_forced"));
+  EXPECT_TRUE(says(changed([](S& s) { s.problems[0].settings.parameters = {{"q", 1}}; }), "'q'"));
+  EXPECT_TRUE(says(changed([](S& s) { s.h = {1, 1}; }), "twice"));
+  EXPECT_TRUE(says(changed([](S& s) { s.repeats = 8; }), "at least 9"));
+  EXPECT_TRUE(says(changed([](S& s) { s.methods = {"rk4"}, s.fixed = false; }), "error estimate"));
+  EXPECT_TRUE(says(changed([](S& s) { s.fixed = s.sampled = false; }), "--fixed"));
+  EXPECT_TRUE(says(changed([](S& s) { s.h = {}; }), "--rtol"));
   EXPECT_NE(changed([](S& s) { s.sampled_tolerance.rtol = 0; }), "");
   EXPECT_NE(changed([&](S& s) { s.h = {}, s.tolerances = {{nan, 1e-6}}; }), "");
   EXPECT_NE(changed([](S& s) { s.h = {}, s.tolerances = {{1e-6, 1e-6}}, s.methods = {"rk4"}; }), "");

@@ -6,6 +6,7 @@
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/materials.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -31,12 +32,7 @@ class PublishedTissueOf : public ::testing::Test {
     return body(text, std::move(parameters)).body->settings().materials;
   }
   std::string refused(const std::string& text) const {
-    try {
-      materials(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "taken";
+    return error_of<InputError>([&] { materials(text); });
   }
 
   const Scratch folder;
@@ -94,18 +90,18 @@ TEST_F(PublishedTissueOf, OfARegionStandsBesideALiverOfTheStudy) {
 }
 
 TEST_F(PublishedTissueOf, IsRefusedWithTheNearestName) {
-  EXPECT_NE(refused("tissue:muscel").find("tissue:muscle"), std::string::npos);
-  EXPECT_NE(refused("2=tissue:bone").find("of the region 2"), std::string::npos);
-  EXPECT_NE(refused("9=tissue:fat").find("has no region 9"), std::string::npos);
-  EXPECT_NE(refused("tissue:fat,tissue:skin").find("two materials of the whole body"), std::string::npos);
-  EXPECT_NE(refused("2=tissue:fat,2=tissue:skin").find("two materials of the region 2"), std::string::npos);
-  EXPECT_NE(refused("muscle").find("did you mean tissue:muscle?"), std::string::npos);
+  EXPECT_TRUE(says(refused("tissue:muscel"), "tissue:muscle"));
+  EXPECT_TRUE(says(refused("2=tissue:bone"), "of the region 2"));
+  EXPECT_TRUE(says(refused("9=tissue:fat"), "has no region 9"));
+  EXPECT_TRUE(says(refused("tissue:fat,tissue:skin"), "two materials of the whole body"));
+  EXPECT_TRUE(says(refused("2=tissue:fat,2=tissue:skin"), "two materials of the region 2"));
+  EXPECT_TRUE(says(refused("muscle"), "did you mean tissue:muscle?"));
 }
 
 TEST_F(PublishedTissueOf, IsReadWithBlanksAndRefusedWithEmptyParts) {
   EXPECT_EQ(materials("tissue:fat, 2 = tissue:carcinoma")[1].young, materials("2=tissue:carcinoma")[1].young);
   for (const char* text : {"tissue:fat,", ",", "=tissue:skin", "2=", "tissue:fat,,2=tissue:skin"})
-    EXPECT_NE(refused(text).find("has an empty part"), std::string::npos) << text;
+    EXPECT_TRUE(says(refused(text), "has an empty part")) << text;
 }
 
 TEST(PublishedTissue, HasTheMeanAndTheDeviationOfItsStudy) {

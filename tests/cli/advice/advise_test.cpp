@@ -39,19 +39,18 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
 TEST(AdviseCommand, SaysWhatToTakeAndWhy) {
   const Told told = Shell().hmax(small_question);
   ASSERT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("limited by "), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find(" frames took more than 10 ms"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "take "));
+  EXPECT_TRUE(says(told.out, "limited by "));
+  EXPECT_TRUE(says(told.out, " frames took more than 10 ms"));
 }
 
 TEST(AdviseCommand, WarnsWhereItTriedLessThanTheLoad) {
   const Shell shell;
   const std::string all = std::string(small_question), much = all + " --set force=50";
-  EXPECT_EQ(shell.hmax(all).out.find("the load only"), std::string::npos);
+  EXPECT_FALSE(says(shell.hmax(all).out, "the load only"));
   const Told told = shell.hmax(much);
   ASSERT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find("of the load only: under all of it the step may fail"), std::string::npos)
-      << told.out;
+  EXPECT_TRUE(says(told.out, "of the load only: under all of it the step may fail"));
   const Json document = shell.hmax(much + " --json").json();
   EXPECT_LT(document.at("load_share"), 1);
   EXPECT_EQ(document.at("gravity_share"), 1);
@@ -86,12 +85,11 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
   const std::string interrupted = "timeout -s INT 4 '" HMAX_PROGRAM "'" + question + "--frames 1000000 ";
   const Told told = shell.line(interrupted + "--output page.html");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
-  EXPECT_NE(told.out.find("interrupted: the best rows are not all timed"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("newmark"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("Stored in kept.sqlite"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "interrupted: the best rows are not all timed"));
+  EXPECT_TRUE(says(told.out, "newmark"));
+  EXPECT_TRUE(says(told.out, "Stored in kept.sqlite"));
   EXPECT_EQ(told.err, "hmax: note: interrupted; the rows so far are printed\n");
-  EXPECT_NE(read_text(shell / "page.html").find("interrupted: the best rows are not all timed"),
-            std::string::npos);
+  EXPECT_TRUE(says(read_text(shell / "page.html"), "interrupted: the best rows are not all timed"));
   const auto stored = [&] {
     return shell.hmax("export kept.sqlite --of advice --format jsonl --json").json();
   };
@@ -99,8 +97,7 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
   EXPECT_EQ(stored()[0].at("stage"), "timing");
   EXPECT_EQ(stored()[0].at("verdict"), "recommended");
   ASSERT_EQ(shell.hmax("report kept.sqlite --output report.html").exit_code, 0);
-  EXPECT_NE(read_text(shell / "report.html").find("the best that was known when the search ended early"),
-            std::string::npos);
+  EXPECT_TRUE(says(read_text(shell / "report.html"), "the best that was known when the search ended early"));
   // A whole answer takes its place, and stays where a later search is interrupted.
   ASSERT_EQ(shell.hmax(question + "--frames 20").exit_code, 0);
   ASSERT_EQ(stored().size(), 1U);
@@ -108,9 +105,7 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
   const Told again = shell.line(interrupted + "--json");
   EXPECT_EQ(again.exit_code, 124);
   EXPECT_EQ(again.json().at("stage"), "timing");
-  EXPECT_NE(again.err.find("kept.sqlite keeps the whole answer that it has to this question"),
-            std::string::npos)
-      << again.err;
+  EXPECT_TRUE(says(again.err, "kept.sqlite keeps the whole answer that it has to this question"));
   EXPECT_EQ(stored()[0].at("stage"), "done");
 }
 
@@ -121,17 +116,14 @@ TEST(AdviseCommand, SaysWhereNothingIsFinishedWhenItIsInterrupted) {
                            "' advise --mesh ball:n=14 --rate 100 --methods newmark --out kept.sqlite ";
   const Told told = shell.line(line);
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
-  EXPECT_NE(told.out.find("Predicted, not run: newmark with h = 10 ms, 1 step per frame"), std::string::npos)
-      << told.out;
-  EXPECT_NE(told.err.find("hmax: note: interrupted; no method was finished\n"), std::string::npos)
-      << told.err;
+  EXPECT_TRUE(says(told.out, "Predicted, not run: newmark with h = 10 ms, 1 step per frame"));
+  EXPECT_TRUE(says(told.err, "hmax: note: interrupted; no method was finished\n"));
   const Told json = shell.line(line + "--json");
   EXPECT_EQ(json.json().at("interrupted"), true);
   ASSERT_EQ(json.json().at("rows").size(), 1U);
   EXPECT_EQ(json.json().at("rows")[0].at("verdict"), "predicted");
   EXPECT_TRUE(json.json().at("recommended").is_null());
-  EXPECT_NE(json.err.find("hmax: note: interrupted; no method was finished\n"), std::string::npos)
-      << json.err;
+  EXPECT_TRUE(says(json.err, "hmax: note: interrupted; no method was finished\n"));
   EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
 }
 
@@ -168,10 +160,10 @@ TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
              "[parameters]\nk = 1e6\nc = 10\nm = 1\n[initial]\nx = 1\nv = 0\n");
   const Told told = shell.hmax("advise --problem ball.toml --rate 100 --methods rk4,ode45 --frames 50");
   EXPECT_EQ(told.exit_code, 0) << told.out;
-  EXPECT_EQ(told.out.find("unstable"), std::string::npos) << told.out;
+  EXPECT_FALSE(says(told.out, "unstable"));
   // Which of the two takes less time is the machine's.
   const Told alone = shell.hmax("advise --problem ball.toml --rate 100 --methods rk4 --frames 50");
-  EXPECT_NE(alone.out.find("take rk4 with h = 0.35714 ms"), std::string::npos) << alone.out;
+  EXPECT_TRUE(says(alone.out, "take rk4 with h = 0.35714 ms"));
   // The right end: at rest, pressed into the floor by m g / k.
   const Json end =
       shell.hmax("run --problem ball.toml --method rk4 --h 0.000357142857142857 --t-end 60 --json").json();
@@ -184,25 +176,24 @@ TEST(AdviseCommand, SaysWhatABodyIsAndWhereItsLoadsInvertIt) {
       "advise --mesh cube:n=2 --load press --set force=2 --rate 100 --frames 20 --methods symplectic_euler --out kept.sqlite "
       "--output page.html");
   ASSERT_EQ(told.exit_code, 0) << told.err << told.out;
-  EXPECT_NE(told.out.find("\nE 5500 Pa, nu 0.45, 1060 kg/m^3; 1.06 kg in a box"), std::string::npos)
-      << told.out;
-  EXPECT_NE(told.out.find(" mm from the start of the motion)"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find(" is inverted at t = "), std::string::npos) << told.out;
-  EXPECT_EQ(told.out.find("-0,"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "\nE 5500 Pa, nu 0.45, 1060 kg/m^3; 1.06 kg in a box"));
+  EXPECT_TRUE(says(told.out, " mm from the start of the motion)"));
+  EXPECT_TRUE(says(told.out, " is inverted at t = "));
+  EXPECT_FALSE(says(told.out, "-0,"));
   ASSERT_EQ(shell.hmax("report kept.sqlite --output report.html").exit_code, 0);
   // The card says all that the answer says.
   for (const char* page : {"page.html", "report.html"}) {
     const std::string text = read_text(shell / page);
     for (const char* words :
          {"E 5500 Pa, nu 0.45", "is inverted at t = ", "observed: stable at ", "predicted: stable up to "})
-      EXPECT_NE(text.find(words), std::string::npos) << page << " " << words;
+      EXPECT_TRUE(says(text, words)) << page;
   }
 }
 
 TEST(AdviseCommand, FailsWhereNothingSuits) {
   const Told told = Shell().hmax(std::string(small_question) + " --budget 1e-6");
   EXPECT_EQ(told.exit_code, 1) << told.err;
-  EXPECT_NE(told.out.find("no method that was tried meets this"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "no method that was tried meets this"));
 }
 
 TEST(AdviseCommand, KeepsTheAdviceInAStore) {
@@ -219,7 +210,7 @@ TEST(AdviseCommand, KeepsTheAdviceInAStore) {
     EXPECT_EQ(kept[i].at("verdict"), told_rows[i].at("verdict"));
   }
   const Told none = shell.hmax("export kept.sqlite --of limits");
-  EXPECT_NE(none.err.find("holds no limits; --of advice writes what it has"), std::string::npos) << none.err;
+  EXPECT_TRUE(says(none.err, "holds no limits; --of advice writes what it has"));
 }
 
 constexpr const char* page_question =
@@ -261,18 +252,17 @@ TEST(AdvisePage, HoldsTheWholeAnswer) {
   const Told told = shell.hmax(page_question);
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const std::string page = read_text(shell / "page.html"), text = seen(page);
-  EXPECT_NE(page.find("<title>liver_forced at 100 Hz: integrator and step size</title>"), std::string::npos);
-  EXPECT_NE(text.find("its own motion; to t = 100 s"), std::string::npos);
+  EXPECT_TRUE(says(page, "<title>liver_forced at 100 Hz: integrator and step size</title>"));
+  EXPECT_TRUE(says(text, "its own motion; to t = 100 s"));
   const std::size_t end = told.out.find("\nOpen page.html\n");
   ASSERT_NE(end, std::string::npos) << told.out;
   std::istringstream lines(told.out.substr(0, end));
   std::string line;
   std::getline(lines, line);  // model and motion, which stand apart on the page
   std::size_t compared = 0;
-  for (; std::getline(lines, line); ++compared)
-    EXPECT_NE(text.find(spaced(line)), std::string::npos) << line << "\n" << text;
+  for (; std::getline(lines, line); ++compared) EXPECT_TRUE(says(text, spaced(line)));
   EXPECT_GE(compared, 12U);
-  EXPECT_NE(text.find(" c="), std::string::npos) << "the parameters";
+  EXPECT_TRUE(says(text, " c=")) << "the parameters";
 }
 
 TEST(AdvisePage, NeedsNothingElse) {
@@ -318,8 +308,8 @@ TEST(AdvisePage, ShowsTextOfFilesAsItIs) {
       shell.hmax("advise --problem own.toml --rate 100 --frames 20 --methods rk2_heun,rk4 --output own.html");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   const std::string page = read_text(shell / "own.html");
-  EXPECT_EQ(page.find("a<b>"), std::string::npos);
-  EXPECT_NE(page.find("<title>a&lt;b&gt;&amp;c at 100 Hz"), std::string::npos) << page.substr(0, 400);
+  EXPECT_FALSE(says(page, "a<b>"));
+  EXPECT_TRUE(says(page, "<title>a&lt;b&gt;&amp;c at 100 Hz"));
 }
 
 TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
@@ -330,7 +320,7 @@ TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
   for (const char* words : {"no method that was tried meets this Nearest: ",
                             " of 1e-06 ms per frame, measured on single steps. What helps, each tried: ",
                             " budget_ms ", "Methods that do not suit"})
-    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << told.out;
+    EXPECT_TRUE(says(text, words)) << told.out;
 }
 
 TEST(AdvisePage, IsRefusedBeforeTheSearch) {
@@ -350,8 +340,8 @@ TEST(AdvisePage, ThatCannotBeWrittenLosesNoAnswer) {
   const Shell shell;
   const Told told = shell.line(std::string("ln -s /dev/full page.html && hmax ") + page_question);
   EXPECT_EQ(told.exit_code, 2);
-  EXPECT_NE(told.out.find("take "), std::string::npos) << told.out;
-  EXPECT_NE(told.err.find("Cannot write 'page.html'"), std::string::npos) << told.err;
+  EXPECT_TRUE(says(told.out, "take "));
+  EXPECT_TRUE(says(told.err, "Cannot write 'page.html'"));
 }
 
 TEST(AdviseCommand, RefusesWrongInput) {

@@ -35,15 +35,14 @@ TEST(Mesh, InfoHasTheCountsOfTheStudy) {
   EXPECT_GT(liver.at("smallest_angle_degrees"), 8);
   EXPECT_GT(liver.at("quality").at("mean"), liver.at("quality").at("min"));
   const Told told = shell.hmax("mesh info phantom");
-  EXPECT_NE(told.out.find("unit: metres"), std::string::npos);
-  EXPECT_NE(told.out.find("volume           0.001 m³"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "unit: metres"));
+  EXPECT_TRUE(says(told.out, "volume           0.001 m³"));
 }
 
 TEST(Mesh, InfoSaysThatTheUnitOfAFileIsNotStated) {
   const Shell shell;
   write_text(shell / "two.msh", two_tetrahedra(false));
-  EXPECT_NE(shell.hmax("mesh info two.msh").out.find("not stated in the file; taken as metres here"),
-            std::string::npos);
+  EXPECT_TRUE(says(shell.hmax("mesh info two.msh").out, "not stated in the file; taken as metres here"));
   const Json without = shell.hmax("mesh info two.msh --json").json();
   EXPECT_TRUE(without.at("unit").is_null());
   EXPECT_TRUE(without.at("status").is_string());
@@ -66,8 +65,8 @@ TEST(Mesh, CheckNamesWhatIsWrongWithLineAndElement) {
   write_text(shell / "bad.msh", two_tetrahedra(true));
   const Told told = shell.hmax("mesh check bad.msh");
   EXPECT_EQ(told.exit_code, 1);
-  EXPECT_NE(told.out.find("bad.msh, line 16: tetrahedron 12 is inverted"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("1 points are in no tetrahedron"), std::string::npos);
+  EXPECT_TRUE(says(told.out, "bad.msh, line 16: tetrahedron 12 is inverted"));
+  EXPECT_TRUE(says(told.out, "1 points are in no tetrahedron"));
   const Json json = shell.hmax("mesh check bad.msh --json").json();
   EXPECT_EQ(json.at("good"), false);
   EXPECT_EQ(json.at("inverted"), Json({12}));
@@ -82,8 +81,7 @@ TEST(Mesh, CheckNamesSlivers) {
   const Json slivers = told.json().at("slivers");
   ASSERT_GT(slivers.size(), 100U);
   EXPECT_LE(slivers[0].at("angle_degrees"), slivers[1].at("angle_degrees"));
-  EXPECT_NE(shell.hmax("mesh check liver --slivers 60").out.find("is a sliver: dihedral angle"),
-            std::string::npos);
+  EXPECT_TRUE(says(shell.hmax("mesh check liver --slivers 60").out, "is a sliver: dihedral angle"));
   expect_refused(shell.hmax("mesh check liver --slivers 80"), "--slivers");
 }
 
@@ -94,7 +92,7 @@ TEST(Mesh, ConvertTurnsWhatIsInvertedOnlyWhenAsked) {
                  "line 16: tetrahedron 12 is inverted; turn it with");
   const Told told = shell.hmax("mesh convert bad.msh good.vtu --fix");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_NE(told.out.find("1 turned"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "1 turned"));
   const Json info = shell.hmax("mesh info good.vtu --json").json();
   EXPECT_EQ(info.at("inverted"), 0);
   EXPECT_EQ(info.at("points"), 6);
@@ -112,9 +110,7 @@ TEST(Mesh, CheckAndConvertDoNotHideWhatIsTrulyInverted) {
       "$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 1 1 1 2 3 5\n$EndElements\n");
   const Told told = shell.hmax("mesh check folded.msh --slivers 1");
   EXPECT_EQ(told.exit_code, 1);
-  EXPECT_NE(told.out.find("line 15: tetrahedron 2 overlaps tetrahedron 1: both lie on the same side"),
-            std::string::npos)
-      << told.out;
+  EXPECT_TRUE(says(told.out, "line 15: tetrahedron 2 overlaps tetrahedron 1: both lie on the same side"));
   EXPECT_EQ(shell.hmax("mesh check folded.msh --json").json().at("overlaps"), Json::parse("[[2, 1]]"));
   EXPECT_EQ(shell.hmax("mesh info folded.msh --json").json().at("overlaps"), 1);
   for (const char* command : {"mesh convert folded.msh a.msh --fix", "mesh convert folded.msh a.msh",
@@ -171,8 +167,7 @@ TEST(Mesh, CoincidentPointsAreNamedAndMerged) {
   EXPECT_EQ(shell.hmax("mesh info own.msh --json").json().at("coincident_points"), 156);
   EXPECT_EQ(shell.hmax("mesh check own.msh:merge=0").exit_code, 0);
   const Told converted = shell.hmax("mesh convert own.msh merged.msh");
-  EXPECT_NE(converted.out.find("36 points, 48 tetrahedra, merged 156 coincident points"), std::string::npos)
-      << converted.out << converted.err;
+  EXPECT_TRUE(says(converted.out, "36 points, 48 tetrahedra, merged 156 coincident points")) << converted.err;
   EXPECT_EQ(shell.hmax("mesh check merged.msh").exit_code, 0);
   EXPECT_EQ(shell.hmax("mesh convert own.msh kept.msh --merge off --json").json().at("points"), 192);
   expect_refused(shell.hmax("mesh convert own.msh a.msh --merge 0.5"), "give a share of the shortest edge");
@@ -190,8 +185,7 @@ TEST(Mesh, CoincidentPointsAreNamedAndMerged) {
   EXPECT_LT(limit("own.msh:merge=off"), 0.95 * expected);
   const Told said =
       shell.hmax("stability predict --mesh own.msh --unit m --set axis=1 --at rest --methods rk4");
-  EXPECT_NE(said.err.find("merged 156 coincident points of own.msh; :merge=off"), std::string::npos)
-      << said.err;
+  EXPECT_TRUE(says(said.err, "merged 156 coincident points of own.msh; :merge=off"));
   // A point that is gone is still called by its number.
   const std::string run =
       "stability predict --unit m --at rest --methods rk4 --json --mesh own.msh --support ";
@@ -208,16 +202,13 @@ TEST(Mesh, PointsThatNearlyCoincideAreNamedAndNotMergedUnasked) {
   write_text(shell / "near.msh", text);
   const Told told = shell.hmax("mesh check near.msh");
   EXPECT_EQ(told.out.rfind("156 points coincide with another, 155 of them exactly", 0), 0U) << told.out;
-  EXPECT_NE(shell.hmax("mesh convert near.msh a.msh").out.find("merged 155 "), std::string::npos);
-  EXPECT_NE(shell.hmax("mesh convert near.msh b.msh --merge 1e-3").out.find("merged 156 "),
-            std::string::npos);
+  EXPECT_TRUE(says(shell.hmax("mesh convert near.msh a.msh").out, "merged 155 "));
+  EXPECT_TRUE(says(shell.hmax("mesh convert near.msh b.msh --merge 1e-3").out, "merged 156 "));
   const Told said =
       shell.hmax("stability predict --mesh near.msh --unit m --set axis=1 --at rest --methods rk4");
-  EXPECT_NE(
-      said.err.find(
-          "near.msh has 1 point within 0.001 of an edge from another point, not merged: point 190 beside"),
-      std::string::npos)
-      << said.err;
+  EXPECT_TRUE(
+      says(said.err,
+           "near.msh has 1 point within 0.001 of an edge from another point, not merged: point 190 beside"));
 }
 
 TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
@@ -249,8 +240,8 @@ TEST(Mesh, InfoSaysWhatWasSmoothed) {
   EXPECT_NEAR(of_file.at("least_height_before").get<double>(), mended.at("least_height_before").get<double>(),
               1e-9);
   const Told told = shell.hmax("mesh info ball:n=2:refine=1:mend=8");
-  EXPECT_NE(told.out.find(" points moved by at most "), std::string::npos) << told.out;
-  EXPECT_EQ(shell.hmax("mesh info ball:n=2").out.find("smoothed"), std::string::npos);
+  EXPECT_TRUE(says(told.out, " points moved by at most "));
+  EXPECT_FALSE(says(shell.hmax("mesh info ball:n=2").out, "smoothed"));
   // What is written is the mended mesh.
   ASSERT_EQ(shell.hmax("mesh convert ball:n=2:refine=1:mend=8 better.msh").exit_code, 0);
   EXPECT_NE(shell.hmax("mesh info better.msh --json").json().at("shortest_edge"),
@@ -276,22 +267,21 @@ TEST(Mesh, AScenePutsTheTissueOnTheMesh) {
       "--support -1,1,-1,1,-0.001,0.001");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   const std::string scene = read_text(shell / "gel.scn");
-  EXPECT_NE(scene.find("dt=\"0.005\" gravity=\"0 0 -9.81\""), std::string::npos);
-  EXPECT_NE(scene.find("StVenantKirchhoff"), std::string::npos);
-  EXPECT_NE(scene.find("totalMass"), std::string::npos);
-  EXPECT_NE(scene.find("FixedProjectiveConstraint"), std::string::npos);
+  EXPECT_TRUE(says(scene, "dt=\"0.005\" gravity=\"0 0 -9.81\""));
+  EXPECT_TRUE(says(scene, "StVenantKirchhoff"));
+  EXPECT_TRUE(says(scene, "totalMass"));
+  EXPECT_TRUE(says(scene, "FixedProjectiveConstraint"));
   EXPECT_EQ(told.err, "") << "it has supports and gravity";
   const Told bare = shell.hmax("mesh convert phantom bare.scn");
   EXPECT_EQ(bare.exit_code, 0) << bare.err;
-  EXPECT_NE(bare.err.find("no supports and no gravity"), std::string::npos) << bare.err;
-  EXPECT_NE(
-      shell.hmax("mesh convert phantom light.scn --support -1,1,-1,1,-0.001,0.001").err.find("no gravity"),
-      std::string::npos);
+  EXPECT_TRUE(says(bare.err, "no supports and no gravity"));
+  EXPECT_TRUE(
+      says(shell.hmax("mesh convert phantom light.scn --support -1,1,-1,1,-0.001,0.001").err, "no gravity"));
   write_text(shell / "two.msh", two_tetrahedra(false));
   expect_refused(shell.hmax("mesh convert two.msh two.scn"), "state it with --unit");
   expect_refused(shell.hmax("mesh convert phantom a.vtu --h 0.1"), "belong to a SOFA scene");
   ASSERT_EQ(shell.hmax("mesh convert phantom springs.scn --model mass_spring").exit_code, 0);
-  EXPECT_NE(read_text(shell / "springs.scn").find("StiffSpringForceField"), std::string::npos);
+  EXPECT_TRUE(says(read_text(shell / "springs.scn"), "StiffSpringForceField"));
   expect_refused(shell.hmax("mesh convert phantom a.scn --model mass_spring --set cubic=10"), "not linear");
   expect_refused(shell.hmax("mesh convert phantom a.scn --support 1,2"), "no group or region '1,2'");
   expect_refused(shell.hmax("mesh convert phantom a.scn --support 5,6,5,6,5,6"), "give a larger box");
@@ -320,23 +310,21 @@ TEST(Mesh, InfoListsRegionsAndGroupsByNameAndNumber) {
             Json::parse(R"([{"kind": "surface", "number": 30, "name": "capsule", "elements": 1,
                                                "points": 3}])"));
   const std::string out = shell.hmax("mesh info two.msh").out;
-  for (const char* part : {"20", "tumour", "surface:30", "capsule"})
-    EXPECT_NE(out.find(part), std::string::npos) << part << out;
+  for (const char* part : {"20", "tumour", "surface:30", "capsule"}) EXPECT_TRUE(says(out, part));
 }
 
 TEST(Mesh, ConvertKeepsNumbersOrderAndNames) {
   const Shell shell;
   write_text(shell / "two.msh", named_tetrahedra());
   EXPECT_EQ(shell.hmax("mesh convert two.msh again.msh").exit_code, 0);
-  EXPECT_NE(read_text(shell / "again.msh").find("\n1 2 2 30 30 12 3 7\n11 4 2 20 20 12 7 3 4\n5 4 2 10"),
-            std::string::npos);
+  EXPECT_TRUE(says(read_text(shell / "again.msh"), "\n1 2 2 30 30 12 3 7\n11 4 2 20 20 12 7 3 4\n5 4 2 10"));
   EXPECT_EQ(shell.hmax("mesh convert two.msh two.vtu").exit_code, 0);
   EXPECT_EQ(shell.hmax("mesh convert two.vtu back.msh").exit_code, 0);
   EXPECT_EQ(read_text(shell / "back.msh"), read_text(shell / "again.msh"));
   // Refined, the points of the file come first and keep their numbers.
   EXPECT_EQ(shell.hmax("mesh refine two.msh --output fine.msh").exit_code, 0);
   const std::string fine = read_text(shell / "fine.msh");
-  EXPECT_NE(fine.find("\n50 1 1 1\n51 "), std::string::npos) << fine;
+  EXPECT_TRUE(says(fine, "\n50 1 1 1\n51 "));
   EXPECT_EQ(shell.hmax("mesh info fine.msh --json").json().at("groups")[0].at("elements"), 4);
   EXPECT_EQ(shell.hmax("mesh info fine.msh --json").json().at("regions")[1].at("name"), "tumour");
 }
@@ -348,13 +336,11 @@ TEST(Mesh, SecondOrderIsReadWithARemark) {
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n6 .5 .5 0\n"
       "7 0 .5 0\n8 0 0 .5\n9 .5 0 .5\n10 0 .5 .5\n$EndNodes\n$Elements\n1\n1 11 0 1 2 3 4 5 6 7 8 9 10\n$EndElements\n");
   EXPECT_EQ(shell.hmax("mesh info q.msh --json").json().at("second_order"), 1);
-  EXPECT_NE(shell.hmax("mesh info q.msh").out.find("second order are read by their corners"),
-            std::string::npos);
+  EXPECT_TRUE(says(shell.hmax("mesh info q.msh").out, "second order are read by their corners"));
   const std::string checked = shell.hmax("mesh check q.msh").out;
-  EXPECT_NE(checked.find("6 points are no corner of a tetrahedron"), std::string::npos) << checked;
-  EXPECT_NE(checked.find("with straight sides"), std::string::npos) << checked;
-  EXPECT_NE(shell.hmax("mesh convert q.msh l.msh").err.find("second order are read by their corners"),
-            std::string::npos);
+  EXPECT_TRUE(says(checked, "6 points are no corner of a tetrahedron"));
+  EXPECT_TRUE(says(checked, "with straight sides"));
+  EXPECT_TRUE(says(shell.hmax("mesh convert q.msh l.msh").err, "second order are read by their corners"));
 }
 
 TEST(Mesh, CheckNamesPartsThatHangOnAPointOrThatNothingHolds) {
@@ -367,9 +353,9 @@ TEST(Mesh, CheckNamesPartsThatHangOnAPointOrThatNothingHolds) {
       "8 4 0 21 22 23 24\n$EndElements\n");
   const Told told = shell.hmax("mesh check parts.msh --support points:2");
   EXPECT_EQ(told.exit_code, 1);
-  EXPECT_NE(told.out.find("tetrahedron 5 hangs on point 1 only"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("tetrahedron 8 is a separate part"), std::string::npos) << told.out;
-  EXPECT_NE(told.out.find("tetrahedron 8: no support holds it"), std::string::npos) << told.out;
+  EXPECT_TRUE(says(told.out, "tetrahedron 5 hangs on point 1 only"));
+  EXPECT_TRUE(says(told.out, "tetrahedron 8 is a separate part"));
+  EXPECT_TRUE(says(told.out, "tetrahedron 8: no support holds it"));
   const Json json = shell.hmax("mesh check parts.msh --support points:2,24 --json").json();
   EXPECT_EQ(json.at("loose"), Json::array());
   EXPECT_EQ(json.at("parts"), Json::parse(R"([{"tetrahedra": [5], "hinge_points": [1]},
@@ -387,7 +373,7 @@ TEST(Mesh, ASceneHasTheMaterialsAndSupportsOfItsRegions) {
   for (const char* part :
        {"gravity=\"0 -9.81 0\"", "youngModulus=\"9000 4000\"", "rayleighStiffness=\"0.01\"",
         "tetrahedra=\"1 2 3 4 2 3 4 5\"", "indices=\"0 1 2 3\"", "position=\"9 9 9 0 0 0"})
-    EXPECT_NE(scene.find(part), std::string::npos) << part << scene;
+    EXPECT_TRUE(says(scene, part));
   expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --support all"),
                  "no group or region 'all'");
   expect_refused(shell.hmax("mesh convert two.msh two.scn --unit m --set E:lung=1"), "no region lung");
@@ -395,7 +381,7 @@ TEST(Mesh, ASceneHasTheMaterialsAndSupportsOfItsRegions) {
   const std::string two_fields = read_text(shell / "nu.scn");
   for (const char* part :
        {"name=\"region_2\"", "poissonRatio=\"0.3\"", "poissonRatio=\"0.45\"", "tetrahedra=\"2 3 4 5\""})
-    EXPECT_NE(two_fields.find(part), std::string::npos) << part << two_fields;
+    EXPECT_TRUE(says(two_fields, part));
 }
 
 TEST(Mesh, RefusesWhatIsNoMesh) {

@@ -29,9 +29,9 @@ TEST(Report, WritesEveryStoreOfTheFolderAsOnePage) {
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.out, "26 rows of 2 stores in page.html\n");
   const std::string page = read_text(shell / "page.html");
-  EXPECT_NE(page.find("Take symplectic_euler"), std::string::npos);
-  EXPECT_NE(page.find("results/runs/deeper/limits.sqlite"), std::string::npos);
-  EXPECT_EQ(page.find("deep.sqlite"), std::string::npos);
+  EXPECT_TRUE(says(page, "Take symplectic_euler"));
+  EXPECT_TRUE(says(page, "results/runs/deeper/limits.sqlite"));
+  EXPECT_FALSE(says(page, "deep.sqlite"));
   EXPECT_EQ(shell.hmax("report --output page.html").exit_code, 0) << "its own page may be replaced";
 }
 
@@ -70,10 +70,8 @@ TEST(Report, LeavesOutFilesOfTheFolderThatAreNoStores) {
   const Told told = shell.hmax("report --output page.html");
   EXPECT_EQ(told.exit_code, 0);
   EXPECT_EQ(told.out, "13 rows of 1 store in page.html\n");
-  EXPECT_NE(told.err.find("hmax: warning: left out: 'results/runs/text.sqlite'"), std::string::npos)
-      << told.err;
-  EXPECT_NE(told.err.find("left out, without rows: 'results/runs/empty.sqlite'"), std::string::npos)
-      << told.err;
+  EXPECT_TRUE(says(told.err, "hmax: warning: left out: 'results/runs/text.sqlite'"));
+  EXPECT_TRUE(says(told.err, "left out, without rows: 'results/runs/empty.sqlite'"));
 }
 
 TEST(Report, RefusesStoresWithoutRows) {

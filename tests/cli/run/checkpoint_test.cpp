@@ -29,18 +29,16 @@ TEST(Checkpoint, ARunThatIsKilledGoesOnWithTheSameAnswer) {
     // On a machine where it is done before that, what is finished is told again.
     const Told stopped = shell.line(
         fmt::format("timeout -s {} 0.5 '" HMAX_PROGRAM "' {} >first; echo $?; ls", signal, command));
-    ASSERT_NE(stopped.out.find("run.checkpoint"), std::string::npos) << stopped.out << stopped.err;
+    ASSERT_TRUE(says(stopped.out, "run.checkpoint")) << stopped.err;
     // SIGKILL in the middle of a saving leaves its part, which nobody reads.
     const bool killed = std::string(signal) == "KILL";
     EXPECT_TRUE(killed || stopped.out.find(".part") == std::string::npos) << stopped.out;
     if (!killed && read_text(shell / "first").empty()) {
-      EXPECT_NE(stopped.err.find("the same command goes on from run.checkpoint"), std::string::npos)
-          << stopped.err;
+      EXPECT_TRUE(says(stopped.err, "the same command goes on from run.checkpoint"));
     }
     const Told resumed = shell.hmax(command);
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
-    EXPECT_NE(resumed.err.find("run.checkpoint"), std::string::npos)
-        << resumed.err;  // goes on, or was finished
+    EXPECT_TRUE(says(resumed.err, "run.checkpoint"));  // goes on, or was finished
     EXPECT_EQ(comparable(resumed), comparable(whole)) << signal;
   }
 }
@@ -56,7 +54,7 @@ TEST(Checkpoint, TwoSignalsAtOnceAreOneWish) {
         "kill -" +
         signal + " $p; sleep 0.01; kill -" + signal + " $p; wait $p; echo $?");
     EXPECT_EQ(stopped.out, "130\n") << stopped.err;
-    EXPECT_NE(stopped.err.find("the same command goes on from saved"), std::string::npos) << stopped.err;
+    EXPECT_TRUE(says(stopped.err, "the same command goes on from saved"));
   }
 }
 
@@ -69,12 +67,10 @@ TEST(Checkpoint, ASecondRunOfTheSameFileIsRefused) {
       " >first & p=$!; until [ -s run.checkpoint ]; do sleep 0.01; kill -0 $p || exit 1; done; '" HMAX_PROGRAM
       "' " +
       command + "; echo $?; kill -KILL $p; wait $p; ls");
-  EXPECT_NE(told.out.find("2\n"), std::string::npos) << told.out;
-  EXPECT_NE(
-      told.err.find("hmax: checkpoint run.checkpoint is in use by another run; wait until that ends, or name "
-                    "another file\n"),
-      std::string::npos)
-      << told.err;
+  EXPECT_TRUE(says(told.out, "2\n"));
+  EXPECT_TRUE(says(told.err,
+                   "hmax: checkpoint run.checkpoint is in use by another run; wait until that ends, or name "
+                   "another file\n"));
   // What the killed one has left is no obstacle, and gone afterwards.
   write_text(shell / "run.checkpoint.abcdefghijkl.part", "left");
   const Told resumed =
@@ -93,7 +89,7 @@ TEST(Checkpoint, AFinishedRunIsToldAtOnce) {
   const std::string motion = read_text(shell / "motion.csv");
   std::filesystem::remove(shell / "motion.csv");
   const Told again = shell.hmax(command);
-  EXPECT_NE(again.err.find("the run is finished in run.checkpoint"), std::string::npos) << again.err;
+  EXPECT_TRUE(says(again.err, "the run is finished in run.checkpoint"));
   EXPECT_EQ(again.json(), first.json());
   EXPECT_EQ(read_text(shell / "motion.csv"), motion);
   const Told bare = shell.hmax(
@@ -133,10 +129,10 @@ TEST(Checkpoint, TellsTheTimeOfTheUser) {
       shell.line("'" HMAX_PROGRAM "' " + run +
                  "--h 1e-6 & p=$!; until [ -e saved ]; do sleep 0.01; done; kill -TERM $p; wait $p; echo $?");
   EXPECT_EQ(stopped.out, "130\n") << stopped.err;
-  EXPECT_NE(stopped.err.find("stopped at t = 1"), std::string::npos) << stopped.err;
+  EXPECT_TRUE(says(stopped.err, "stopped at t = 1"));
   const Told resumed =
       shell.line("'" HMAX_PROGRAM "' " + run + "--h 1e-6 & p=$!; sleep 0.5; kill -TERM $p; wait $p");
-  EXPECT_NE(resumed.err.find("the run goes on at t = 1"), std::string::npos) << resumed.err;
+  EXPECT_TRUE(says(resumed.err, "the run goes on at t = 1"));
   std::filesystem::remove(shell / "saved");
   ASSERT_EQ(shell.hmax(run + "--h 0.1").exit_code, 0);
   expect_refused(shell.hmax(run + "--h 0.1 --t-start 101"),
@@ -178,7 +174,7 @@ TEST(Checkpoint, ABodyGoesOnWithTheMeshesThatItHasWritten) {
   std::filesystem::remove(shell / "body_00003.vtu");
   const Told missing = shell.hmax(run + "--checkpoint run.checkpoint --json");
   EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_NE(missing.err.find("body_00003.vtu is missing"), std::string::npos) << missing.err;
+  EXPECT_TRUE(says(missing.err, "body_00003.vtu is missing"));
 }
 
 }  // namespace

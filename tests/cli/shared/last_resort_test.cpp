@@ -24,7 +24,7 @@ TEST(LastResort, AStoreDoesNotGetTheNumberOfAClosedStream) {
 TEST(LastResort, ControlSequencesOfArgumentsAreShown) {
   const Told told = Shell().line("hmax run --problem \"$(printf 'a\\033[31mb\\302\\233c')\"");
   EXPECT_EQ(told.exit_code, 2);
-  EXPECT_NE(told.err.find("'a\\x1b[31mb\\xc2\\x9bc'"), std::string::npos) << told.err;
+  EXPECT_TRUE(says(told.err, "'a\\x1b[31mb\\xc2\\x9bc'"));
 }
 
 TEST(LastResort, ControlSequencesOfNamesInFilesAreShownOnStandardOutput) {
@@ -45,14 +45,13 @@ TEST(LastResort, ControlSequencesOfNamesInFilesAreShownOnStandardOutput) {
     const Told told = shell.hmax(command);
     EXPECT_LE(told.exit_code, 1) << command << told.err;
     for (const std::string control : {"\033", "\007", "\302\233", "\342\200\256"})
-      EXPECT_EQ((told.out + told.err).find(control), std::string::npos) << command;
+      EXPECT_FALSE(says((told.out + told.err), control)) << command;
   }
-  EXPECT_NE(
-      shell.hmax("run --problem esc.toml --method rk4 --h 0.1").out.find("\\x1b]0;pwn\\x07\\x1b[31mred"),
-      std::string::npos);
+  EXPECT_TRUE(
+      says(shell.hmax("run --problem esc.toml --method rk4 --h 0.1").out, "\\x1b]0;pwn\\x07\\x1b[31mred"));
   // JSON has its own escapes.
   const Told told = shell.hmax("run --problem esc.toml --method rk4 --h 0.1 --json");
-  EXPECT_EQ(told.json().dump().find("\\\\x1b"), std::string::npos) << told.out;
+  EXPECT_FALSE(says(told.json().dump(), "\\\\x1b")) << told.out;
 }
 
 TEST(LastResort, AFileThatNeedsMoreMemoryThanThereIsIsNamed) {

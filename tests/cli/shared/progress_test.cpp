@@ -84,15 +84,14 @@ TEST(Progress, SaysHowFarALongRunIsAndHowLongItTakesAndWipesItselfOut) {
   EXPECT_TRUE(std::regex_search(screen, std::regex("^" + line + line))) << screen;
   EXPECT_EQ(run.interrupted(), 130);
   const std::string end = run.screen_with(std::regex("interrupted"));
-  EXPECT_NE(end.find("\r\x1b[Khmax: interrupted\r\n"), std::string::npos) << end;
+  EXPECT_TRUE(says(end, "\r\x1b[Khmax: interrupted\r\n"));
   EXPECT_EQ(run.results(), "");
 }
 
 TEST(Progress, OfALongPredictionSaysWhatItLooksAlongAndHowToGoWithout) {
   LongRun run({"stability", "predict", "--mesh", "liver:refine=1", "--load", "tool", "--methods", "rk4"});
   const std::string screen = run.screen_with(std::regex("go(es)? without"));
-  EXPECT_NE(screen.find("finding the motion to t = 1 s; --along none goes without"), std::string::npos)
-      << screen;
+  EXPECT_TRUE(says(screen, "finding the motion to t = 1 s; --along none goes without"));
 }
 
 TEST(Progress, SaysWhichMethodIsVerifiedAndForHowLong) {
@@ -136,9 +135,7 @@ TEST(ExitCode, OfMemoryThatRunsOutOnALargeMeshIsTheSame) {
     const Told told = Shell().line(std::string("ulimit -v 130000; hmax ") + command + " --mesh ball:n=17");
     EXPECT_EQ(told.exit_code, 3) << command;
     EXPECT_EQ(told.out, "") << command;
-    EXPECT_NE(told.err.find("hmax: out of memory; take fewer points or a smaller problem\n"),
-              std::string::npos)
-        << told.err;
+    EXPECT_TRUE(says(told.err, "hmax: out of memory; take fewer points or a smaller problem\n"));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/problems/matrices/matrix_folder.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -46,7 +47,7 @@ class DamagedModels : public MatrixFolder {
     } catch (const std::invalid_argument& error) {
       const std::string sentence = error.what();
       EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
-      EXPECT_NE(sentence.find("; "), std::string::npos) << sentence;
+      EXPECT_TRUE(says(sentence, "; "));
     }
   }
   void look_at_all() const {

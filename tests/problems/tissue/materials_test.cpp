@@ -6,6 +6,7 @@
 
 #include "problems/oscillator/liver_materials.hpp"
 #include "tests/problems/tissue/bodies.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -49,11 +50,8 @@ TEST(TissueMaterials, UnknownNamesAreRefusedWithTheKnownOnes) {
   EXPECT_EQ(tissue_material_ids().size(), 6U);
   for (const char* id : {"male_normal", "liver:", "liver:male", "liver:male_fat:huge", "spleen:male_fat", ""})
     EXPECT_THROW(with_tissue_material({}, id), std::invalid_argument) << id;
-  try {
-    with_tissue_material({}, "male_fat");
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("liver:female_slim"), std::string::npos);
-  }
+  EXPECT_TRUE(says(error_of<std::invalid_argument>([] { with_tissue_material({}, "male_fat"); }),
+                   "liver:female_slim"));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "problems/tissue/sofa_scene.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
 #include "tests/problems/mesh/meshes.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -46,7 +47,7 @@ TEST(MeshWriters, VtkReadsBackBitForBitInEveryEncoding) {
   for (const VtuEncoding encoding : {VtuEncoding::ascii, VtuEncoding::base64, VtuEncoding::raw}) {
     const std::string text = vtu_text(mesh, fields, encoding);
     expect_same(read_mesh("a.vtu", text).mesh, mesh);
-    EXPECT_NE(text.find("Name=\"displacement &lt;m&gt;\" NumberOfComponents=\"3\""), std::string::npos);
+    EXPECT_TRUE(says(text, "Name=\"displacement &lt;m&gt;\" NumberOfComponents=\"3\""));
   }
 }
 
@@ -97,9 +98,9 @@ TEST(MeshWriters, AFieldOfAnotherMeshIsRefused) {
 TEST(MeshWriters, ASeriesNamesItsFramesWithTheirTimes) {
   const std::vector<std::pair<double, std::string>> frames{{0, "liver_0000.vtu"}, {0.1, "a&b.vtu"}};
   const std::string text = pvd_text(frames);
-  EXPECT_NE(text.find("<DataSet timestep=\"0\" file=\"liver_0000.vtu\"/>"), std::string::npos);
-  EXPECT_NE(text.find("<DataSet timestep=\"0.1\" file=\"a&amp;b.vtu\"/>"), std::string::npos);
-  EXPECT_NE(text.find("type=\"Collection\""), std::string::npos);
+  EXPECT_TRUE(says(text, "<DataSet timestep=\"0\" file=\"liver_0000.vtu\"/>"));
+  EXPECT_TRUE(says(text, "<DataSet timestep=\"0.1\" file=\"a&amp;b.vtu\"/>"));
+  EXPECT_TRUE(says(text, "type=\"Collection\""));
 }
 
 TissueSettings liver() {
@@ -118,11 +119,10 @@ TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
        {"dt=\"0.02\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
         "youngModulus=\"2600\" poissonRatio=\"0.3\" method=\"polar\"", "massDensity=\"1000\"",
         "indices=\"0 2\""})
-    EXPECT_NE(text.find(part), std::string::npos) << part;
+    EXPECT_TRUE(says(text, part));
   EXPECT_EQ(std::count(text.begin(), text.end(), '<'), std::count(text.begin(), text.end(), '>'));
   settings.total_mass = 1.5;
-  EXPECT_NE(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02).find("totalMass=\"1.5\""),
-            std::string::npos);
+  EXPECT_TRUE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02), "totalMass=\"1.5\""));
 }
 
 TEST(SofaScenes, HoldElasticSupports) {
@@ -130,11 +130,10 @@ TEST(SofaScenes, HoldElasticSupports) {
   settings.supports = {};
   settings.elastic_supports = {{.points = {3, 1}, .stiffness = {20, 0.5}}};
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02);
-  EXPECT_NE(text.find("<RestShapeSpringsForceField template=\"Vec3d\" points=\"3 1\" stiffness=\"20 0.5\"/>"),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("Sofa.Component.SolidMechanics.Spring"), std::string::npos);
-  EXPECT_EQ(text.find("FixedProjectiveConstraint"), std::string::npos);
+  EXPECT_TRUE(
+      says(text, "<RestShapeSpringsForceField template=\"Vec3d\" points=\"3 1\" stiffness=\"20 0.5\"/>"));
+  EXPECT_TRUE(says(text, "Sofa.Component.SolidMechanics.Spring"));
+  EXPECT_FALSE(says(text, "FixedProjectiveConstraint"));
 }
 
 /// The scene of two tetrahedra of regions 9 and 4, in a file with an idle point in front.
@@ -157,13 +156,13 @@ std::string scene_of_two_regions(const TissueModel& model, double nu_of_4, doubl
 
 TEST(SofaScenes, HoldTheMaterialsOfRegionsInTheOrderOfTheFile) {
   const std::string text = scene_of_two_regions(tissue_model("fem_corotational"), 0.3, 0.3);
-  EXPECT_EQ(text.find("name=\"part\""), std::string::npos) << text;
+  EXPECT_FALSE(says(text, "name=\"part\""));
   // Volumes 1/6 and 1/3: a quarter of each at its points.
   const double a = 9. / 24, b = 4. / 12;
   for (const std::string& part :
        {std::string("tetrahedra=\"1 2 3 4 2 3 4 5\""), std::string("youngModulus=\"900 400\""),
         std::string("position=\"7 7 7 0 0 0"), std::string("FixedProjectiveConstraint indices=\"0\"")})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_TRUE(says(text, part));
   const std::string tag = "vertexMass=\"";
   std::istringstream read(text.substr(text.find(tag) + tag.size()));
   for (const double mass : {0., a, a + b, a + b, a + b, b}) {
@@ -206,11 +205,10 @@ TEST(SofaScenes, TranslateTheMaterial) {
     settings.model = model;
     return sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
   };
-  EXPECT_NE(scene(tissue_model("fem_green")).find("ParameterSet=\"1000 1500"), std::string::npos);
-  EXPECT_NE(scene(tissue_model("fem_green")).find("StVenantKirchhoff"), std::string::npos);
-  EXPECT_NE(scene(tissue_model("fem_neo_hookean")).find("ParameterSet=\"1000 2166.6666666666"),
-            std::string::npos);
-  EXPECT_NE(scene(tissue_model("fem_cauchy")).find("method=\"small\""), std::string::npos);
+  EXPECT_TRUE(says(scene(tissue_model("fem_green")), "ParameterSet=\"1000 1500"));
+  EXPECT_TRUE(says(scene(tissue_model("fem_green")), "StVenantKirchhoff"));
+  EXPECT_TRUE(says(scene(tissue_model("fem_neo_hookean")), "ParameterSet=\"1000 2166.6666666666"));
+  EXPECT_TRUE(says(scene(tissue_model("fem_cauchy")), "method=\"small\""));
 }
 
 TEST(SofaScenes, HaveEverySpring) {
@@ -222,8 +220,8 @@ TEST(SofaScenes, HaveEverySpring) {
   // Six edges: three of length 1, three of sqrt 2.
   for (const char* part :
        {"Sofa.Component.SolidMechanics.Spring", "spring=\"0 1 12 0.5 1 ", "2 3 12 0.5 1.414213562373095"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
-  EXPECT_EQ(text.find("FEM"), std::string::npos);
+    EXPECT_TRUE(says(text, part));
+  EXPECT_FALSE(says(text, "FEM"));
 }
 
 TEST(SofaScenes, RefuseWhatTheyCannotSay) {
@@ -260,10 +258,9 @@ TEST(SofaScenes, HaveDeadLoadsByTheirShares) {
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
   for (const char* part : {"Sofa.Component.MechanicalLoad", "indices=\"1 3\" forces=\"0 0 1 0 0 1\"",
                            "indices=\"1 3\" forces=\"1 0 0 3 0 0\""})
-    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    EXPECT_TRUE(says(text, part));
   settings.forces.clear();
-  EXPECT_EQ(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01).find("MechanicalLoad"),
-            std::string::npos);
+  EXPECT_FALSE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01), "MechanicalLoad"));
 }
 
 }  // namespace
