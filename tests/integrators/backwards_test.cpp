@@ -127,7 +127,7 @@ void expect_mirror_images(const StepperT& stepper, int error_order) {
 
 template <class Method>
 struct ExplicitBackwards : testing::Test {};
-TYPED_TEST_SUITE(ExplicitBackwards, EveryMethod, MethodId);
+TYPED_TEST_SUITE(ExplicitBackwards, OneOfEachKind, MethodId);
 TYPED_TEST(ExplicitBackwards, IsTheMirrorImageOfARunForwards) {
   expect_mirror_images(Rk<TypeParam, Plane>{}, TypeParam::error_order);
 }
@@ -141,7 +141,9 @@ TYPED_TEST(ImplicitBackwards, IsTheMirrorImageOfARunForwards) {
 
 template <class Method>
 struct RosenbrockBackwards : testing::Test {};
-TYPED_TEST_SUITE(RosenbrockBackwards, EveryRosenbrock, MethodId);
+using RosenbrockKinds =
+    testing::Types<tableaux::LinearlyImplicitEuler, tableaux::Rosenbrock23, tableaux::Rodas4>;
+TYPED_TEST_SUITE(RosenbrockBackwards, RosenbrockKinds, MethodId);
 TYPED_TEST(RosenbrockBackwards, IsTheMirrorImageOfARunForwards) {
   Rosenbrock<TypeParam, Plane> stepper;
   expect_mirror_images(stepper, TypeParam::error_order);
@@ -151,8 +153,8 @@ TYPED_TEST(RosenbrockBackwards, IsTheMirrorImageOfARunForwards) {
 
 template <class Method>
 struct ImexBackwards : testing::Test {};
-using EveryImex = TestTypesOf<tableaux::AllImex>::type;
-TYPED_TEST_SUITE(ImexBackwards, EveryImex, MethodId);
+using ImexKinds = testing::Types<tableaux::ImexEuler, tableaux::ImexArk324>;
+TYPED_TEST_SUITE(ImexBackwards, ImexKinds, MethodId);
 TYPED_TEST(ImexBackwards, IsTheMirrorImageOfARunForwards) {
   expect_mirror_images(ImexRk<TypeParam, Plane>{}, TypeParam::error_order);
 }

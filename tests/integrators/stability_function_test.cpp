@@ -68,7 +68,11 @@ TYPED_TEST(StabilityFunction, IsWhatOneStepMultipliesBy) {
   EXPECT_LT((worst_defect<TypeParam, One>(One(1.0))), 1e-13);
 }
 
-TYPED_TEST(StabilityFunction, IsWhatOneStepOfADynamicStateMultipliesBy) {
+template <class Method>
+struct DynamicStabilityFunction : testing::Test {};
+TYPED_TEST_SUITE(DynamicStabilityFunction, OneOfEachKind, MethodId);
+
+TYPED_TEST(DynamicStabilityFunction, IsWhatOneStepMultipliesBy) {
   EXPECT_LT((worst_defect<TypeParam, Eigen::VectorXcd>(Eigen::VectorXcd::Ones(3))), 1e-13);
 }
 

@@ -7,6 +7,7 @@
 
 #include "integrators/integrate.hpp"
 #include "tests/integrators/methods.hpp"
+#include "tests/integrators/rejected_attempts.hpp"
 
 namespace hmax {
 namespace {
@@ -196,31 +197,9 @@ TYPED_TEST(Stabilised, ErrorEstimateFallsWithTheThirdPower) {
   EXPECT_NEAR(static_cast<double>(std::log2(estimate(2e-3L) / estimate(1e-3L))), 3, 0.03);
 }
 
-template <class Polynomials, class Disturb>
-Plane two_steps(Disturb disturb) {
-  const Pendulum<Plane> system;
-  StabilizedRk<Polynomials, Plane> stepper;
-  Plane y(0.3, 0.5), y_new;
-  stepper.init(system, 0, y);
-  for (int n = 0; n < 2; ++n) {
-    disturb(stepper, system, 0.1 * n, y);
-    stepper.attempt(system, 0.1 * n, y, 0.1, y_new);
-    stepper.accept(y_new);
-    y = y_new;
-  }
-  return y;
-}
-
 TYPED_TEST(Stabilised, RejectedAttemptLeavesNoTrace) {
-  const Plane fresh = two_steps<TypeParam>([](auto&&...) {});
-  const Plane disturbed =
-      two_steps<TypeParam>([](auto& stepper, const auto& system, double t, const auto& y) {
-        Plane rejected = y, between = y;
-        stepper.attempt(system, t, y, 37, rejected);
-        stepper.interpolate(system, t, 37, y, rejected, 0.4, between);
-      });
-  EXPECT_EQ(fresh[0], disturbed[0]);
-  EXPECT_EQ(fresh[1], disturbed[1]);
+  expect_no_trace_of_rejected_attempts(StabilizedRk<TypeParam, Plane>{}, Pendulum<Plane>(), Plane(0.3, 0.5),
+                                       {37});
 }
 
 TYPED_TEST(Stabilised, InterpolantMeetsBothEndsAndHasOrderThree) {
@@ -377,17 +356,6 @@ TYPED_TEST(Stabilised, NeverTakesMoreStagesThanRoundingPermits) {
                              Adaptive<double, DeadbandController>({1e-2, 1e-2}, 3));
   EXPECT_EQ(end.outcome, Outcome::reached_end);
   EXPECT_NEAR(y[0], 0, 1e-2);
-}
-
-TYPED_TEST(Stabilised, CutsItsStepWhereFIsNotANumber) {
-  const auto walled = system_of<One>([](double, const One& y, One& dydt) {
-    dydt[0] = y[0] < 2 ? 1 : std::numeric_limits<double>::quiet_NaN();
-  });
-  One y(0.0);
-  const auto end = integrate(StabilizedRk<TypeParam, One>{}, walled, Span<double>{0, 3}, y,
-                             Adaptive<double, PiController>({1e-6, 1e-6}, 3));
-  EXPECT_EQ(end.outcome, Outcome::step_too_small);
-  EXPECT_NEAR(end.t, 2, 1e-6);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "problems/oscillator/oscillator_exact.hpp"
 #include "problems/oscillator/oscillator_reference.hpp"
 #include "tests/integrators/methods.hpp"
+#include "tests/integrators/rejected_attempts.hpp"
 
 namespace hmax {
 namespace {
@@ -230,31 +231,9 @@ TYPED_TEST(Imex, HoldsAStiffSpringAtStepsFarBeyondTheExplicitLimit) {
             Outcome::diverged);
 }
 
-template <class Method, class Disturb>
-Plane two_steps(Disturb disturb) {
-  Stats unread;
-  const Counted system(Oscillator(), unread);
-  StepperFor<Method, Oscillator> stepper;
-  Plane y(0.3, 0.5), y_new;
-  stepper.init(system, 0, y);
-  for (int n = 0; n < 2; ++n) {
-    disturb(stepper, system, 0.1 * n, y);
-    stepper.attempt(system, 0.1 * n, y, 0.1, y_new);
-    stepper.accept(y_new);
-    y = y_new;
-  }
-  return y;
-}
-
 TYPED_TEST(Imex, RejectedAttemptLeavesNoTrace) {
-  const auto undisturbed = [](auto&&...) {};
-  const auto disturbed = [](auto& stepper, const auto& system, double t, const Plane& y) {
-    Plane rejected = y;
-    stepper.attempt(system, t, y, 3.7, rejected);
-  };
-  const Plane one = two_steps<TypeParam>(undisturbed), other = two_steps<TypeParam>(disturbed);
-  EXPECT_EQ(one[0], other[0]);
-  EXPECT_EQ(one[1], other[1]);
+  expect_no_trace_of_rejected_attempts(StepperFor<TypeParam, Oscillator>{}, Oscillator(), Plane(0.3, 0.5),
+                                       {3.7});
 }
 
 TYPED_TEST(Imex, InterpolantMeetsBothEndsAndKeepsTheOrderOfTheMethod) {
@@ -366,7 +345,12 @@ struct Chain {
   void damping_stiff(DofMatrix& matrix) const { matrix = C().sparseView(); }
 };
 
-TYPED_TEST(Imex, ReducesTheEquationsOfAStructureToItsVelocities) {
+template <class Method>
+struct ImexOfAStructure : testing::Test {};
+using OneOfEachOrder = testing::Types<tableaux::ImexEuler, tableaux::ImexArk324>;
+TYPED_TEST_SUITE(ImexOfAStructure, OneOfEachOrder, MethodId);
+
+TYPED_TEST(ImexOfAStructure, ReducesItsEquationsToItsVelocities) {
   using Reduced = ImexRk<TypeParam, Chain::State, stiff_equations_type<Chain>>;
   static_assert(std::is_same_v<stiff_equations_type<Chain>, MechanicalJacobian<double>>);
   Chain::State start(6);
@@ -397,7 +381,7 @@ TEST(StiffPart, OfAnErasedStructureIsAStructure) {
   EXPECT_EQ(Eigen::Vector3d(parts.mass.diagonal()), Chain{}.masses);
 }
 
-TYPED_TEST(Imex, SaysWhereTruncatedIterationsDoNotSolveItsEquations) {
+TYPED_TEST(ImexOfAStructure, SaysWhereTruncatedIterationsDoNotSolveItsEquations) {
   using Reduced = ImexRk<TypeParam, Chain::State, stiff_equations_type<Chain>>;
   Chain::State start(6);
   start << 0.1, -0.2, 0.3, 1, 0, -1;
@@ -446,22 +430,6 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
                       Span<double>{0, 1}, y, FixedStep<double>(h))
                 .outcome,
             Outcome::newton_failed);
-}
-
-TYPED_TEST(Imex, CutsItsStepWhereAPartIsNotANumber) {
-  if constexpr (TypeParam::error_order > 0) {
-    using Real1 = Eigen::Matrix<double, 1, 1>;
-    const auto walled = Split<Real1>{[](double, const Real1& y, Real1& dydt) {
-                                       dydt[0] = y[0] < 2 ? 0.5 : std::numeric_limits<double>::quiet_NaN();
-                                     },
-                                     [](double, const Real1&, Real1& dydt) { dydt[0] = 0.5; }, no_jacobian};
-    Real1 y(0.0);
-    const auto end =
-        integrate(StepperFor<TypeParam, std::remove_const_t<decltype(walled)>>{}, walled, Span<double>{0, 3},
-                  y, Adaptive<double, PiController>({1e-6, 1e-6}, TypeParam::error_order));
-    EXPECT_TRUE(end.outcome == Outcome::newton_failed || end.outcome == Outcome::step_too_small);
-    EXPECT_NEAR(end.t, 2, 1e-6);
-  }
 }
 
 TYPED_TEST(Imex, FollowsAToleranceHoweverStiffThePartIs) {

@@ -1,19 +1,13 @@
-/// Sparse mechanical systems are solved by their velocities, and give what packed states give.
+/// Sparse equations of mechanical systems. tests/catalogue/methods/packed_states_test.cpp steps with them.
 #include "integrators/mechanical.hpp"
 
 #include <complex>
 #include <random>
-#include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "integrators/implicit/dirk.hpp"
-#include "integrators/implicit/dirk_tableaux.hpp"
-#include "integrators/implicit/radau.hpp"
-#include "integrators/implicit/rosenbrock.hpp"
-#include "integrators/implicit/rosenbrock_tableaux.hpp"
-#include "problems/any_system.hpp"
-#include "tests/integrators/motion.hpp"
+#include "integrators/linear/sparse_solver.hpp"
 
 namespace hmax {
 namespace {
@@ -21,37 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
-using DenseChain = Chain<VectorXd>;
-using SparseChain = Chain<VectorXd, Sparse>;
-
-template <template <class> class StepperFor>
-void expect_what_packed_states_give(double tolerance) {
-  // Few unknowns are factored, many iterated upon.
-  for (const Index n : {4, 200}) {
-    const DenseChain dense{n, 5, 2, 0.3, 1};
-    const SparseChain sparse{n, 5, 2, 0.3, 1};
-    const VectorXd y = VectorXd::LinSpaced(2 * n, -0.5, 0.7);
-    const VectorXd expected = after_steps(StepperFor<DenseChain>{}, dense, y, 0.1, 3);
-    EXPECT_LT((after_steps(StepperFor<SparseChain>{}, sparse, y, 0.1, 3) - expected).norm(),
-              tolerance * expected.norm());
-  }
-}
-
-template <class Sys>
-using RosenbrockFor = Rosenbrock<tableaux::Rodas4, typename Sys::State, equations_type<Sys>>;
-template <class Sys>
-using DirkFor = Dirk<tableaux::Sdirk4, typename Sys::State, equations_type<Sys>>;
-template <class Sys>
-using RadauFor = RadauIIA5<typename Sys::State, equations_type<Sys>>;
-
-// One method of each kind; every method on systems of the catalogue:
-// tests/catalogue/methods/packed_states_test.cpp.
-TEST(MechanicalEquations, GiveWhatPackedStatesGive) {
-  // The chain has no Jacobian of its own: packed states take differences.
-  expect_what_packed_states_give<RosenbrockFor>(2e-6);
-  expect_what_packed_states_give<DirkFor>(1e-12);
-  expect_what_packed_states_give<RadauFor>(1e-12);
-}
 
 /// A grid of masses in space whose springs have blocks of 3 x 3, and a random symmetric positive definite
 /// matrix of its pattern.

@@ -113,7 +113,6 @@ void expect_alike(const Stepper& stepper) {
 
 TEST(StructureOperator, MakesTheStepsOfTheMatrices) {
   using Equations = equations_type<AnySystem>;
-  expect_alike(Dirk<tableaux::Trapezoidal, VectorXd, Equations>());
   expect_alike(Dirk<tableaux::Sdirk4, VectorXd, Equations>());
   expect_alike(Rosenbrock<tableaux::Rodas4, VectorXd, Equations>());
   using Alpha = GeneralizedAlpha<VectorXd, VectorXd, structure_type<AnySystem>>;

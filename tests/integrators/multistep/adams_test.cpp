@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "integrators/stats.hpp"
 #include "problems/oscillator/oscillator_reference.hpp"
 #include "tests/integrators/methods.hpp"
+#include "tests/integrators/rejected_attempts.hpp"
 
 namespace hmax {
 namespace {
@@ -114,24 +114,7 @@ TEST_P(AdamsOfOrder, HasItsOrderAtTheEndAndBetween) {
 }
 
 TEST_P(AdamsOfOrder, LeavesNoTraceOfARejectedAttempt) {
-  const Pendulum<State> system;
-  const auto run = [&](bool disturbed) {
-    Adams<State> adams = stepper();
-    State y(0.3, 0.5), y_new, other;
-    adams.init(system, 0, y);
-    for (int n = 0; n < 9; ++n) {
-      if (disturbed) {
-        adams.attempt(system, 0.1 * n, y, 0.37, other);
-        adams.interpolate(system, 0.1 * n, 0.37, y, other, 0.4, y_new);
-      }
-      adams.attempt(system, 0.1 * n, y, 0.1, y_new);
-      adams.accept(y_new);
-      y = y_new;
-    }
-    return y;
-  };
-  const State fresh = run(false), disturbed = run(true);
-  EXPECT_EQ(std::memcmp(fresh.data(), disturbed.data(), sizeof(double) * 2), 0);
+  expect_no_trace_of_rejected_attempts(stepper(), Pendulum<State>(), State(0.3, 0.5), {0.37}, 9);
 }
 
 TEST_P(AdamsOfOrder, EvaluatesAsOftenAsItsNameSays) {

@@ -2,7 +2,6 @@
 #include "integrators/structural/generalized_alpha.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <string>
@@ -15,6 +14,7 @@
 #include "problems/any_system.hpp"
 #include "problems/test_set/kepler.hpp"
 #include "tests/integrators/motion.hpp"
+#include "tests/integrators/rejected_attempts.hpp"
 
 namespace hmax {
 namespace {
@@ -295,26 +295,9 @@ TEST(GeneralizedAlpha, WithAnyPolicySolvesTheSameEquations) {
 
 TEST(GeneralizedAlpha, AnAttemptThatIsRepeatedLeavesNoTrace) {
   using State = Eigen::VectorXd;
-  const Chain<State> chain{.n = 3, .k3 = 20, .c = 0.3, .pull = 1};
-  for (const double large : {0.7, 50.0}) {
-    const auto run = [&](bool disturbed) {
-      StepperFor<Chain<State>> stepper(generalized_alpha_parameters(0.8L));
-      State y = State::LinSpaced(6, 0.9, -0.8), y_new = y, other = y;
-      stepper.init(chain, 0, y);
-      for (int n = 0; n < 8; ++n) {
-        if (disturbed) {
-          stepper.attempt(chain, 0.1 * n, y, large, other);
-          stepper.interpolate(chain, 0.1 * n, large, y, other, 0.4, y_new);
-        }
-        EXPECT_EQ(stepper.attempt(chain, 0.1 * n, y, 0.1, y_new), StepStatus::ok);
-        stepper.accept(y_new);
-        y = y_new;
-      }
-      return y;
-    };
-    const State fresh = run(false), disturbed = run(true);
-    EXPECT_EQ(std::memcmp(fresh.data(), disturbed.data(), sizeof(double) * 6), 0) << large;
-  }
+  expect_no_trace_of_rejected_attempts(StepperFor<Chain<State>>(generalized_alpha_parameters(0.8L)),
+                                       Chain<State>{.n = 3, .k3 = 20, .c = 0.3, .pull = 1},
+                                       State(State::LinSpaced(6, 0.9, -0.8)), {0.7, 50}, 8);
 }
 
 TEST(GeneralizedAlpha, InterpolantMeetsBothEndsAndHasTheOrderOfTheStep) {

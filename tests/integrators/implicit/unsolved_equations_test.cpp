@@ -1,13 +1,9 @@
-/// Stiff problems with published end points by the adaptive implicit methods, and what they do when equations
-/// cannot be solved.
+/// What the adaptive implicit methods do where equations cannot be solved.
+/// tests/catalogue/methods/stiff_problems_test.cpp compares them with published end points.
 #include <cmath>
 #include <limits>
 
 #include "integrators/stats.hpp"
-#include "problems/test_set/hires.hpp"
-#include "problems/test_set/oregonator.hpp"
-#include "problems/test_set/robertson.hpp"
-#include "problems/test_set/van_der_pol.hpp"
 #include "tests/integrators/implicit_methods.hpp"
 
 namespace hmax {
@@ -16,66 +12,6 @@ namespace {
 template <class Method>
 struct Stiff : testing::Test {};
 TYPED_TEST_SUITE(Stiff, EveryAdaptiveImplicitMethod, MethodId);
-
-/// The error at the end of the problem, max_i |y_i - exact_i| / (atol / rtol + |exact_i|).
-template <class Method, class Problem>
-double relative_error(double rtol, double atol) {
-  using State = typename Problem::State;
-  State y = Problem::y0();
-  const auto end = integrate(
-      typename Method::template Stepper<State>{}, ErasedSystem(Problem()), Span<double>{0, Problem::t_end}, y,
-      Adaptive<double, DeadbandController>({rtol, atol}, Method::error_order), ObserveNothing{}, 1'000'000);
-  EXPECT_EQ(end.outcome, Outcome::reached_end) << "t = " << end.t;
-  double worst = 0;
-  for (Eigen::Index i = 0; i < y.size(); ++i) {
-    const auto exact = static_cast<double>(Problem::end_point[static_cast<std::size_t>(i)]);
-    worst = std::max(worst, std::abs(y[i] - exact) / (atol / rtol + std::abs(exact)));
-  }
-  return worst;
-}
-
-// Local errors are controlled; the bounds are what the problems make of them. Jumps and pulses shift in time,
-// and the lower the order, the more errors add up. Methods of low order are asked for less.
-template <class Method>
-constexpr double rtol_of = Method::order == 1   ? 1e-4
-                           : Method::order == 2 ? 1e-5
-                                                : 1e-7;
-template <class Method>
-constexpr double bound_of = Method::order == 1   ? 5e-2
-                            : Method::order == 2 ? 1e-2
-                                                 : 3e-5;
-
-TYPED_TEST(Stiff, VanDerPol) {
-  constexpr double rtol = rtol_of<TypeParam>;
-  EXPECT_LT((relative_error<TypeParam, VanDerPol<double>>(rtol, 1e-3 * rtol)), bound_of<TypeParam>);
-}
-TYPED_TEST(Stiff, Robertson) {
-  constexpr double rtol = rtol_of<TypeParam>;
-  if constexpr (!TypeParam::l_stable) {
-    // What is tiny and stiff rings on undamped and stops the steps from growing: the end at 1e11 s is out of
-    // reach.
-    Eigen::Vector3d y = Robertson<double>::y0();
-    const auto end =
-        integrate(typename TypeParam::template Stepper<Eigen::Vector3d>{}, ErasedSystem(Robertson<double>()),
-                  Span<double>{0, 40}, y,
-                  Adaptive<double, DeadbandController>({rtol, 1e-9 * rtol}, TypeParam::error_order),
-                  ObserveNothing{}, 100'000);
-    EXPECT_EQ(end.outcome, Outcome::reached_end);
-    // [hairer1996solving, IV.10] prints the end point at t = 40.
-    EXPECT_NEAR(y[0], 0.7158271, 1e-4);
-    return;
-  }
-  EXPECT_LT((relative_error<TypeParam, Robertson<double>>(rtol, 1e-9 * rtol)), bound_of<TypeParam>);
-}
-TYPED_TEST(Stiff, Hires) {
-  constexpr double rtol = rtol_of<TypeParam>;
-  EXPECT_LT((relative_error<TypeParam, Hires<double>>(rtol, 1e-3 * rtol)), bound_of<TypeParam>);
-}
-TYPED_TEST(Stiff, Oregonator) {
-  // At 1e-4 implicit Euler's pulse comes so late that a third of the end value is missing.
-  constexpr double rtol = TypeParam::order == 1 ? 1e-6 : rtol_of<TypeParam>;
-  EXPECT_LT((relative_error<TypeParam, Oregonator<double>>(rtol, 1e-3 * rtol)), bound_of<TypeParam>);
-}
 
 /// Stiff decay towards cos t with a Jacobian that is `factor` times the true one.
 struct WrongJacobian {
@@ -93,11 +29,11 @@ TYPED_TEST(Stiff, AWrongJacobianIsNoticedAndNeverGivesAWrongAnswer) {
   const auto run = [](double factor) {
     Eigen::Vector2d y(0, 0);
     const auto end = integrate(typename TypeParam::template Stepper<Eigen::Vector2d>{},
-                               ErasedSystem(WrongJacobian{factor}), Span<double>{0, 1}, y,
+                               ErasedSystem(WrongJacobian{factor}), Span<double>{0, 0.1}, y,
                                Adaptive<double, DeadbandController>({1e-5, 1e-5}, TypeParam::error_order),
-                               ObserveNothing{}, 100'000);
+                               ObserveNothing{}, 20'000);
     if (end.outcome == Outcome::reached_end) {
-      EXPECT_NEAR(y[0], std::cos(1.0), 2e-3);
+      EXPECT_NEAR(y[0], std::cos(0.1), 2e-3);
     }
     return end;
   };
