@@ -71,8 +71,8 @@ LongMatrix stress(const TissueModel& model, const LongMatrix& F, const Lame& lam
   if (model == tissue_model("fem_cauchy")) return hooke((F + F.transpose()) / 2 - I);
   if (model == tissue_model("fem_green")) return F * hooke((F.transpose() * F - I) / 2);
   if (model == tissue_model("fem_corotational")) {
-    const Eigen::JacobiSVD<LongMatrix> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const LongMatrix R = svd.matrixU() * svd.matrixV().transpose();
+    LongMatrix R = F;  // Newton's iteration for the orthogonal factor of F
+    for (int i = 0; i < 40; ++i) R = (R + R.inverse().transpose()).eval() / 2;
     return R * hooke(R.transpose() * F - I);
   }
   const Long m = 4 * mu / 3, l = lambda + 5 * mu / 6, J = F.determinant();
