@@ -146,10 +146,7 @@ class FixedStep {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(n_);
-  }
+  void visit_state(auto& visit) { visit(n_); }
 
  private:
   /// t0 + n h.
@@ -235,10 +232,7 @@ class Adaptive {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(h_, controller_);
-  }
+  void visit_state(auto& visit) { visit(h_, controller_); }
 
  private:
   /// Whether steps and end of the run follow MATLAB's rules too.

@@ -36,10 +36,7 @@ class IntegralController {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(rejected_);
-  }
+  void visit_state(auto& visit) { visit(rejected_); }
 
  private:
   Real exponent_;          ///< -1 / (2 q): of err^2
@@ -77,10 +74,7 @@ class PiController {
     return {true, h * factor};
   }
 
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(previous_, rejected_);
-  }
+  void visit_state(auto& visit) { visit(previous_, rejected_); }
 
  private:
   Real integral_, proportional_, elementary_;  ///< exponents of squares
@@ -111,8 +105,7 @@ class DeadbandController {
             h * (std::isfinite(error_squared) ? std::max(factor(error_squared), Real(0.2)) : Real(0.1))};
   }
 
-  template <class Visitor>
-  void visit_state(Visitor&) {}  // h alone tells it what to do
+  void visit_state(auto&) {}  // h alone tells it what to do
 
  private:
   /// 0.9 err^(-1/q).
@@ -144,10 +137,7 @@ class MatlabController {
     return {true, h * factor};
   }
 
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(failed_);
-  }
+  void visit_state(auto& visit) { visit(failed_); }
 
  private:
   Real exponent_;        ///< -1 / (2 q): of err^2
@@ -169,10 +159,7 @@ class AnyController {
     return std::holds_alternative<MatlabController<Real>>(controller_);
   }
 
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(controller_);
-  }
+  void visit_state(auto& visit) { visit(controller_); }
 
  private:
   std::variant<IntegralController<Real>, PiController<Real>, DeadbandController<Real>, MatlabController<Real>>

@@ -124,8 +124,7 @@ class KeptControl {
     keeper_.save(bytes.bytes());
   }
 
-  template <class Visitor>
-  void visit_rest(Visitor& visit) {
+  void visit_rest(StateVisitor& visit) {
     visit(counts_.rhs, counts_.jacobian, *stepper_, control_, observer_);
   }
 

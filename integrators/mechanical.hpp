@@ -152,8 +152,7 @@ struct OperatorJacobian {
   std::shared_ptr<const StructureOperator> structure;
 
   /// Nothing: it is of the system. See saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& /*visit*/) {}
+  void visit_state(auto& /*visit*/) {}
 };
 /// I + c C + k K of such a structure; where c and k say nothing it stands for C and K.
 struct OperatorSum : OperatorJacobian {

@@ -42,10 +42,7 @@ class SampleEvery {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(j_);
-  }
+  void visit_state(auto& visit) { visit(j_); }
 
  private:
   Span<Real> span_;

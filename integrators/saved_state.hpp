@@ -18,7 +18,7 @@
 namespace hmax {
 
 // A class lists what it carries between two accepted steps once, for both directions:
-//   template <class Visitor> void visit_state(Visitor& visit) { visit(h_, failures_); }
+//   void visit_state(auto& visit) { visit(h_, failures_); }
 // Members may be numbers, enums, strings, pairs, complex numbers, variants, Eigen's dense and sparse
 // matrices, containers of these, and classes with a visit_state of their own. What init() or start() makes
 // from the system and the options again is left out, and so is what an attempt writes before it reads.
@@ -45,10 +45,12 @@ template <class T>
 concept VariantLike = requires(const T& value) {
   value.valueless_by_exception();
 };
+/// Containers of numbers side by side.
 template <class T>
-concept Contiguous = requires(T& value) {
+concept Numbers = requires(T& value) {
   value.data();
-};
+}
+&&std::is_arithmetic_v<typename T::value_type>;
 /// Containers whose size is part of their type: arrays.
 template <class T>
 concept FixedContainer = requires {
@@ -56,112 +58,60 @@ concept FixedContainer = requires {
 };
 }  // namespace detail
 
-/// Appends what it visits.
-class StateSaver {
+/// Visits what a run carries: appends it to bytes, or reads it back from them, in the same order. On loading
+/// no memory is taken for a number in the bytes before what it counts is there.
+/// @throws BadState  on loading, where the bytes end too early or are those of another shape
+class StateVisitor {
  public:
-  explicit StateSaver(StateBytes& bytes) : bytes_(bytes) {}
-
   template <class... Members>
   void operator()(Members&... members) {
-    (put(members), ...);
+    (visit(members), ...);
   }
+
+ protected:
+  StateVisitor(StateBytes& bytes, bool loads) : bytes_(bytes), loads_(loads) {}
 
  private:
   template <class T>
-  void put(T& value) {
+  void visit(T& value) {
     if constexpr (requires { value.visit_state(*this); }) {
       value.visit_state(*this);
     } else if constexpr (std::is_enum_v<T>) {
-      bytes_.put(static_cast<std::underlying_type_t<T>>(value));
+      visit_as<std::underlying_type_t<T>>(value);
     } else if constexpr (std::is_same_v<T, bool>) {
-      bytes_.put(static_cast<std::uint8_t>(value));
+      visit_as<std::uint8_t>(value);
     } else if constexpr (std::is_arithmetic_v<T>) {
-      bytes_.put(value);
+      visit_elements(&value, 1);
     } else if constexpr (detail::Complex<T>) {
-      bytes_.put(value.real());
-      bytes_.put(value.imag());
+      visit_elements(reinterpret_cast<typename T::value_type*>(&value), 2);  // real, imaginary
     } else if constexpr (detail::VariantLike<T>) {
-      bytes_.put(static_cast<std::uint64_t>(value.index()));
-      std::visit([&](auto& held) { put(held); }, value);
+      auto index = static_cast<std::uint64_t>(value.index());
+      visit(index);
+      if (loads_) emplace(value, index, std::make_index_sequence<std::variant_size_v<T>>{});
+      std::visit([&](auto& held) { visit(held); }, value);
     } else if constexpr (detail::MechanicalParts<T>) {
       (*this)(value.stiffness, value.damping);
     } else if constexpr (detail::is_sparse<T>) {
-      value.makeCompressed();
-      bytes_.put(static_cast<std::int64_t>(value.rows()));
-      bytes_.put(static_cast<std::int64_t>(value.cols()));
-      bytes_.put(static_cast<std::int64_t>(value.nonZeros()));
-      const auto entries = static_cast<std::size_t>(value.nonZeros());
-      put_elements(value.outerIndexPtr(), static_cast<std::size_t>(value.outerSize()) + 1);
-      put_elements(value.innerIndexPtr(), entries);
-      put_elements(value.valuePtr(), entries);
+      visit_sparse(value);
     } else if constexpr (detail::is_dense<T>) {
-      bytes_.put(static_cast<std::int64_t>(value.rows()));
-      bytes_.put(static_cast<std::int64_t>(value.cols()));
-      put_elements(value.data(), static_cast<std::size_t>(value.size()));
+      std::int64_t rows = value.rows(), cols = value.cols();
+      (*this)(rows, cols);
+      if (loads_) resize(value, rows, cols);
+      visit_elements(value.data(), static_cast<std::size_t>(value.size()));
     } else if constexpr (detail::PairLike<T>) {
       (*this)(value.first, value.second);
     } else {
-      bytes_.put(static_cast<std::uint64_t>(value.size()));
-      if constexpr (detail::Contiguous<T>)
-        put_elements(value.data(), value.size());
-      else
-        for (auto& element : value) put(element);
+      visit_container(value);
     }
   }
 
-  template <class T>
-  void put_elements(T* elements, std::size_t count) {
-    if constexpr (std::is_arithmetic_v<T>)
-      bytes_.put_all(elements, count);
-    else
-      for (std::size_t i = 0; i < count; ++i) put(elements[i]);
-  }
-
-  StateBytes& bytes_;
-};
-
-/// Reads into what it visits, in the same order. No memory is taken for a number in the bytes before what it
-/// counts is there. @throws BadState  where the bytes end too early or are those of another shape
-class StateLoader {
- public:
-  explicit StateLoader(StateBytes& bytes) : bytes_(bytes) {}
-
-  template <class... Members>
-  void operator()(Members&... members) {
-    (take(members), ...);
-  }
-
- private:
-  template <class T>
-  void take(T& value) {
-    if constexpr (requires { value.visit_state(*this); }) {
-      value.visit_state(*this);
-    } else if constexpr (std::is_enum_v<T>) {
-      value = static_cast<T>(bytes_.take<std::underlying_type_t<T>>());
-    } else if constexpr (std::is_same_v<T, bool>) {
-      value = bytes_.take<std::uint8_t>() != 0;
-    } else if constexpr (std::is_arithmetic_v<T>) {
-      value = bytes_.take<T>();
-    } else if constexpr (detail::Complex<T>) {
-      using Part = typename T::value_type;
-      const Part real = bytes_.take<Part>();
-      value = T(real, bytes_.take<Part>());
-    } else if constexpr (detail::VariantLike<T>) {
-      emplace(value, bytes_.take<std::uint64_t>(), std::make_index_sequence<std::variant_size_v<T>>{});
-      std::visit([&](auto& held) { take(held); }, value);
-    } else if constexpr (detail::MechanicalParts<T>) {
-      (*this)(value.stiffness, value.damping);
-    } else if constexpr (detail::is_sparse<T>) {
-      take_sparse(value);
-    } else if constexpr (detail::is_dense<T>) {
-      const auto rows = bytes_.take<std::int64_t>(), cols = bytes_.take<std::int64_t>();
-      resize(value, rows, cols);
-      take_elements(value.data(), static_cast<std::size_t>(value.size()));
-    } else if constexpr (detail::PairLike<T>) {
-      (*this)(value.first, value.second);
-    } else {
-      take_container(value);
-    }
+  /// A value that stands in the bytes as a number of another type.
+  template <class Number, class T>
+  void visit_as(T& value) {
+    Number number{};
+    if (!loads_) number = static_cast<Number>(value);
+    visit(number);
+    if (loads_) value = static_cast<T>(number);
   }
 
   /// Makes the alternative with this index, unless it is there.
@@ -189,19 +139,21 @@ class StateLoader {
   }
 
   template <class T>
-  void take_sparse(T& value) {
+  void visit_sparse(T& value) {
     using Index = typename T::StorageIndex;
-    const auto rows = bytes_.take<std::int64_t>(), cols = bytes_.take<std::int64_t>(),
-               entries = bytes_.take<std::int64_t>();
-    constexpr std::int64_t most = std::numeric_limits<Index>::max() - 1;
-    if (rows < 0 || cols < 0 || entries < 0 || rows > most || cols > most || entries > most) refuse();
-    bytes_.expect<Index>(static_cast<std::uint64_t>(cols + entries));
-    value.resize(rows, cols);
-    value.resizeNonZeros(entries);
-    const auto count = static_cast<std::size_t>(entries);
-    take_elements(value.outerIndexPtr(), static_cast<std::size_t>(cols) + 1);
-    take_elements(value.innerIndexPtr(), count);
-    take_elements(value.valuePtr(), count);
+    if (!loads_) value.makeCompressed();
+    std::int64_t rows = value.rows(), cols = value.cols(), entries = value.nonZeros();
+    (*this)(rows, cols, entries);
+    if (loads_) {
+      constexpr std::int64_t most = std::numeric_limits<Index>::max() - 1;
+      if (rows < 0 || cols < 0 || entries < 0 || rows > most || cols > most || entries > most) refuse();
+      bytes_.expect<Index>(static_cast<std::uint64_t>(cols + entries));
+      value.resize(rows, cols);
+      value.resizeNonZeros(entries);
+    }
+    visit_elements(value.outerIndexPtr(), static_cast<std::size_t>(cols) + 1);
+    visit_elements(value.innerIndexPtr(), static_cast<std::size_t>(entries));
+    visit_elements(value.valuePtr(), static_cast<std::size_t>(entries));
     // Columns in order, and rows within the matrix: what else it says no solver could bear.
     const Index *outer = value.outerIndexPtr(), *inner = value.innerIndexPtr();
     if (outer[0] != 0 || outer[cols] != entries || !std::is_sorted(outer, outer + cols + 1) ||
@@ -210,47 +162,62 @@ class StateLoader {
   }
 
   template <class T>
-  void take_container(T& value) {
-    const auto size = bytes_.take<std::uint64_t>();
+  void visit_container(T& value) {
+    auto size = static_cast<std::uint64_t>(value.size());
+    visit(size);
     if constexpr (detail::FixedContainer<T>) {
       if (size != value.size()) refuse();
-      take_elements(value.data(), value.size());
-    } else if constexpr (detail::Contiguous<T> && std::is_arithmetic_v<typename T::value_type>) {
-      bytes_.expect<typename T::value_type>(size);
+    } else if constexpr (detail::Numbers<T>) {
+      if (loads_) bytes_.expect<typename T::value_type>(size);
       value.resize(size);
-      take_elements(value.data(), value.size());
-    } else {
+    } else if (loads_) {
       value.clear();
       for (std::uint64_t i = 0; i < size; ++i) {  // ends where the bytes do
         value.push_back({});
-        take(value.back());
+        visit(value.back());
       }
+      return;
     }
+    if constexpr (detail::Numbers<T>)
+      visit_elements(value.data(), value.size());
+    else
+      for (auto& element : value) visit(element);
   }
 
   template <class T>
-  void take_elements(T* elements, std::size_t count) {
-    if constexpr (std::is_arithmetic_v<T>)
+  void visit_elements(T* elements, std::size_t count) {
+    if constexpr (!std::is_arithmetic_v<T>)
+      for (std::size_t i = 0; i < count; ++i) visit(elements[i]);
+    else if (loads_)
       bytes_.take_all(elements, count);
     else
-      for (std::size_t i = 0; i < count; ++i) take(elements[i]);
+      bytes_.put_all(elements, count);
   }
 
   [[noreturn]] static void refuse() { throw BadState("the state has another shape"); }
 
   StateBytes& bytes_;
+  bool loads_;
+};
+
+/// Appends what it visits.
+struct StateSaver : StateVisitor {
+  explicit StateSaver(StateBytes& bytes) : StateVisitor(bytes, false) {}
+};
+/// Reads into what it visits.
+struct StateLoader : StateVisitor {
+  explicit StateLoader(StateBytes& bytes) : StateVisitor(bytes, true) {}
 };
 
 /// The counts of an implicit method; why equations were not solved is told by the attempt that ends a run.
-template <class Visitor, class Work>
-void visit_work(Visitor& visit, Work& work) {
+void visit_work(auto& visit, auto& work) {
   visit(work.factorisations, work.newton, work.linear_iterations, work.newton_error);
 }
 
 /// Classes that list what they carry.
 template <class T>
-concept SavesState = requires(T& value, StateSaver& saver) {
-  value.visit_state(saver);
+concept SavesState = requires(T& value, StateVisitor& visit) {
+  value.visit_state(visit);
 };
 
 }  // namespace hmax

@@ -81,10 +81,7 @@ class SpectralRadius {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(direction_, radius_);
-  }
+  void visit_state(auto& visit) { visit(direction_, radius_); }
 
  private:
   /// The direction of the last estimate, or that of f, with a tenth of a vector that has a part in every

@@ -32,10 +32,7 @@ class TimePart {
   void forget() { t_ = std::numeric_limits<Real>::quiet_NaN(); }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(t_, part_);
-  }
+  void visit_state(auto& visit) { visit(t_, part_); }
 
  private:
   /// Whether g of the system is one number of the type Real.

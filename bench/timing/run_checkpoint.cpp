@@ -52,14 +52,14 @@ class RunCheckpoint::Keeper : public RunKeeper {
   void load_output() const {
     StateBytes bytes(part_.output);
     StateLoader load(bytes);
-    if (!output_.load) return;
-    output_.load(load);
+    if (!output_.visit) return;
+    output_.visit(load);
     if (!bytes.at_end()) throw BadState("the points are longer than they say");
   }
   void save_output() {
     StateBytes bytes;
     StateSaver saver(bytes);
-    if (output_.save) output_.save(saver);
+    if (output_.visit) output_.visit(saver);
     part_.output = bytes.bytes();
   }
 

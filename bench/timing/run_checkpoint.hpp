@@ -20,15 +20,13 @@ namespace hmax {
 /// Who sees the points of a run, and what that records of them; all empty where nobody watches.
 struct KeptOutput {
   Sink sink;
-  std::function<void(StateSaver&)> save;
-  std::function<void(StateLoader&)> load;
+  std::function<void(StateVisitor&)> visit;
 };
 
 /// @param members  what the sink changes; they must outlive the run
 template <class... Members>
 KeptOutput kept_output(Sink sink, Members&... members) {
-  return {std::move(sink), [&](StateSaver& visit) { visit(members...); },
-          [&](StateLoader& visit) { visit(members...); }};
+  return {std::move(sink), [&](StateVisitor& visit) { visit(members...); }};
 }
 
 struct CheckpointOptions {
@@ -79,8 +77,7 @@ class RunCheckpoint {
     RunRecord record{};         ///< of a finished run
     std::string note{};         ///< what its `note` refers to
 
-    template <class Visitor>
-    void visit_state(Visitor& visit) {
+    void visit_state(auto& visit) {
       Stats& s = record.stats;
       visit(name, finished, t, cpu_seconds, elapsed_seconds, state, output, note);
       visit(record.outcome, record.t, record.y, record.t_state);

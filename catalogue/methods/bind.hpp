@@ -153,8 +153,7 @@ class AnyObserver {
   }
 
   /// See saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     if (sample_) visit(*sample_);
   }
 

@@ -46,10 +46,7 @@ class Rows {
   }
 
   /// See integrators/saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(columns_, last_, count_, stride_, last_is_kept_);
-  }
+  void visit_state(auto& visit) { visit(columns_, last_, count_, stride_, last_is_kept_); }
 
   /// The last row is always kept.
   void finish() {

@@ -259,8 +259,7 @@ class ExplicitRk {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(end_time_, end_part_, first_stage_known_);
     if (first_stage_known_) visit(k_[0]);
   }

@@ -261,8 +261,7 @@ class StabilizedRk {
   [[nodiscard]] int stages() const { return static_cast<int>(stages_.size()); }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(estimate_, radius_, accepted_, system_knows_, radius_is_due_, radius_is_of_here_,
           first_slope_known_);
     if (first_slope_known_) visit(first_slope_);

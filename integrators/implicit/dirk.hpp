@@ -71,8 +71,7 @@ class Dirk {
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(k_[0], slopes_, slopes_known_, memory_, old_h_, jacobian_, solver_, rounding_, start_known_);
     visit_work(visit, work_);
     if constexpr (!explicit_first)

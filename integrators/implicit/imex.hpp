@@ -66,8 +66,7 @@ class ImexRk {
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(nonstiff_[0], stiff_[0], memory_, jacobian_, solver_, rounding_, start_known_);
     visit_work(visit, work_);
   }

@@ -207,10 +207,7 @@ class JacobianSource {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(looks_for_hidden_, searched_);
-  }
+  void visit_state(auto& visit) { visit(looks_for_hidden_, searched_); }
 
  private:
   using Dense = jacobian_of<State>;

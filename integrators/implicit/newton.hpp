@@ -142,10 +142,7 @@ struct NewtonMemory {
   Real error = 0;  ///< norm of what the last iteration left, as its rate of convergence foretells
 
   /// See saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(eta, theta, error);
-  }
+  void visit_state(auto& visit) { visit(eta, theta, error); }
 };
 
 /// Why an iteration ended.
@@ -359,8 +356,7 @@ class Linearisation {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(id_, evaluations_, steps_, due_, source_);
     if (!due_) visit(J_);
   }
@@ -475,10 +471,7 @@ class ShiftedSolver {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(id_, s_, regular_);
-  }
+  void visit_state(auto& visit) { visit(id_, s_, regular_); }
   /// After visit_state() has read it: the factors of the matrix J with this number, where it is the one that
   /// was factored.
   void resumed(const Matrix& J, std::int64_t id) {

@@ -63,8 +63,7 @@ class RadauIIA5 {
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(old_polynomial_, slope_, slope_known_, memory_, old_h_, jacobian_, real_, complex_, rounding_);
     visit_work(visit, work_);
   }

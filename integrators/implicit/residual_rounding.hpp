@@ -117,10 +117,7 @@ class ResidualRounding {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(id_, s_, size_, correction_);
-  }
+  void visit_state(auto& visit) { visit(id_, s_, size_, correction_); }
 
  private:
   /// margin s df in correction_.

@@ -184,8 +184,7 @@ class Rosenbrock {
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(jacobian_id_, steps_, jacobian_due_, slope_known_, solver_, source_);
     visit_work(visit, work_);
     if (slope_known_) visit(slope_);

@@ -125,8 +125,7 @@ class Adams {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(f_, starter_, time_part_, spacing_, known_, slope_known_, starting_);
   }
 

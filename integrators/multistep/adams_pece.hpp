@@ -176,8 +176,7 @@ class AdamsPece {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(phi_, predicted_slope_, slope_, end_slope_, time_part_, past_, trial_, beta_, sigma_, g_);
     visit(order_, differences_, end_slope_known_);
   }
@@ -193,10 +192,7 @@ class AdamsPece {
     Real h{};
     std::array<Real, max_order + 1> psi{};
 
-    template <class Visitor>
-    void visit_state(Visitor& visit) {
-      visit(k, equal, h, psi);
-    }
+    void visit_state(auto& visit) { visit(k, equal, h, psi); }
   };
 
   /// |gamma*_i|: the error of order i at equal steps is h |gamma*_i nabla^i f|.

@@ -113,10 +113,7 @@ class ShampineGordonControl {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(h_, failures_, doubling_);
-  }
+  void visit_state(auto& visit) { visit(h_, failures_, doubling_); }
 
  private:
   /// eps / (rtol |y_i| + atol_i) = 1 / w_i.

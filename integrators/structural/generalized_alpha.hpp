@@ -205,8 +205,7 @@ class GeneralizedAlpha {
   [[nodiscard]] ImplicitWork work() const { return work_; }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(a_, K_, C_, factored_h_, rate_, steps_, slow_, linearised_here_);
     visit_work(visit, work_);
   }

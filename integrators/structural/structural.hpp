@@ -122,8 +122,7 @@ class SymplecticEuler {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(slope_known_);
     if (slope_known_) visit(slope_);
   }
@@ -246,8 +245,7 @@ class KickDriftKick {
   }
 
   /// What it carries between accepted steps, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
+  void visit_state(auto& visit) {
     visit(slope_);
     if constexpr (lumped) visit(damping_, inverse_, inverse_of_);
   }

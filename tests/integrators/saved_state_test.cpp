@@ -28,10 +28,7 @@ struct Members {
   std::variant<double, Eigen::VectorXd> either;
   std::vector<std::pair<double, std::string>> frames;
 
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit(word, flag, s, text, small, dense, sparse, slopes, either, frames);
-  }
+  void visit_state(auto& visit) { visit(word, flag, s, text, small, dense, sparse, slopes, either, frames); }
 };
 
 Members sample() {
