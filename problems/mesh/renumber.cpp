@@ -144,21 +144,4 @@ TetMesh renumbered(const TetMesh& mesh, const Renumbering& order) {
   return result;
 }
 
-TetMesh restored(const TetMesh& mesh, const Renumbering& order) {
-  TetMesh result;
-  result.points = restored(mesh.points, order.points);
-  const TetMesh::Tetrahedra before =
-      mesh.tetrahedra.unaryExpr([&](Index a) { return order.points[static_cast<std::size_t>(a)]; });
-  result.tetrahedra = restored(before, order.tetrahedra);
-  result.regions.resize(mesh.regions.size());
-  for (std::size_t t = 0; t < mesh.regions.size(); ++t)
-    result.regions[static_cast<std::size_t>(order.tetrahedra[t])] = mesh.regions[t];
-  result.ten_node.resize(10, mesh.ten_node.cols());
-  for (Eigen::Index e = 0; e < mesh.ten_node.cols(); ++e)
-    for (int i = 0; i < 10; ++i)
-      result.ten_node(i, order.tetrahedra[static_cast<std::size_t>(8 * e)] / 8) =
-          order.points[static_cast<std::size_t>(mesh.ten_node(i, e))];
-  return result;
-}
-
 }  // namespace hmax

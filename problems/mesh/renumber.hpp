@@ -21,15 +21,4 @@ Renumbering local_order(const TetMesh& mesh);
 /// The mesh in the new order; the four corners of a tetrahedron keep theirs.
 TetMesh renumbered(const TetMesh& mesh, const Renumbering& order);
 
-/// Undoes renumbered().
-TetMesh restored(const TetMesh& mesh, const Renumbering& order);
-
-/// Values of each point (or tetrahedron) in the order they had before. @param now  one column each
-template <class Columns>
-Columns restored(const Columns& now, const std::vector<TetMesh::Index>& order) {
-  Columns before(now.rows(), now.cols());
-  for (std::size_t i = 0; i < order.size(); ++i) before.col(order[i]) = now.col(static_cast<Eigen::Index>(i));
-  return before;
-}
-
 }  // namespace hmax

@@ -256,9 +256,6 @@ std::string vtu_text(const MeshFile& file, const MeshFields& fields, VtuEncoding
 }
 
 std::string msh_text(const TetMesh& mesh) { return msh_text(counted_from_one(mesh)); }
-std::string vtu_text(const TetMesh& mesh, const MeshFields& fields, VtuEncoding encoding) {
-  return vtu_text(counted_from_one(mesh), fields, encoding);
-}
 
 std::string pvd_text(std::span<const std::pair<double, std::string>> frames) {
   std::string text = xml_head() + "<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";

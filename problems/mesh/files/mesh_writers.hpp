@@ -38,8 +38,6 @@ std::string vtu_text(const MeshFile& file, const MeshFields& fields = {},
 
 /// The same of a mesh that no file has numbered.
 std::string msh_text(const TetMesh& mesh);
-std::string vtu_text(const TetMesh& mesh, const MeshFields& fields = {},
-                     VtuEncoding encoding = VtuEncoding::raw);
 
 /// A series in time for ParaView: each instant [s] with its .vtu, as a path from the folder of the .pvd.
 std::string pvd_text(std::span<const std::pair<double, std::string>> frames);
