@@ -77,10 +77,7 @@ class PositionalEuler {
   /// Iterations since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
   /// It carries its counts alone, see saved_state.hpp.
-  template <class Visitor>
-  void visit_state(Visitor& visit) {
-    visit_work(visit, work_);
-  }
+  void visit_state(auto& visit) { visit_work(visit, work_); }
 
  private:
   Iteration iteration_;
