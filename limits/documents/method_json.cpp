@@ -34,6 +34,7 @@ nlohmann::ordered_json method_json(const Method& method) {
           {"needs_jacobian", method.needs_jacobian},
           {"needs_second_order", method.needs_second_order},
           {"needs_split", method.needs_split},
+          {"needs_body", static_cast<bool>(method.unsuited)},
           {"linearly_implicit", method.linearly_implicit},
           {"first_same_as_last", method.first_same_as_last},
           {"steps_back", method.steps_back},
