@@ -1,6 +1,8 @@
 /// Implicit Euler by a fixed number of iterations, as simulators of soft bodies step it: of bodies alone.
 #include <cmath>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -33,6 +35,20 @@ int count_of(std::string_view method, const Parameters& values, std::size_t whic
   return static_cast<int>(value);
 }
 
+/// The last body that was asked for, with its verbs: maps of one step bind the method in every step.
+class LastBody {
+ public:
+  PositionalBody of(const std::shared_ptr<const TissueBody>& body, PositionalVerbs verbs) {
+    const std::lock_guard lock(mutex_);
+    if (!made_ || made_->first != body) made_.emplace(body, PositionalBody(body, verbs));
+    return made_->second;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<std::pair<std::shared_ptr<const TissueBody>, PositionalBody>> made_;
+};
+
 /// What all of them have in common.
 /// @param make  Parameters -> the iteration of PositionalEuler
 template <class Make>
@@ -49,10 +65,10 @@ Method positional(std::string id, std::string source, PositionalVerbs verbs, con
                         : fmt::format("moves the points of a body, and {} is none; take a mesh with --mesh",
                                       problem.id);
   };
-  method.bind = [=](const Problem& problem) {
+  method.bind = [=, last = std::make_shared<LastBody>()](const Problem& problem) {
     using Stepper = PositionalEuler<std::decay_t<decltype(iteration)>>;
     return make_runner(detail::StepperEngine<Stepper>{Stepper(iteration, iterations, substeps), 0},
-                       PositionalBody(problem.body, verbs), problem.y0);
+                       last->of(problem.body, verbs), problem.y0);
   };
   return method;
 }

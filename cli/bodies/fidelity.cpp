@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/unsuited.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
@@ -46,6 +47,12 @@ std::vector<Method> methods_of(const FidelityOptions& options, const Problem& pr
   return methods;
 }
 
+/// @throws InputError  for a method that does not suit the problem, before others have been looked at
+void require_suited(const Method& method, const Problem& problem) {
+  if (const std::string why = why_unsuited(method, problem); !why.empty())
+    throw InputError(fmt::format("{} {}", method.id, why));
+}
+
 /// "5000", "5kPa", "0.2 MPa" [Pa]. @throws InputError  for what is none, or not positive
 std::optional<double> modulus_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
@@ -61,8 +68,10 @@ std::optional<double> modulus_of(const std::string& text) {
     }
   while (number.ends_with(' ')) number.pop_back();
   const std::optional<double> value = to_number(number);
-  if (!value || !(*value > 0) || !std::isfinite(*value))
-    throw InputError(fmt::format("--enter {} is no modulus; give pascals, for instance 5000 or 5kPa", text));
+  constexpr double least = 1e-3, most = 1e15;
+  if (!value || !(*value * factor >= least && *value * factor <= most))
+    throw InputError(
+        fmt::format("--enter {} is no modulus; give from 1e-3 to 1e15 Pa, for instance 5000 or 5kPa", text));
   return *value * factor;
 }
 
@@ -118,6 +127,7 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
   question.wanted = modulus_of(options.enter);
   const std::vector<Method> methods = methods_of(options, problem);
+  for (const Method& method : methods) require_suited(method, problem);
   const FidelityModel model = fidelity_model(problem);
   std::vector<Fidelity> rows;
   {

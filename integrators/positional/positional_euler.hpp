@@ -14,8 +14,7 @@ namespace hmax {
 ///   q_new ~ the root of  F(t + h', q_new, (q_new - q) / h') = M (q_new - q - h' v) / h'^2,
 ///   v_new = (q_new - q) / h',
 /// by `iterations` iterations from a first guess that the iteration chooses. Before they have converged the
-/// step is stable nevertheless, and the body looks softer, or more damped, than its material. Nothing is
-/// carried from step to step.
+/// body looks softer, or more damped, than its material. Nothing is carried from step to step.
 /// @tparam Iteration  begin(system, t, h, q, v, guess) makes the first guess; improve(system, t, h, q_new)
 ///                    improves it
 /// @source [macklin2019small] for substeps

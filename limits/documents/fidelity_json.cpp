@@ -14,7 +14,8 @@ Json modes_json(const std::vector<ShownMode>& modes) {
     list.push_back({{"omega", mode.omega},
                     {"omega_shown", number_or_word(mode.omega_shown)},
                     {"zeta", mode.zeta},
-                    {"zeta_shown", number_or_word(mode.zeta_shown)}});
+                    {"zeta_shown", number_or_word(mode.zeta_shown)},
+                    {"likeness", mode.likeness}});
   return list;
 }
 
@@ -27,6 +28,7 @@ Json to_json(const Fidelity& row) {
           {"stiffness_shown", number_or_word(row.stiffness_shown)},
           {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
           {"modulus_to_enter", number_or_word(row.modulus_to_enter)},
+          {"rest_moves", row.rest_moves},
           {"volume_kept", number_or_word(row.volume_kept)},
           {"modes", modes_json(row.modes)},
           {"observed", row.observed ? Json{{"stiffness_shown", number_or_word(row.observed->stiffness_shown)},

@@ -38,38 +38,103 @@ double volume_of(const TissueBody& body, const VectorXd& q) {
   return sum;
 }
 
-/// f . q_exact of a body whose stiffnesses are `factor` times those of the model.
-double exact_work(const FidelityModel& model, double factor) {
+Problem stiffened(const FidelityModel& model, double factor) {
+  return factor == 1 ? model.problem : with_stiffness(model.problem, factor);
+}
+
+/// f . q_exact of a body whose stiffnesses are `factor` times those of the model; NaN where it has no
+/// equilibrium.
+double exact_sag(const FidelityModel& model, double factor) {
   if (factor == 1) return model.load.dot(model.equilibrium);
-  const StaticSolution solution =
-      found_equilibrium(with_stiffness(model.problem, factor), 1, {}, [] { return 0.0; });
+  const StaticSolution solution = found_equilibrium(stiffened(model, factor), 1, {}, [] { return 0.0; });
   return solution.converged ? model.load.dot(solution.q) : Fidelity::none;
 }
 
-SettledState settle(const Method& method, const FidelityModel& model, double factor,
-                    const FidelityQuestion& question) {
-  const Problem problem = factor == 1 ? model.problem : with_stiffness(model.problem, factor);
-  return settled_state(one_step_map(method, problem, question.h), model.equilibrium / std::max(1.0, factor),
-                       question.watch);
+/// The factor with which the model sags so much: nearly in proportion to its inverse. NaN where no factor
+/// does.
+double factor_of_sag(const FidelityModel& model, double sag) {
+  double factor = model.load.dot(model.equilibrium) / sag;
+  for (int i = 0; i < 30 && factor > 0; ++i) {
+    const double ratio = exact_sag(model, factor) / sag;
+    if (std::abs(ratio - 1) <= 1e-7) return factor;
+    factor *= ratio;
+  }
+  return Fidelity::none;
 }
 
+/// About which share of its distance the slowest motion goes in a step from rest.
+double share_of_step(const FidelityModel& model, double factor, double h) {
+  const double turn = (model.modes.empty() ? 0.1 / h : model.modes.front().omega * std::sqrt(factor)) * h;
+  return std::min(1.0, turn * turn);
+}
+
+Problem without_load(const Problem& problem) {
+  TissueSettings settings = problem.body->settings();
+  settings.gravity.setZero();
+  settings.forces.clear();
+  return with_settings(problem, std::move(settings));
+}
+
+/// Where the steps come to rest with the load and without.
+struct Settled {
+  SettledState loaded;
+  VectorXd rest;  ///< shape (dofs)
+  [[nodiscard]] bool found() const { return loaded.settled && rest.size() > 0; }
+  [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest); }
+};
+
+Settled settle(const Method& method, const FidelityModel& model, double factor,
+               const FidelityQuestion& question) {
+  const Problem problem = stiffened(model, factor);
+  const double share = share_of_step(model, factor, question.h);
+  const VectorXd start = model.equilibrium / std::max(1.0, factor);
+  Settled found;
+  found.loaded = settled_state(one_step_map(method, problem, question.h), start, share, question.watch);
+  if (!found.loaded.settled) return found;
+  const VectorFunction free = one_step_map(method, without_load(problem), question.h);
+  const Eigen::Index n = start.size();
+  const VectorXd moved = free(VectorXd::Zero(2 * n)).head(n);
+  // Rounding moves it, and the tolerance of equations.
+  if (moved.norm() <= 1e-6 * share * start.norm()) {
+    found.rest = VectorXd::Zero(n);
+  } else if (const SettledState rest = settled_state(free, moved, share, question.watch); rest.settled) {
+    found.rest = rest.q;
+  }
+  return found;
+}
+
+StepModes modes_of(const Method& method, const FidelityModel& model, double factor,
+                   const FidelityQuestion& question, const VectorXd& q) {
+  const Problem problem = stiffened(model, factor);
+  const bool compares = factor == 1;  // of other stiffnesses growth alone is asked
+  return shown_modes(one_step_map(method, problem, question.h), q, question.h, problem.body->mass(),
+                     compares ? model.shapes : Eigen::MatrixXd(q.size(), 0),
+                     compares ? model.modes : std::vector<ShownMode>{}, question.watch);
+}
+
+/// Growth beyond what differences resolve.
+bool grows(const StepModes& modes) { return modes.largest > 1 + 1e-5; }
+
 /// The modulus that is shown where `factor` times that of the model is entered [Pa]; NaN where nothing
-/// settles. A stiffness is that of the model under the whole load: small strains where the factor is large.
+/// settles, or against the load.
 double modulus_shown(const Method& method, const FidelityModel& model, double factor,
                      const FidelityQuestion& question) {
-  const SettledState found = settle(method, model, factor, question);
-  if (!found.settled) return Fidelity::none;
-  return young_of(model.problem) * factor * exact_work(model, factor) / model.load.dot(found.q);
+  const Settled found = settle(method, model, factor, question);
+  if (!found.found() || grows(modes_of(method, model, factor, question, found.loaded.q)))
+    return Fidelity::none;
+  const double sag = found.sag(model);
+  return sag > 0 ? young_of(model.problem) * factor_of_sag(model, sag) : Fidelity::none;
 }
 
 /// Where the modulus shown no longer grows with the modulus entered.
 double ceiling_of(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
+  // Springs as supports stay, and sag under the stiffest body.
+  if (!model.problem.body->settings().elastic_supports.empty()) return Fidelity::none;
   constexpr double stride = 100, most = 1e8;
   double before = modulus_shown(method, model, 1, question);
   for (double factor = stride; factor <= most; factor *= stride) {
     const double shown = modulus_shown(method, model, factor, question);
-    if (std::isnan(shown)) return Fidelity::none;
-    if (shown <= 0 || before <= 0) return Fidelity::none;
+    if (std::isnan(shown) || std::isnan(before)) return Fidelity::none;
     // Beyond, E_shown = ceiling (1 - c / E): the last of a geometric sequence.
     if (shown < 1.05 * before) return shown + (shown - before) / (stride - 1);
     before = shown;
@@ -78,19 +143,21 @@ double ceiling_of(const Method& method, const FidelityModel& model, const Fideli
   return infinity;
 }
 
-/// E with which `wanted` is shown, by bisection of its logarithm; NaN where no E does.
+/// E with which the steps sag as the model does with the wanted one, by bisection of its logarithm; NaN where
+/// no E does.
 double modulus_to_enter(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
-  const double E = young_of(model.problem), wanted = *question.wanted;
+  const double E = young_of(model.problem), first = *question.wanted / E;
+  const double wanted = exact_sag(model, first);
+  if (!(wanted > 0)) return Fidelity::none;
   constexpr double stride = 4, most = 1e10;
-  // Factors that show too little, and enough.
+  // Factors that sag too much, and little enough.
   double low = 0, high = 0;
   const auto look = [&](double factor) {
-    const double shown = modulus_shown(method, model, factor, question);
-    // What settles against the load is too soft.
-    if (!std::isnan(shown)) (shown < wanted ? low : high) = factor;
-    return !std::isnan(shown);
+    const Settled found = settle(method, model, factor, question);
+    if (!found.found() || !(found.sag(model) > 0)) return false;
+    (found.sag(model) > wanted ? low : high) = factor;
+    return true;
   };
-  const double first = wanted / E;
   if (!look(first)) return Fidelity::none;
   for (double factor = first; low > 0 && high == 0;) {
     factor *= stride;
@@ -100,11 +167,13 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
     factor /= stride;
     if (factor * most < 1 || !look(factor)) return Fidelity::none;
   }
-  while (high / low > 1 + 1e-5) {
-    const double middle = std::sqrt(low * high);
-    if (!look(middle)) return Fidelity::none;
-  }
-  return std::sqrt(low * high) * E;
+  while (high / low > 1 + 1e-5)
+    if (!look(std::sqrt(low * high))) return Fidelity::none;
+  const double factor = std::sqrt(low * high);
+  const Settled found = settle(method, model, factor, question);
+  if (!found.found() || grows(modes_of(method, model, factor, question, found.loaded.q)))
+    return Fidelity::none;
+  return factor * E;
 }
 
 /// Frequency and damping ratio of a decaying sequence of one oscillation, from a fit of
@@ -117,9 +186,12 @@ std::pair<double, double> oscillation_in(const std::vector<double>& x, double h)
     next[k] = x[static_cast<std::size_t>(k) + 2];
   }
   const VectorXd ab = past.colPivHouseholderQr().solve(next);
-  const std::complex<double> root = ab[0] / 2 + std::sqrt(std::complex<double>(ab[0] * ab[0] / 4 - ab[1], 0));
-  const std::complex<double> rate = std::log(root) / h;
-  return {std::abs(rate), -rate.real() / std::abs(rate)};
+  const std::complex<double> half = std::sqrt(std::complex<double>(ab[0] * ab[0] / 4 - ab[1], 0));
+  // Of an overdamped oscillation both roots are real: omega^2 is the product of the rates, 2 zeta omega their
+  // sum.
+  const std::complex<double> a = std::log(ab[0] / 2 + half) / h, b = std::log(ab[0] / 2 - half) / h;
+  const double omega = std::sqrt(std::abs(a * b));
+  return {omega, -(a + b).real() / (2 * omega)};
 }
 
 /// Steps of a run at most: a minute for large bodies.
@@ -131,10 +203,9 @@ std::pair<double, double> rates_of(const ShownMode& mode, double h) {
   return {omega * h, std::max(0.0, mode.zeta_shown) * omega * h};  // 0 where it is NaN
 }
 
-/// What a run from rest shows of the stiffness: to a thousandth of the motion of the slowest mode, then the
-/// mean over two of its periods. NaN where it still moves then.
-double observed_stiffness(const VectorFunction& step, const FidelityModel& model, const Fidelity& row) {
-  const Eigen::Index n = model.load.size();
+/// The mean displacement of a run from rest over two periods of the slowest mode, once a thousandth of its
+/// motion is left; empty where it still moves then.
+VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelity& row) {
   const auto [turn, decay] =
       rates_of(row.modes.empty() ? ShownMode{.omega = 0.1 / row.h} : row.modes.front(), row.h);
   const auto settling =
@@ -144,11 +215,10 @@ double observed_stiffness(const VectorFunction& step, const FidelityModel& model
   VectorXd y = VectorXd::Zero(2 * n), mean = VectorXd::Zero(n);
   for (std::int64_t i = 0; i < settling + averaged; ++i) {
     y = step(y);
-    if (!y.allFinite()) return Fidelity::none;
+    if (!y.allFinite()) return {};
     if (i >= settling) mean += y.head(n) / static_cast<double>(averaged);
   }
-  const bool rests = (y.head(n) - mean).norm() <= 0.02 * mean.norm();
-  return rests ? model.load.dot(model.equilibrium) / model.load.dot(mean) : Fidelity::none;
+  return (y.head(n) - mean).norm() <= 0.02 * mean.norm() ? mean : VectorXd();
 }
 
 /// A mode as a run from its shape about the settled state shows it: two periods, after half of one in which
@@ -172,15 +242,24 @@ ShownMode observed_mode(const VectorFunction& step, const VectorXd& mass, const 
   return mode;
 }
 
-Fidelity::Observed observe(const VectorFunction& map, const FidelityModel& model, const Fidelity& row,
-                           const FidelityQuestion& question, const VectorXd& settled) {
-  const auto step = [&](const VectorXd& y) {
-    if (question.watch) question.watch();
-    return map(y);
+Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, const FidelityQuestion& question,
+                           const Settled& settled) {
+  const auto watched = [&](const Problem& problem) -> VectorFunction {
+    return [map = one_step_map(row.method, problem, row.h), &question](const VectorXd& y) {
+      if (question.watch) question.watch();
+      return map(y);
+    };
   };
-  Fidelity::Observed seen{.stiffness_shown = observed_stiffness(step, model, row), .modes = {}};
+  const VectorFunction step = watched(model.problem);
+  const Eigen::Index n = model.load.size();
+  Fidelity::Observed seen;
+  const VectorXd loaded = observed_rest(step, n, row);
+  const VectorXd rest =
+      settled.rest.isZero(0) ? settled.rest : observed_rest(watched(without_load(model.problem)), n, row);
+  if (loaded.size() > 0 && rest.size() > 0)
+    seen.stiffness_shown = model.load.dot(model.equilibrium) / model.load.dot(loaded - rest);
   for (std::size_t k = 0; k < row.modes.size(); ++k)
-    seen.modes.push_back(observed_mode(step, model.problem.body->mass(), settled,
+    seen.modes.push_back(observed_mode(step, model.problem.body->mass(), settled.loaded.q,
                                        model.shapes.col(static_cast<Eigen::Index>(k)), row.modes[k], row.h));
   return seen;
 }
@@ -194,6 +273,18 @@ double gap_of(const Fidelity& row) {
       gap = std::max({gap, std::abs(seen.omega_shown / row.modes[k].omega_shown - 1),
                       std::abs(seen.zeta_shown - row.modes[k].zeta_shown)});
   return gap;
+}
+
+/// Ceiling and modulus to enter.
+void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
+  row.stiffness_ceiling = ceiling_of(row.method, model, question);
+  if (!question.wanted) return;
+  row.modulus_to_enter = modulus_to_enter(row.method, model, question);
+  if (!std::isnan(row.modulus_to_enter)) return;
+  say(row, *question.wanted >= row.stiffness_ceiling
+               ? fmt::format("it shows at most {} Pa, however stiff the material that is entered",
+                             short_number(row.stiffness_ceiling, 4))
+               : "no modulus was found with which it settles as the model does with the wanted one");
 }
 
 }  // namespace
@@ -210,6 +301,7 @@ Problem with_stiffness(const Problem& problem, double factor) {
   settings.skin.young *= factor;
   // Damping is that of the material: beta K would grow with it.
   settings.beta /= factor;
+  settings.springs.damper_time /= factor;
   return with_settings(problem, std::move(settings));
 }
 
@@ -259,49 +351,46 @@ FidelityModel fidelity_model(const Problem& problem, std::size_t modes) {
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
   if (const std::string why = why_unsuited(method, model.problem); !why.empty())
     throw InputError(fmt::format("{} {}", method.id, why));
+  const bool asks_moduli = question.ceiling || question.wanted;
+  if (asks_moduli && model.problem.body->settings().springs.stiffness > 0)
+    throw InputError(
+        "k gives the springs their stiffness whatever the modulus is; leave k out, or --ceiling and --enter");
   Fidelity row{.method = method, .h = question.h, .modes = {}, .status = {}};
-  const VectorFunction step = one_step_map(method, model.problem, question.h);
-  const SettledState found = settle(method, model, 1, question);
-  row.steps = found.steps;
-  if (!found.settled) {
-    say(row, std::isfinite(found.residual)
-                 ? fmt::format("its steps do not settle: {} of them leave a residual of {:.1e}", found.steps,
-                               found.residual)
-                 : "its steps leave the range of numbers");
+  const Settled found = settle(method, model, 1, question);
+  row.steps = found.loaded.steps;
+  if (!found.found()) {
+    say(row, !found.loaded.settled && !std::isfinite(found.loaded.residual)
+                 ? "its steps leave the range of numbers"
+                 : fmt::format("its steps do not settle{}: {} of them leave a residual of {:.1e}",
+                               found.loaded.settled ? " without load" : "", found.loaded.steps,
+                               found.loaded.residual));
     return row;
   }
-  row.stiffness_shown = model.load.dot(model.equilibrium) / model.load.dot(found.q);
-  row.volume_kept = volume_of(*model.problem.body, found.q) / model.volume;
-  StepModes shown = shown_modes(step, found.q, question.h, model.problem.body->mass(), model.shapes,
-                                model.modes, question.watch);
-  // Beyond what differences resolve.
-  if (shown.largest > 1 + 1e-5) {
+  StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
+  if (grows(shown)) {
     say(row,
         fmt::format("its steps grow by a factor of {} each, so that nothing settles; take a smaller step",
                     short_number(shown.largest, 4)));
-    row.stiffness_shown = row.volume_kept = Fidelity::none;
     return row;
   }
+  row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
+  row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
+  row.rest_moves = largest_displacement(found.rest);
+  row.modes = std::move(shown.modes);
+  if (row.stiffness_shown < 0) say(row, "it settles against the load");
+  if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
+    say(row, fmt::format("without load it moves {} mm from rest", short_number(1000 * row.rest_moves, 3)));
   if (!shown.linear)
     say(row,
         "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode; "
         "runs do");
-  row.modes = std::move(shown.modes);
-  if (row.stiffness_shown < 0) say(row, "it settles against the load");
-  if (question.ceiling || question.wanted) row.stiffness_ceiling = ceiling_of(method, model, question);
-  if (question.wanted) {
-    row.modulus_to_enter = modulus_to_enter(method, model, question);
-    if (std::isnan(row.modulus_to_enter))
-      say(row, std::isfinite(row.stiffness_ceiling)
-                   ? fmt::format("it shows at most {} Pa, however stiff the material that is entered",
-                                 short_number(row.stiffness_ceiling, 4))
-                   : "no modulus was found that it shows as the one wanted");
-  }
+  else if (model.modes.empty())
+    say(row, "damping couples the modes of the model, so that none is compared");
+  if (asks_moduli) find_moduli(row, model, question);
   if (question.verify) {
-    row.observed = observe(step, model, row, question, found.q);
+    row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
-    if (std::isnan(row.observed->stiffness_shown))
-      say(row, fmt::format("a run from rest still moves after {} steps", most_observed));
+    if (std::isnan(row.observed->stiffness_shown)) say(row, "a run from rest does not come to rest");
   }
   return row;
 }

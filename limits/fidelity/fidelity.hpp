@@ -34,8 +34,9 @@ struct FidelityModel {
 };
 
 /// What steps of size h show.
-///   stiffness_shown = (f . q_exact) / (f . q_settled),
-/// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest. Of a
+///   stiffness_shown = (f . q_exact) / (f . (q_settled - q_rest)),
+/// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest, and
+/// q_rest where they do without the load: 0 but for methods that do not keep an unloaded body as it is. Of a
 /// linear body loaded at one point it is the stiffness that is felt there over that of the model.
 struct Fidelity {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -44,10 +45,12 @@ struct Fidelity {
   double h = 0;
   double stiffness_shown = none;  ///< 1 is exact; NaN where nothing settles
   /// The largest modulus that the steps can show, its limit as the modulus entered grows [Pa]; infinity where
-  /// there is none.
+  /// there is none. A modulus is shown where the model with it sags as much.
   double stiffness_ceiling = none;
-  double modulus_to_enter = none;  ///< E [Pa] with which the wanted one is shown; NaN above the ceiling
-  double volume_kept = none;       ///< settled over that in the equilibrium of the model
+  /// E [Pa] with which the steps sag as the model does with the wanted one; NaN where none is found.
+  double modulus_to_enter = none;
+  double rest_moves = 0;      ///< the largest displacement of q_rest [m]
+  double volume_kept = none;  ///< settled over that in the equilibrium of the model
   std::vector<ShownMode> modes;
   struct Observed {
     double stiffness_shown = none;
@@ -60,17 +63,19 @@ struct Fidelity {
 };
 
 /// @param modes  how many of the slowest; fewer where damping couples them or only the ends are known
-/// @throws InputError  for what is no body, a body that nothing loads, a load that never settles, and where
-///                     no equilibrium is found
+/// @throws InputError  for what is no body, a body that nothing loads, a tool, a load that never settles, and
+///                     where no equilibrium is found
 FidelityModel fidelity_model(const Problem& problem, std::size_t modes = 3);
 
-/// @throws InputError  for a method that does not suit the body, or has no map of steps
+/// @throws InputError  for a method that does not suit the body, or has no map of steps, and for moduli of
+///                     springs of a given stiffness
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
 
 /// E of the first region [Pa]: what ceilings and moduli are given in.
 double young_of(const Problem& problem);
 
-/// The same body with all stiffnesses times `factor`: of tissue, springs, fibres and skin.
+/// The same body with all stiffnesses of tissue, springs, fibres and skin times `factor`. Supports and
+/// damping stay.
 Problem with_stiffness(const Problem& problem, double factor);
 
 }  // namespace hmax

@@ -1,5 +1,6 @@
 #include "limits/fidelity/settled_state.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -8,13 +9,12 @@
 
 namespace hmax {
 
-SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& start,
+SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& start, double left,
                            const std::function<void()>& watch) {
-  // The slowest part of a residual may be a thousandth of the distance that is left.
-  constexpr double tolerance = 1e-10;
+  const double tolerance = std::max(1e-14, 1e-8 * left);
   /// Equations that are solved to a tolerance of their own leave more: it counts as settled where it no
-  /// longer falls.
-  constexpr double tolerable = 1e-6;
+  /// longer falls, to a thousandth.
+  const double tolerable = 1e-3 * left;
   constexpr int most = 4000, patience = 200;
   /// Beyond so many times the least residual the memory misleads.
   constexpr double lost = 1e4;

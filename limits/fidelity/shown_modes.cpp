@@ -1,12 +1,14 @@
 #include "limits/fidelity/shown_modes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <utility>
 
 #include "analysis/spectrum/arnoldi.hpp"
+#include "analysis/spectrum/lanczos.hpp"
 
 namespace hmax {
 
@@ -32,18 +34,62 @@ double likeness(const VectorXcd& x, const VectorXd& shape, const VectorXd& mass)
          q.norm();
 }
 
+/// What has been found of one mode: an oscillation, or two decays of one motion.
+class FoundMode {
+ public:
+  /// @param rate  log(lambda) / h [1/s], @param error  of lambda beside its distance from 1
+  void look(std::complex<double> rate, double like, double error) {
+    const Eigenvalue seen{rate, like, error};
+    if (rate.imag() > 0) {
+      if (like > oscillation_.like) oscillation_ = seen;
+    } else if (like > decays_[0].like) {
+      decays_[1] = std::exchange(decays_[0], seen);
+    } else if (like > decays_[1].like) {
+      decays_[1] = seen;
+    }
+  }
+
+  /// Whether the eigenvalue that is most like the mode has converged.
+  [[nodiscard]] bool converged(double tolerance) const { return best().error <= tolerance; }
+
+  /// @returns `mode` with what is shown; NaN where nothing is like it, or has not converged
+  [[nodiscard]] ShownMode shown(ShownMode mode) const {
+    constexpr double least_like = 0.7, most_error = 1e-3;
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    mode.likeness = best().like;
+    mode.omega_shown = mode.zeta_shown = nan;
+    if (!(best().like >= least_like && best().error <= most_error)) return mode;
+    if (&best() == &oscillation_) {
+      mode.omega_shown = std::abs(oscillation_.rate);
+      mode.zeta_shown = -oscillation_.rate.real() / mode.omega_shown;
+    } else if (decays_[1].like >= least_like && decays_[1].error <= most_error) {
+      // Of an overdamped oscillation: omega^2 the product of both rates, 2 zeta omega their sum.
+      const double a = -decays_[0].rate.real(), b = -decays_[1].rate.real();
+      mode.omega_shown = std::sqrt(a * b);
+      mode.zeta_shown = (a + b) / (2 * mode.omega_shown);
+    }
+    return mode;
+  }
+
+ private:
+  struct Eigenvalue {
+    std::complex<double> rate;
+    double like = 0, error = std::numeric_limits<double>::infinity();
+  };
+  [[nodiscard]] const Eigenvalue& best() const {
+    return oscillation_.like >= decays_[0].like ? oscillation_ : decays_[0];
+  }
+  Eigenvalue oscillation_;
+  std::array<Eigenvalue, 2> decays_;
+};
+
 }  // namespace
 
 StepModes shown_modes(const VectorFunction& step, const VectorXd& q, double h, const VectorXd& mass,
-                      const MatrixXd& shapes, std::vector<ShownMode> of_model,
+                      const MatrixXd& shapes, const std::vector<ShownMode>& modes,
                       const std::function<void()>& watch) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  StepModes shown{.modes = std::move(of_model)};
-  std::vector<ShownMode>& modes = shown.modes;
-  for (ShownMode& mode : modes) mode.omega_shown = mode.zeta_shown = nan;
-  if (modes.empty()) return shown;
   const Eigen::Index n = q.size();
-  const EnergyUnits units(mass, modes.front().omega);
+  const EnergyUnits units(mass, modes.empty() ? 0.1 / h : modes.front().omega);
   VectorXd y = VectorXd::Zero(2 * n);
   y.head(n) = q;
   // Displacements of a ten-thousandth of the settled ones: large beside rounding, small beside curvature.
@@ -55,40 +101,43 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, double h, c
     const VectorXd d = size / length * x.cwiseQuotient(units.scale);
     return length / (2 * size) * (step(y + d) - step(y - d)).cwiseProduct(units.scale);
   };
+  // The modes, and a little of everything else: what grows may be none of them.
   VectorXd start = VectorXd::Zero(2 * n);
   for (Eigen::Index k = 0; k < shapes.cols(); ++k)
     start.head(n) += units.scale.head(n).cwiseProduct(shapes.col(k));
+  const VectorXd others = start_vector(2 * n);
+  start += (modes.empty() ? 1 : 0.02 * start.norm()) / others.norm() * others;
 
+  StepModes shown;
   const VectorXd other = start.reverse(), together = A(start + other), sum = A(start) + A(other);
-  if (!((together - sum).norm() <= 0.01 * together.norm())) {
-    shown.linear = false;
-    return shown;
-  }
-
+  shown.linear = (together - sum).norm() <= 0.01 * together.norm();
+  std::vector<FoundMode> found(modes.size());
   ArnoldiSettings settings;
   settings.basis = std::min<Eigen::Index>(80, 2 * n);
   settings.kept = std::min<Eigen::Index>(40, std::max<Eigen::Index>(1, settings.basis / 2));
   settings.most_products = 1200;
-  visit_ritz_spectra(A, start, settings, 20, [&](const RitzSpectrum& found) {
-    if (found.values.front().residual < 1e-3) shown.largest = std::abs(found.values.front().value);
-    std::vector<double> left(modes.size(), 1);
-    for (ShownMode& mode : modes) mode.likeness = 0;
-    for (std::size_t i = 0; i < found.values.size(); ++i) {
-      const std::complex<double> value = found.values[i].value;
-      if (value.imag() < 0 || value == 0.0) continue;
-      const VectorXcd x = found.vector(i);
-      for (std::size_t k = 0; k < modes.size(); ++k) {
-        const double like = likeness(x, shapes.col(static_cast<Eigen::Index>(k)), mass);
-        if (like <= modes[k].likeness) continue;
-        const std::complex<double> rate = std::log(value) / h;
-        modes[k].likeness = like;
-        modes[k].omega_shown = std::abs(rate);
-        modes[k].zeta_shown = -rate.real() / std::abs(rate);
-        left[k] = found.values[i].residual / std::abs(1.0 - value);
+  constexpr double resolved = 1e-3, tolerance = 1e-5;
+  if (shown.linear)
+    visit_ritz_spectra(A, start, settings, 20, [&](const RitzSpectrum& spectrum) {
+      const RitzValue& largest = spectrum.values.front();
+      // Beside a residual an excess over 1 is nothing unless it is much larger.
+      if (const double modulus = std::abs(largest.value); largest.residual < 0.05 * std::abs(modulus - 1))
+        shown.largest = modulus;
+      found.assign(modes.size(), {});
+      for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
+        const std::complex<double> value = spectrum.values[i].value;
+        // Of a pair the upper one; a negative number turns about in every step.
+        if (value.imag() < 0 || (value.imag() == 0 && value.real() <= 0)) continue;
+        const VectorXcd x = spectrum.vector(i);
+        for (std::size_t k = 0; k < modes.size(); ++k)
+          found[k].look(std::log(value) / h, likeness(x, shapes.col(static_cast<Eigen::Index>(k)), mass),
+                        spectrum.values[i].residual / std::abs(1.0 - value));
       }
-    }
-    return found.invariant || *std::ranges::max_element(left) < 1e-5;
-  });
+      return spectrum.invariant ||
+             (largest.residual < resolved &&
+              std::ranges::all_of(found, [](const FoundMode& each) { return each.converged(tolerance); }));
+    });
+  for (std::size_t k = 0; k < modes.size(); ++k) shown.modes.push_back(found[k].shown(modes[k]));
   return shown;
 }
 

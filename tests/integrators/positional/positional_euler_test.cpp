@@ -96,12 +96,15 @@ TEST(PositionalEuler, ShowsTheStiffnessOfTheLaboratoryBar) {
   EXPECT_NEAR(stiffness_shown(vbd(1, 20), 5000), 1 / 1.0448, 1e-3);
   EXPECT_NEAR(stiffness_shown(vbd(100, 1), 5000), 1 / 1.0031, 1e-3);
   EXPECT_NEAR(stiffness_shown(xpbd(1, 1), 5000), 1 / 18.0283, 1e-3 * 0.055);
+  EXPECT_NEAR(stiffness_shown(xpbd(5, 1), 5000), 1 / 3.9982, 1e-3 * 0.25);
   EXPECT_NEAR(stiffness_shown(xpbd(20, 1), 5000), 1 / 1.4464, 1e-3 * 0.69);
   EXPECT_NEAR(stiffness_shown(xpbd(4, 5), 5000), 1 / 1.0276, 1e-3);
   EXPECT_NEAR(stiffness_shown(xpbd(1, 20), 5000), 1 / 1.0426, 1e-3);
   EXPECT_NEAR(stiffness_shown(xpbd(100, 1), 5000), 1 / 1.0024, 1e-3);
   // Multipliers that are reset harden with iterations.
   EXPECT_NEAR(stiffness_shown(xpbd(5, 1, true), 5000), 1 / 3.5679, 1e-3 * 0.28);
+  EXPECT_NEAR(stiffness_shown(xpbd(4, 5, true), 5000), 1 / 0.4189, 1e-3 * 2.4);
+  EXPECT_NEAR(stiffness_shown(xpbd(1, 20, true), 5000), 1 / 1.0426, 1e-3);
   EXPECT_NEAR(stiffness_shown(xpbd(20, 1, true), 5000), 1 / 0.8566, 1e-3 * 1.17);
   EXPECT_NEAR(stiffness_shown(xpbd(100, 1, true), 5000), 7.483, 1e-3 * 7.5);
 }

@@ -31,7 +31,7 @@ TEST(SettledState, IsTheFixedPointOfTheMap) {
     next.head(40) = y.head(40) + rate.cwiseProduct(VectorXd::Ones(40) - y.head(40));
     return next;
   };
-  const SettledState found = settled_state(step, VectorXd::Constant(40, 3));
+  const SettledState found = settled_state(step, VectorXd::Constant(40, 3), 0.001);
   EXPECT_TRUE(found.settled);
   EXPECT_LT((found.q - VectorXd::Ones(40)).norm(), 1e-6);
   EXPECT_LT(found.steps, 200);  // without acceleration some 20,000
@@ -83,15 +83,62 @@ TEST(Fidelity, IsWhatRunsShow) {
   }
 }
 
-TEST(Fidelity, ModulusToEnterShowsTheOneWanted) {
+/// f . q of a row: where its steps settle.
+double sag_of(const Fidelity& row, const FidelityModel& model) {
+  return model.load.dot(model.equilibrium) / row.stiffness_shown;
+}
+
+TEST(Fidelity, ModulusToEnterSagsAsTheModelDoesWithTheOneWanted) {
   const Method method = find_method("vbd:iterations=3");
-  const auto model_of = [](double E) { return fidelity_model(body("fem_cauchy/press@phantom", {{"E", E}})); };
   const double wanted = 5000;
-  const Fidelity row = fidelity(method, model_of(4000), {.h = 1.0 / 60, .wanted = wanted});
-  ASSERT_FALSE(std::isnan(row.modulus_to_enter)) << row.status;
-  EXPECT_GT(row.modulus_to_enter, wanted);
-  const Fidelity entered = fidelity(method, model_of(row.modulus_to_enter), {.h = 1.0 / 60});
-  EXPECT_NEAR(entered.stiffness_shown * row.modulus_to_enter, wanted, 1e-3 * wanted);
+  const std::vector<std::pair<std::string, std::vector<std::pair<std::string, double>>>> bodies{
+      {"fem_cauchy/press@phantom", {}}, {"fem_neo_hookean/gravity@cube:n=2", {{"support_stiffness", 5e5}}}};
+  for (const auto& [id, parameters] : bodies) {
+    const auto model_of = [&, id = id, parameters = parameters](double E) {
+      auto all = parameters;
+      all.emplace_back("E", E);
+      return fidelity_model(body(id, all));
+    };
+    const Fidelity row = fidelity(method, model_of(4000), {.h = 1.0 / 200, .wanted = wanted});
+    ASSERT_FALSE(std::isnan(row.modulus_to_enter)) << id << ": " << row.status;
+    EXPECT_GT(row.modulus_to_enter, wanted) << id;
+    const FidelityModel entered = model_of(row.modulus_to_enter), exact = model_of(wanted);
+    const double seen = sag_of(fidelity(method, entered, {.h = 1.0 / 200}), entered);
+    EXPECT_NEAR(seen, exact.load.dot(exact.equilibrium), 1e-3 * seen) << id;
+  }
+}
+
+TEST(Fidelity, OfAMethodThatMovesAnUnloadedBodyIsThatOfTheLoad) {
+  // Two constraints of a tetrahedron push against each other at rest, and few iterations leave a rest.
+  const Method method = find_method("xpbd:iterations=5");
+  const auto shown = [&](double force) {
+    return fidelity(method, fidelity_model(body("fem_neo_hookean/press@cube:n=2", {{"force", force}})),
+                    {.h = 0.01});
+  };
+  const Fidelity strong = shown(0.05), weak = shown(0.01);
+  EXPECT_NEAR(weak.stiffness_shown, strong.stiffness_shown, 0.05 * strong.stiffness_shown);
+  EXPECT_GT(weak.rest_moves, 0);
+  EXPECT_NE(weak.status.find("without load it moves"), std::string::npos) << weak.status;
+  EXPECT_EQ(fidelity(find_method("vbd"), fidelity_model(body("fem_neo_hookean/press@cube:n=2")), {.h = 0.01})
+                .rest_moves,
+            0);
+}
+
+TEST(Fidelity, JoinsBothDecaysOfAnOverdampedMode) {
+  const FidelityModel model = fidelity_model(body("fem_cauchy/press@cube:n=1", {{"alpha", 200}}));
+  const Fidelity row = fidelity(find_method("implicit_euler"), model, {.h = 1e-3, .verify = true});
+  const ShownMode& mode = row.modes.front();
+  ASSERT_GT(mode.zeta, 2);
+  EXPECT_NEAR(mode.omega_shown, mode.omega, 0.05 * mode.omega);
+  EXPECT_NEAR(mode.zeta_shown, mode.zeta, 0.05 * mode.zeta);
+}
+
+TEST(Fidelity, SeesGrowthWhereNoModeIsKnown) {
+  const FidelityModel model = fidelity_model(body("mass_spring/press@cube:n=2", {{"damper", 0.01}}));
+  ASSERT_TRUE(model.modes.empty());
+  const Fidelity row = fidelity(find_method("symplectic_euler"), model, {.h = 0.25});
+  EXPECT_TRUE(std::isnan(row.stiffness_shown));
+  EXPECT_NE(row.status.find("its steps grow"), std::string::npos) << row.status;
 }
 
 TEST(Fidelity, ShowsNoMoreThanItsCeiling) {
