@@ -22,6 +22,14 @@ void add_structural(std::vector<Method>& all);
 void add_positional(std::vector<Method>& all);
 void add_rosenbrock(std::vector<Method>& all);
 
+/// The method of its default parameters, which users may set.
+inline Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaults) {
+  Method method = make(defaults);
+  method.parameters = defaults;
+  method.with = make;
+  return method;
+}
+
 // The foreign engines add nothing where their library is missing.
 void add_cvode(std::vector<Method>& all);
 void add_arkode(std::vector<Method>& all);

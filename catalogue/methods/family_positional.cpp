@@ -111,13 +111,6 @@ Method newton_truncated(const Parameters& values) {
   return method;
 }
 
-Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaults) {
-  Method method = make(defaults);
-  method.parameters = defaults;
-  method.with = make;
-  return method;
-}
-
 }  // namespace
 
 void add_positional(std::vector<Method>& all) {

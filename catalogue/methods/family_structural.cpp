@@ -93,14 +93,6 @@ Method generalized_alpha(const Parameters& values) {
                              "chung1993time");
 }
 
-/// The method of its default parameters, which users may set.
-Method with_defaults(Method (*make)(const Parameters&), const Parameters& defaults) {
-  Method method = make(defaults);
-  method.parameters = defaults;
-  method.with = make;
-  return method;
-}
-
 }  // namespace
 
 void add_structural(std::vector<Method>& all) {
