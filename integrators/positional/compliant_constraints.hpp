@@ -15,9 +15,8 @@ namespace hmax {
 /// from where the body would be without elastic forces, with lambda = 0: Gauss-Seidel on the equations of
 /// implicit Euler in terms of the multipliers. The gradients are those of the iterate: where they turn within
 /// a step, q - q_guess is not the sum of w_i dC/dq_i lambda at its end, and the state it converges to is not
-/// that of implicit Euler, the nearer the shorter the step. Multipliers that
-/// are reset in every iteration make the body stiffer with each: every iteration then adds a step of the
-/// force.
+/// that of implicit Euler, the nearer the shorter the step. Multipliers that are reset make the body stiffer
+/// with every iteration: each adds the force of a step once more.
 /// @source [macklin2016xpbd]; [macklin2021constraint] for the constraints of a stable neo-Hookean solid
 class CompliantConstraints {
  public:

@@ -15,8 +15,9 @@ namespace hmax {
 ///   v_new = (q_new - q) / h',
 /// by `iterations` iterations from a first guess that the iteration chooses. Before they have converged the
 /// body looks softer, or more damped, than its material. Nothing is carried from step to step.
-/// @tparam Iteration  begin(system, t, h, q, v, guess) makes the first guess; improve(system, t, h, q_new)
-///                    improves it
+/// @tparam Iteration  init(system) sizes what it needs; begin(system, t, h, q, v, guess) makes the first
+/// guess;
+///                    improve(system, t, h, q_new, work) improves it once
 /// @source [macklin2019small] for substeps
 template <class Iteration>
 class PositionalEuler {

@@ -13,13 +13,13 @@ namespace hmax {
 
 /// An iteration moves each point i once, colour by colour, by one step of Newton's method for its own three
 /// equations with all others where they are,
-///   H_i dq_i = F_i(t, q, (q - q_0) / h) - m_i (q_i - q_0i - h v_0i) / h^2,   H_i = m_i / h^2 + K_ii + C_ii /
-///   h:
+///   H_i dq_i = F_i(t, q, (q - q_0) / h) - m_i (q_i - q_0i - h v_0i) / h^2,
+///   H_i = m_i / h^2 + K_ii + C_ii / h:
 /// block Gauss-Seidel on the equations of implicit Euler. It begins where the body would be without elastic
 /// forces. With 0 < rho < 1 iterations are extrapolated by Chebyshev's weights, of which rho is the guess of
 /// the spectral radius of the iteration,
-///   q_(k+1) <- w (q_(k+1) - q_(k-1)) + q_(k-1),   w_1 = 1, w_2 = 2 / (2 - rho^2), w_(k+1) = 4 / (4 - rho^2
-///   w_k).
+///   q_(k+1) <- w (q_(k+1) - q_(k-1)) + q_(k-1),
+///   w_1 = 1,   w_2 = 2 / (2 - rho^2),   w_(k+1) = 4 / (4 - rho^2 w_k).
 /// Where H_i is not positive definite its eigenvalues are taken by their amounts.
 /// @source [chen2024vertex], [wang2015chebyshev] for the weights
 class VertexBlockDescent {

@@ -9,6 +9,7 @@
 #include "problems/tissue/forces/nodal_pressure.hpp"
 #include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
+#include "problems/tissue/positional/point_forces.hpp"
 
 namespace hmax {
 namespace {

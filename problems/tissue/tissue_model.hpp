@@ -10,9 +10,10 @@
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
-#include "problems/tissue/positional/point_forces.hpp"
 
 namespace hmax {
+
+class PointForces;  // problems/tissue/positional/point_forces.hpp
 
 /// A model of SOFA with the same forces: the methods of its linear elements, the materials of its
 /// hyperelastic ones.
