@@ -121,6 +121,18 @@ TEST_P(EveryAdaptiveMethod, EndsBeforeARegionWhereFIsNotANumber) {
   EXPECT_TRUE(record.y.allFinite());
 }
 
+TEST_P(EveryAdaptiveMethod, EndsBeforeAStateWhereFIsNotANumber) {
+  const Problem wall = scalar(
+      0, [](auto, auto y) { return y < 2 ? decltype(y)(1) : static_cast<decltype(y)>(nan); },
+      [](auto, auto y) { return y * 0; });
+  const RunRecord record = run(wall, adaptive(3, tolerance_for(method)));
+  const bool own = method.engine == own_engine;
+  if (own) EXPECT_TRUE(record.outcome == Outcome::newton_failed || record.outcome == Outcome::step_too_small);
+  EXPECT_NE(record.outcome, Outcome::reached_end);
+  EXPECT_NEAR(record.t, 2, own ? 1e-6 : 0.2);
+  EXPECT_TRUE(record.y.allFinite());
+}
+
 TEST_P(EveryAdaptiveMethod, PassesADiscontinuity) {
   // The estimate of fehlberg_78 compares f at both ends of the step only and sees little of what is between;
   // sdirk_4 has no stage in the first quarter of a step, where this jump happens to fall.

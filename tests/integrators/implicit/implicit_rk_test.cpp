@@ -259,16 +259,16 @@ TEST(ImplicitRk, ComputesWithStatesOfEveryKindAlike) {
   expect_alike_in_every_state<RadauMethod>();
 }
 
-TEST(LinearOscillator, KeepsItsEnergyToRoundingOverManySteps) {
+TEST(LinearOscillator, KeepsItsEnergyToRoundingOverAMillionSteps) {
   const Oscillator system({.m = 1, .c = 0, .k1 = 4, .k3 = 0, .P = 0, .w = 1});
   const auto drift = [&](auto stepper) {
     State y(1, 0);
-    const auto end = integrate(stepper, system, Span<double>{0, 2e4}, y, FixedStep<double>(0.1));
-    EXPECT_EQ(end.stats.steps, 200'000);
+    const auto end = integrate(stepper, system, Span<double>{0, 1e5}, y, FixedStep<double>(0.1));
+    EXPECT_EQ(end.stats.steps, 1'000'000);
     return std::abs((4 * y[0] * y[0] + y[1] * y[1]) / 4 - 1);
   };
-  EXPECT_LT(drift(Trapezoidal::Stepper<State>{}), 4e-12);
-  EXPECT_LT(drift(ImplicitMidpoint::Stepper<State>{}), 4e-12);
+  EXPECT_LT(drift(Trapezoidal::Stepper<State>{}), 2e-11);
+  EXPECT_LT(drift(ImplicitMidpoint::Stepper<State>{}), 2e-11);
 }
 
 }  // namespace

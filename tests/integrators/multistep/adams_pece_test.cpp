@@ -375,6 +375,29 @@ TEST(AdamsPece, ReachesHighOrdersWhereTheyPayAndFallsBackAfterAJump) {
   EXPECT_NEAR(y[0], particular(40) + (std::sin(20) - particular(20)) * std::exp(-20), 1e-7);
 }
 
+TEST(AdamsPece, CutsItsStepsBeforeARegionWithoutValuesAndSaysSo) {
+  const auto wall =
+      system_of<One>([](double, const One& y, One& dydt) { dydt[0] = std::sqrt(1 - y[0]) + 1; });
+  One y(0.0);
+  const auto end = run(wall, 10, y, {1e-6, 1e-6});
+  EXPECT_EQ(end.outcome, Outcome::step_too_small);
+  EXPECT_NEAR(y[0], 1, 1e-3);
+  EXPECT_LE(y[0], 1);
+
+  const auto nothing = system_of<One>([](double, const One&, One& dydt) { dydt[0] = std::nan(""); });
+  y[0] = 1;
+  EXPECT_EQ(run(nothing, 10, y, {1e-6, 1e-6}).outcome, Outcome::step_too_small);
+  EXPECT_EQ(y[0], 1);
+}
+
+TEST(AdamsPece, StopsWhereTheSolutionDoes) {
+  const auto blow_up = system_of<One>([](double, const One& y, One& dydt) { dydt[0] = y[0] * y[0]; });
+  One y(1.0);
+  const auto end = run(blow_up, 2, y, {1e-8, 1e-8});
+  EXPECT_TRUE(end.outcome == Outcome::step_too_small || end.outcome == Outcome::diverged);
+  EXPECT_NEAR(end.t, 1, 1e-5);
+}
+
 TEST(AdamsPece, ServesTheShortestRunAndTheExtremeTolerances) {
   const Oscillator oscillator;
   State y(0.5, 1);
