@@ -1,6 +1,7 @@
 /// hmax fidelity: what the steps of a method show of a material.
 #include "limits/fidelity/fidelity.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/methods/unsuited.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
@@ -18,6 +18,7 @@
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "limits/by_steps/one_step_map.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
@@ -45,12 +46,6 @@ std::vector<Method> methods_of(const FidelityOptions& options, const Problem& pr
                            "vbd:iterations=1,substeps=10", "xpbd", "xpbd:iterations=1,substeps=10"})
     if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
   return methods;
-}
-
-/// @throws InputError  for a method that does not suit the problem, before others have been looked at
-void require_suited(const Method& method, const Problem& problem) {
-  if (const std::string why = why_unsuited(method, problem); !why.empty())
-    throw InputError(fmt::format("{} {}", method.id, why));
 }
 
 /// "5000", "5kPa", "0.2 MPa" [Pa]. @throws InputError  for what is none, or not positive
@@ -119,26 +114,8 @@ std::string words_of(const std::vector<Fidelity>& rows, const FidelityOptions& o
   return text + "\n";
 }
 
-void show_fidelity(const FidelityOptions& options, Console& console) {
-  if (!options.rate || !(*options.rate > 0) || !std::isfinite(*options.rate))
-    throw InputError("--rate must be a positive number of frames a second; give for instance --rate 100");
-  const Problem problem = options.problem.make();
-  options.problem.remark_idle(console, problem);
-  FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
-  question.wanted = modulus_of(options.enter);
-  const std::vector<Method> methods = methods_of(options, problem);
-  for (const Method& method : methods) require_suited(method, problem);
-  const FidelityModel model = fidelity_model(problem);
-  std::vector<Fidelity> rows;
-  {
-    Progress progress(console, "fidelity");
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-      question.watch = [&] {
-        progress.update(static_cast<double>(i) / static_cast<double>(methods.size()), methods[i].id);
-      };
-      rows.push_back(fidelity(methods[i], model, question));
-    }
-  }
+void print_rows(const std::vector<Fidelity>& rows, const Problem& problem, const FidelityOptions& options,
+                const FidelityQuestion& question, Console& console) {
   if (console.json) {
     Json list = Json::array();
     for (const Fidelity& row : rows) list.push_back(to_json(row));
@@ -147,6 +124,35 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   console.print(fmt::format("{} with {}\n{}\nframes of {} s\n\n{}", problem.id, describe_acting(problem),
                             body_in_words(problem), short_number(question.h, 4),
                             words_of(rows, options, console)));
+}
+
+void show_fidelity(const FidelityOptions& options, Console& console) {
+  if (!options.rate || !(*options.rate > 0) || !std::isfinite(*options.rate))
+    throw InputError("--rate must be a positive number of frames a second; give for instance --rate 100");
+  const Problem problem = options.problem.make();
+  options.problem.remark_idle(console, problem);
+  FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
+  question.wanted = modulus_of(options.enter);
+  const std::vector<Method> methods = methods_of(options, problem);
+  for (const Method& method : methods) one_step_map(method, problem, question.h);  // before any is looked at
+  std::vector<Fidelity> rows;
+  std::optional<Interrupted> interrupted;
+  try {
+    Progress progress(console, "fidelity");
+    question.watch = [&] {
+      if (interrupt_flag()) throw Interrupted{"no method was finished"};
+      progress.update(static_cast<double>(rows.size()) / static_cast<double>(methods.size()),
+                      methods[std::min(rows.size(), methods.size() - 1)].id);
+    };
+    const FidelityModel model = fidelity_model(problem, question.watch);
+    for (const Method& method : methods) rows.push_back(fidelity(method, model, question));
+  } catch (const Interrupted&) {
+    if (rows.empty()) throw;
+    interrupted.emplace("the methods that were finished are shown");
+  }
+  if (std::ranges::any_of(rows, &Fidelity::contradiction)) console.exit_code = Exit::failed;
+  print_rows(rows, problem, options, question, console);
+  if (interrupted) throw *interrupted;
 }
 
 }  // namespace

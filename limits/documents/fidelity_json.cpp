@@ -35,6 +35,7 @@ Json to_json(const Fidelity& row) {
                                            {"modes", modes_json(row.observed->modes)}}
                                     : Json()},
           {"gap", number_or_word(row.gap)},
+          {"contradiction", row.contradiction},
           {"steps", row.steps},
           {"status", row.status}};
 }

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "catalogue/methods/unsuited.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -14,6 +13,7 @@
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/fidelity/settled_state.hpp"
 #include "limits/modes/mode_start.hpp"
+#include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -27,14 +27,10 @@ void say(Fidelity& row, const std::string& sentence) {
 }
 
 double volume_of(const TissueBody& body, const VectorXd& q) {
-  const Eigen::Matrix3Xd x = body.positions(0, q);
+  TetMesh moved = body.mesh();
+  moved.points = body.positions(0, q);
   double sum = 0;
-  for (Eigen::Index t = 0; t < body.mesh().tetrahedron_count(); ++t) {
-    const auto corners = body.mesh().tetrahedra.col(t);
-    Eigen::Matrix3d edges;
-    for (Eigen::Index a = 1; a < 4; ++a) edges.col(a - 1) = x.col(corners[a]) - x.col(corners[0]);
-    sum += edges.determinant() / 6;
-  }
+  for (Eigen::Index e = 0; e < moved.element_count(); ++e) sum += element_volume(moved, e);
   return sum;
 }
 
@@ -305,7 +301,7 @@ Problem with_stiffness(const Problem& problem, double factor) {
   return with_settings(problem, std::move(settings));
 }
 
-FidelityModel fidelity_model(const Problem& problem, std::size_t modes) {
+FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
   if (!problem.body)
     throw InputError(fmt::format("{} is no body, and its stiffness is no material's; take a mesh with --mesh",
                                  problem.id));
@@ -324,7 +320,9 @@ FidelityModel fidelity_model(const Problem& problem, std::size_t modes) {
   body.force(0, still, still, model.load);
   if (is_at_rest(body))
     throw InputError("nothing loads the body, so that no sag shows its stiffness; take a load with --load");
-  const StaticSolution solution = found_equilibrium(model.problem, 1, {}, [] { return 0.0; });
+  StaticSettings settings;
+  if (watch) settings.seen = [&](const StaticIterate&) { watch(); };
+  const StaticSolution solution = found_equilibrium(model.problem, 1, settings, [] { return 0.0; });
   if (!solution.converged)
     throw InputError("no static equilibrium to compare with: " + status_of(model.problem, solution));
   model.equilibrium = solution.q;
@@ -349,8 +347,6 @@ FidelityModel fidelity_model(const Problem& problem, std::size_t modes) {
 }
 
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
-  if (const std::string why = why_unsuited(method, model.problem); !why.empty())
-    throw InputError(fmt::format("{} {}", method.id, why));
   const bool asks_moduli = question.ceiling || question.wanted;
   if (asks_moduli && model.problem.body->settings().springs.stiffness > 0)
     throw InputError(
@@ -390,6 +386,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   if (question.verify) {
     row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
+    row.contradiction = row.gap > 0.05;
     if (std::isnan(row.observed->stiffness_shown)) say(row, "a run from rest does not come to rest");
   }
   return row;

@@ -57,15 +57,19 @@ struct Fidelity {
     std::vector<ShownMode> modes;
   };
   std::optional<Observed> observed{};  ///< of runs from rest, and from each mode
-  double gap = none;   ///< the largest relative difference of what was observed from what was predicted
+  double gap = none;  ///< the largest relative difference of what was observed from what was predicted
+  bool contradiction =
+      false;           ///< runs are off by more than 5 %: one of them is wrong, or the runs are too short
   int steps = 0;       ///< that were made to find the settled state
   std::string status;  ///< sentences: what the numbers do not tell
 };
 
+/// @param watch  called now and then; may throw
 /// @param modes  how many of the slowest; fewer where damping couples them or only the ends are known
 /// @throws InputError  for what is no body, a body that nothing loads, a tool, a load that never settles, and
 ///                     where no equilibrium is found
-FidelityModel fidelity_model(const Problem& problem, std::size_t modes = 3);
+FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch = {},
+                             std::size_t modes = 3);
 
 /// @throws InputError  for a method that does not suit the body, or has no map of steps, and for moduli of
 ///                     springs of a given stiffness

@@ -54,7 +54,8 @@ class FoundMode {
 
   /// @returns `mode` with what is shown; NaN where nothing is like it, or has not converged
   [[nodiscard]] ShownMode shown(ShownMode mode) const {
-    constexpr double least_like = 0.7, most_error = 1e-3;
+    // Of two or three modes of one frequency a sum is found, which is like each to 0.7 or 0.58.
+    constexpr double least_like = 0.5, most_error = 1e-3;
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     mode.likeness = best().like;
     mode.omega_shown = mode.zeta_shown = nan;
