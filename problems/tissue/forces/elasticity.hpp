@@ -24,6 +24,12 @@ struct Lame {
 /// @throws std::invalid_argument  when a coefficient is out of range
 Lame lame(double young, double poisson);
 
+/// What a point with the gradient g of its shape function feels of a law, per volume.
+struct AlongSlope {
+  Eigen::Vector3d stress;  ///< P g
+  Eigen::Matrix3d block;   ///< d(P g)/du, its own displacement being u
+};
+
 /// The differential of cofactors(F) along dF.
 [[nodiscard]] Eigen::Matrix3d cofactor_differential(const Eigen::Matrix3d& F, const Eigen::Matrix3d& dF);
 /// J - 1 with the digits of a small H.
@@ -85,8 +91,8 @@ class StableNeoHookean {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
-  /// B with B_cd = (e_c g^T) : dP(e_d g^T), in one piece: J is linear along such changes.
-  [[nodiscard]] Eigen::Matrix3d own_block(const Eigen::Vector3d& g) const;
+  /// The same at one point in one piece: J is linear along changes that g^T has on the right.
+  [[nodiscard]] static AlongSlope along(const Eigen::Matrix3d& H, const Lame& lame, const Eigen::Vector3d& g);
 
  private:
   double mu_, lambda_;

@@ -50,17 +50,16 @@ class PiecesAtPoints {
 
 Index count_of(std::span<const Index> free) { return free.empty() ? 0 : *std::ranges::max_element(free) + 1; }
 
-/// B(c, d) = d2W / d(e_c g^T) d(e_d g^T): what a point with the gradient g of its shape function resists its
-/// own moves with, per volume.
 template <class Law>
-Matrix3d own_block(const Law& law, const Vector3d& g) {
-  if constexpr (requires { law.own_block(g); }) {
-    return law.own_block(g);
+AlongSlope along(const Matrix3d& H, const Lame& lame, const Vector3d& g) {
+  if constexpr (requires { Law::along(H, lame, g); }) {
+    return Law::along(H, lame, g);
   } else {
-    Matrix3d block;
+    const Law law(H, lame);
+    AlongSlope answer{law.stress() * g, {}};
     for (Eigen::Index c = 0; c < 3; ++c)
-      block.col(c) = law.differential(Vector3d::Unit(c) * g.transpose()) * g;
-    return block;
+      answer.block.col(c) = law.differential(Vector3d::Unit(c) * g.transpose()) * g;
+    return answer;
   }
 }
 
@@ -73,12 +72,10 @@ class PointForcesOfLaw final : public PointForces {
   void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
     for (const auto& [piece, corner] : at_points_[i]) {
       const Element& e = elements_[piece];
-      const Law law(edge_vectors_of(q, e.points) * e.rest.gradients, e.lame);
-      const Vector3d g =
-          corner == 0 ? Vector3d(-e.rest.gradients.colwise().sum().transpose())
-                      : Vector3d(e.rest.gradients.row(static_cast<Eigen::Index>(corner) - 1).transpose());
-      f -= e.rest.volume * (law.stress() * g);
-      K += e.rest.volume * own_block(law, g);
+      const Matrix3d H = edge_vectors_of(q, e.points).lazyProduct(e.rest.gradients);
+      const AlongSlope felt = along<Law>(H, e.scaled, e.slopes.col(corner));
+      f -= felt.stress;
+      K += felt.block;
     }
   }
 
@@ -92,7 +89,8 @@ class PointForcesOfLaw final : public PointForces {
   struct Element {
     std::array<Index, 4> points;  ///< free ones
     RestShape rest;
-    Lame lame;
+    Lame scaled;                         ///< times the volume
+    Eigen::Matrix<double, 3, 4> slopes;  ///< gradients of the shape functions [1/m]
   };
   static std::vector<Element> elements_of(const TetMesh& mesh, std::span<const Lame> lame,
                                           std::span<const Index> free) {
@@ -103,7 +101,11 @@ class PointForcesOfLaw final : public PointForces {
         corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
         points[a] = free[at(corners[a])];
       }
-      all.push_back({points, RestShape(mesh, corners), lame[at(mesh.region(t))]});
+      const RestShape rest(mesh, corners);
+      const Lame& own = lame[at(mesh.region(t))];
+      Element element{points, rest, {own.lambda * rest.volume, own.mu * rest.volume}, {}};
+      element.slopes << -rest.gradients.colwise().sum().transpose(), rest.gradients.transpose();
+      all.push_back(element);
     }
     return all;
   }

@@ -28,25 +28,36 @@ void evaluate_spring(const Eigen::VectorXd& q, const TissueConstraints::Spring& 
 /// dC/dq_i = P g_i with P = dC/dF and the gradients g_i of the shape functions.
 void evaluate_tetrahedron(const Eigen::VectorXd& q, const TissueConstraints::Tetrahedron& element,
                           bool volumetric, CompliantConstraint& at) {
-  const Matrix3d H = edge_vectors_of(q, element.points) * element.rest.gradients,
-                 F = Matrix3d::Identity() + H;
-  const double mu = element.lame.mu, bulk = element.lame.lambda + mu;
+  const Matrix3d H = edge_vectors_of(q, element.points).lazyProduct(element.gradients);
   Matrix3d P;
   if (volumetric) {
-    at.value = volume_change(H) - mu / bulk;
-    at.compliance = 1 / (bulk * element.rest.volume);
-    P = cofactors(F);
+    const Matrix3d K = cofactors(H);
+    const double trace = H.trace();
+    at.value = trace + K.trace() + H.col(0).dot(K.col(0)) - element.excess;  // det F - a
+    at.compliance = element.volumetric;
+    P = K - H.transpose();  // the cofactors of F
+    P.diagonal().array() += 1 + trace;
   } else {
-    at.value = F.norm();
-    at.compliance = 1 / (mu * element.rest.volume);
-    P = F / std::max(at.value, std::numeric_limits<double>::min());
+    P = H;
+    P.diagonal().array() += 1;
+    at.value = P.norm();
+    at.compliance = element.deviatoric;
+    P *= 1 / std::max(at.value, std::numeric_limits<double>::min());
   }
-  const Matrix3d pull = P * element.rest.gradients.transpose();
+  const Matrix3d pull = P.lazyProduct(element.gradients.transpose());
   at.add(element.points[0], -pull.rowwise().sum());
   for (std::size_t a = 1; a < 4; ++a) at.add(element.points[a], pull.col(static_cast<Eigen::Index>(a) - 1));
 }
 
 }  // namespace
+
+TissueConstraints::Tetrahedron::Tetrahedron(const std::array<Index, 4>& its_points, const RestShape& rest,
+                                            const Lame& lame)
+    : points(its_points),
+      gradients(rest.gradients),
+      deviatoric(1 / (lame.mu * rest.volume)),
+      volumetric(1 / ((lame.lambda + lame.mu) * rest.volume)),
+      excess(lame.mu / (lame.lambda + lame.mu)) {}
 
 std::int32_t TissueConstraints::size() const {
   return static_cast<std::int32_t>(springs_.size() + 2 * elements_.size() + 3 * anchors_.size());

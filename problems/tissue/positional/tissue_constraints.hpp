@@ -32,9 +32,11 @@ class TissueConstraints {
     double length, stiffness;
   };
   struct Tetrahedron {
+    Tetrahedron(const std::array<Index, 4>& its_points, const RestShape& rest, const Lame& lame);
     std::array<Index, 4> points;
-    RestShape rest;
-    Lame lame;
+    Eigen::Matrix3d gradients;      ///< Bm of RestShape [1/m]
+    double deviatoric, volumetric;  ///< compliances [1/J]
+    double excess;                  ///< a - 1
   };
   struct Anchor {
     Index point;
