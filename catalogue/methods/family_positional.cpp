@@ -14,6 +14,7 @@
 #include "core/numbers.hpp"
 #include "integrators/positional/compliant_constraints.hpp"
 #include "integrators/positional/positional_euler.hpp"
+#include "integrators/positional/projective_dynamics.hpp"
 #include "integrators/positional/truncated_newton.hpp"
 #include "integrators/positional/vertex_block_descent.hpp"
 #include "problems/tissue/positional_body.hpp"
@@ -103,6 +104,36 @@ Method xpbd(const Parameters& values) {
   return method;
 }
 
+Method pbd(const Parameters& values) {
+  Method method =
+      positional("pbd", "muller2007position", PositionalVerbs::constraints, values, [](const Parameters& p) {
+        const double stiffness = p[2].second;
+        if (!(stiffness > 0 && stiffness <= 1))
+          throw InputError(fmt::format(
+              "stiffness of pbd is {} but must lie above 0 and at most at 1: it is the share of a "
+              "constraint that all iterations together meet",
+              to_text(stiffness)));
+        return CompliantConstraints::stiff(1 - std::pow(1 - stiffness, 1 / p[0].second));
+      });
+  method.unsuited = [of_constraints = method.unsuited](const Problem& problem) -> std::string {
+    if (std::string why = of_constraints(problem); !why.empty()) return why;
+    if (!problem.body->settings().model.is_of_springs())
+      return "keeps the lengths of springs, and a tetrahedron has none; take mass_spring, or the method xpbd";
+    if (problem.body->settings().beta != 0)
+      return "has no damping of stiffness; leave beta out, or take the method xpbd";
+    return {};
+  };
+  method.note = "gives springs their lengths, one after the other, whatever their stiffness";
+  return method;
+}
+
+Method projective_dynamics(const Parameters& values) {
+  Method method = positional("projective_dynamics", "bouaziz2014projective", PositionalVerbs::weights, values,
+                             [](const Parameters&) { return ProjectiveDynamics(); });
+  method.note = "iterations with one factored matrix for all of them";
+  return method;
+}
+
 Method newton_truncated(const Parameters& values) {
   Method method =
       positional("newton_truncated", "baraff1998large", PositionalVerbs::forces, values,
@@ -116,6 +147,8 @@ Method newton_truncated(const Parameters& values) {
 void add_positional(std::vector<Method>& all) {
   all.push_back(with_defaults(vbd, {{"iterations", 10}, {"substeps", 1}, {"rho", 0}}));
   all.push_back(with_defaults(xpbd, {{"iterations", 10}, {"substeps", 1}, {"reset", 0}}));
+  all.push_back(with_defaults(pbd, {{"iterations", 10}, {"substeps", 1}, {"stiffness", 1}}));
+  all.push_back(with_defaults(projective_dynamics, {{"iterations", 10}, {"substeps", 1}}));
   all.push_back(with_defaults(newton_truncated, {{"iterations", 1}, {"substeps", 1}, {"cg", 10}}));
 }
 

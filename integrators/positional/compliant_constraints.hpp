@@ -1,6 +1,8 @@
 /// Extended position-based dynamics: implicit Euler by meeting one compliant constraint after the other.
 #pragma once
 
+#include <optional>
+
 #include <Eigen/Core>
 
 #include "integrators/positional/positional_system.hpp"
@@ -17,18 +19,28 @@ namespace hmax {
 /// a step, q - q_guess is not the sum of w_i dC/dq_i lambda at its end, and the state it converges to is not
 /// that of implicit Euler, the nearer the shorter the step. Multipliers that are reset make the body stiffer
 /// with every iteration: each adds the force of a step once more.
-/// @source [macklin2016xpbd]; [macklin2021constraint] for the constraints of a stable neo-Hookean solid
+/// Position-based dynamics is older and has no compliance: a constraint is met to a share, whatever the
+/// material, and the body is the stiffer the more iterations there are and the shorter the step.
+/// @source [macklin2016xpbd]; [macklin2021constraint] for the constraints of a stable neo-Hookean solid;
+///         [muller2007position] for constraints without compliance
 class CompliantConstraints {
  public:
   /// @param reset  multipliers begin at 0 in every iteration
   explicit CompliantConstraints(bool reset = false) : reset_(reset) {}
+  /// Without compliance and damping.
+  /// @param share  of a constraint that an iteration meets, above 0 and at most 1
+  static CompliantConstraints stiff(double share) {
+    CompliantConstraints made;
+    made.share_ = share;
+    return made;
+  }
 
   template <ConstrainedSystem Sys>
   void init(const Sys& system) {
     std::size_t count = 0;
     for (const std::vector<std::int32_t>& colour : system.constraint_colours()) count += colour.size();
     lambda_.setZero(static_cast<Eigen::Index>(count));
-    for (Eigen::VectorXd* each : {&start_, &work_}) each->setZero(system.dofs());
+    for (Eigen::VectorXd* each : {&start_, &work_, &w_}) each->setZero(system.dofs());
   }
 
   template <ConstrainedSystem Sys>
@@ -37,38 +49,40 @@ class CompliantConstraints {
     start_ = q;
     without_elasticity(system, t, h, start_, v, work_, guess);
     lambda_.setZero();
+    w_ = (system.mass() * (1 + system.mass_damping() * h)).cwiseInverse();
   }
 
   template <ConstrainedSystem Sys>
   void improve(const Sys& system, double, double h, Eigen::VectorXd& q, ImplicitWork&) {
     if (reset_) lambda_.setZero();
-    const double viscous = system.stiffness_damping() / h, loss = 1 + system.mass_damping() * h;
+    const double viscous = share_ ? 0 : system.stiffness_damping() / h, share = share_.value_or(1);
     CompliantConstraint at;
     for (const std::vector<std::int32_t>& colour : system.constraint_colours())
       for (const std::int32_t c : colour) {
         system.constraint(q, c, at);
-        const double compliance = at.compliance / (h * h);
+        const double compliance = share_ ? 0 : at.compliance / (h * h);
         double sum = 0, change = 0;  // sum of w |dC|^2, and dC.(q - q_0)
         for (std::size_t i = 0; i < at.points; ++i) {
           const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-          sum += at.gradient[i].squaredNorm() / (loss * system.mass()[first]);
+          sum += at.gradient[i].squaredNorm() * w_[first];
           if (viscous > 0) change += at.gradient[i].dot(q.segment<3>(first) - start_.segment<3>(first));
         }
         const double divisor = (1 + viscous) * sum + compliance;
         if (!(divisor > 0)) continue;  // nothing that it moves
-        const double step = (-at.value - compliance * lambda_[c] - viscous * change) / divisor;
+        const double step = share * (-at.value - compliance * lambda_[c] - viscous * change) / divisor;
         lambda_[c] += step;
         for (std::size_t i = 0; i < at.points; ++i) {
           const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-          q.segment<3>(first) += step / (loss * system.mass()[first]) * at.gradient[i];
+          q.segment<3>(first) += step * w_[first] * at.gradient[i];
         }
       }
   }
 
  private:
   bool reset_;
-  Eigen::VectorXd lambda_;        ///< of each constraint, times h^2
-  Eigen::VectorXd start_, work_;  ///< shape (dofs)
+  std::optional<double> share_;
+  Eigen::VectorXd lambda_;            ///< of each constraint, times h^2
+  Eigen::VectorXd start_, work_, w_;  ///< w_ [1/kg]; shape (dofs)
 };
 
 }  // namespace hmax

@@ -3,8 +3,10 @@
 
 #include <concepts>
 #include <cstdint>
+#include <memory>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "core/positional.hpp"
 #include "integrators/system.hpp"
@@ -30,6 +32,15 @@ concept PointwiseSystem = PositionalSystem<S> &&
   { system.point_colours() } -> std::convertible_to<const Colours&>;
   // the rows of `point` of force(t, q, v), and the diagonal blocks of stiffness() and damping()
   system.point_force(t, q, q, point, at);
+};
+
+/// A body with a constant estimate of its stiffness that is the same for all axes.
+template <class S>
+concept WeightedSystem = PositionalSystem<S> && requires(const S& system) {
+  // beta of its damping besides alpha M, beta K [s]
+  { system.stiffness_damping() } -> std::convertible_to<double>;
+  // W, shape (points, points) [N/m], the same one as long as the body is
+  { system.weights() } -> std::convertible_to<std::shared_ptr<const Eigen::SparseMatrix<double>>>;
 };
 
 /// A body whose elastic energy is that of compliant constraints. Its damping besides alpha M is beta times

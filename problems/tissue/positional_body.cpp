@@ -60,6 +60,7 @@ struct PositionalBody::Parts {
   std::vector<std::unique_ptr<const PointForces>> forces;
   TissueConstraints constraints;
   Colours point_colours, constraint_colours;
+  std::shared_ptr<const Eigen::SparseMatrix<double>> weights;
 
   explicit Parts(const TissueBody& body) : free(free_numbers(body)) {
     const Eigen::VectorXd heavy = body.point_mass() - body.added_mass();
@@ -82,10 +83,7 @@ struct PositionalBody::Parts {
         if (const Index point = free[at(loads[load].points[i])]; point >= 0)
           pressed[at(point)].emplace_back(load, loads[load].shares[i]);
     anchors.assign(body.free_points().size(), 0);
-    for (const ElasticSupport& support : body.settings().elastic_supports)
-      for (std::size_t i = 0; i < support.points.size(); ++i)
-        if (const Index point = free[at(support.points[i])]; point >= 0)
-          anchors[at(point)] += support.stiffness[i];
+    for_each_anchor(body, [&](Index point, double stiffness) { anchors[at(point)] += stiffness; });
     if (body.settings().beta != 0) {
       const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
       body.damping(0, still, still, damping);
@@ -100,6 +98,66 @@ struct PositionalBody::Parts {
     point_colours = greedy_colours(neighbours);
   }
 
+  /// Pairs of points with the weight of their difference; of what is held the other is -1.
+  void add_weights(const TissueBody& body) {
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto couple = [&](Index a, Index b, double k) {
+      if (a >= 0) entries.emplace_back(a, a, k);
+      if (b >= 0) entries.emplace_back(b, b, k);
+      if (a >= 0 && b >= 0) {
+        entries.emplace_back(a, b, -k);
+        entries.emplace_back(b, a, -k);
+      }
+    };
+    for (const SpringSet& set : body.spring_sets())
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        const auto& [a, b] = set.spring(i).points;
+        couple(free[at(a)], free[at(b)], set.spring(i).stiffness);
+      }
+    if (!body.settings().model.is_of_springs())
+      for_each_tetrahedron(
+          body, [&](const std::array<Index, 4>& points, const RestShape& rest, const Lame& lame) {
+            Eigen::Matrix<double, 4, 3> slopes;
+            slopes << -rest.gradients.colwise().sum(), rest.gradients;
+            const Eigen::Matrix4d products = slopes * slopes.transpose();
+            const double modulus = (2 * lame.mu + 1.5 * lame.lambda) * rest.volume;
+            // |sum_a u_a g_a^T|^2 = -sum_(a < b) g_a.g_b |u_a - u_b|^2, since the slopes add up to 0.
+            for (std::size_t a = 0; a < 4; ++a)
+              for (std::size_t b = 0; b < a; ++b)
+                couple(points[a], points[b],
+                       -modulus * products(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
+          });
+    for_each_anchor(body, [&](Index point, double stiffness) { couple(point, -1, stiffness); });
+    const auto points = static_cast<Eigen::Index>(body.free_points().size());
+    Eigen::SparseMatrix<double> W(points, points);
+    W.setFromTriplets(entries.begin(), entries.end());
+    weights = std::make_shared<const Eigen::SparseMatrix<double>>(std::move(W));
+  }
+
+  /// visit(free points, rest shape, coefficients) of each.
+  template <class Visit>
+  void for_each_tetrahedron(const TissueBody& body, const Visit& visit) const {
+    const TetMesh& mesh = body.mesh();
+    const std::vector<Lame> lame = coefficients(body);
+    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
+      std::array<Index, 4> corners, points;
+      for (std::size_t a = 0; a < 4; ++a) {
+        corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
+        points[a] = free[at(corners[a])];
+      }
+      visit(points, RestShape(mesh, corners), lame[at(mesh.region(t))]);
+    }
+  }
+
+  /// visit(free point, k [N/m]) of each spring that holds one.
+  template <class Visit>
+  void for_each_anchor(const TissueBody& body, const Visit& visit) const {
+    for (const ElasticSupport& support : body.settings().elastic_supports)
+      for (std::size_t i = 0; i < support.points.size(); ++i)
+        if (const Index point = free[at(support.points[i])]; point >= 0 && support.stiffness[i] > 0)
+          visit(point, support.stiffness[i]);
+  }
+
   void add_constraints(const TissueBody& body) {
     const TetMesh& mesh = body.mesh();
     for (const SpringSet& set : body.spring_sets())
@@ -109,22 +167,14 @@ struct PositionalBody::Parts {
         constraints.add(
             TissueConstraints::Spring{{free[at(a)], free[at(b)]}, d, d.norm(), set.spring(i).stiffness});
       }
-    if (!body.settings().model.is_of_springs()) {
-      const std::vector<Lame> lame = coefficients(body);
-      for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
-        std::array<Index, 4> corners, points;
-        for (std::size_t a = 0; a < 4; ++a) {
-          corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
-          points[a] = free[at(corners[a])];
-        }
-        constraints.add(
-            TissueConstraints::Tetrahedron{points, RestShape(mesh, corners), lame[at(mesh.region(t))]});
-      }
-    }
-    for (const ElasticSupport& support : body.settings().elastic_supports)
-      for (std::size_t i = 0; i < support.points.size(); ++i)
-        if (const Index point = free[at(support.points[i])]; point >= 0 && support.stiffness[i] > 0)
-          constraints.add(TissueConstraints::Anchor{point, support.stiffness[i]});
+    if (!body.settings().model.is_of_springs())
+      for_each_tetrahedron(body,
+                           [&](const std::array<Index, 4>& points, const RestShape& rest, const Lame& lame) {
+                             constraints.add(TissueConstraints::Tetrahedron(points, rest, lame));
+                           });
+    for_each_anchor(body, [&](Index point, double stiffness) {
+      constraints.add(TissueConstraints::Anchor{point, stiffness});
+    });
     constraint_colours = colours_by_points(constraints.points());
   }
 };
@@ -133,7 +183,7 @@ std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verb
   if (verbs == PositionalVerbs::forces) return {};
   const TissueModel& model = body.settings().model;
   if (std::string why = why_no_pieces(body); !why.empty()) return why;
-  if (verbs == PositionalVerbs::points && !model.is_of_springs() && !model.make_point_forces)
+  if (verbs != PositionalVerbs::constraints && !model.is_of_springs() && !model.make_point_forces)
     return "moves points of linear tetrahedra and of springs, and " + std::string(model.id) +
            " has others; take another model";
   if (verbs == PositionalVerbs::constraints) {
@@ -153,6 +203,7 @@ PositionalBody::PositionalBody(std::shared_ptr<const TissueBody> body, Positiona
   auto parts = std::make_shared<Parts>(*body_);
   if (verbs == PositionalVerbs::points) parts->add_point_forces(*body_);
   if (verbs == PositionalVerbs::constraints) parts->add_constraints(*body_);
+  if (verbs == PositionalVerbs::weights) parts->add_weights(*body_);
   parts_ = std::move(parts);
 }
 
@@ -164,6 +215,10 @@ void PositionalBody::loads(double t, Dofs& f) const {
       if (const Index point = parts_->free[at(load.points[i])]; point >= 0)
         f.segment<3>(3 * static_cast<Eigen::Index>(point)) += factor * load.shares[i] * load.force;
   }
+}
+
+const std::shared_ptr<const Eigen::SparseMatrix<double>>& PositionalBody::weights() const {
+  return parts_->weights;
 }
 
 const Colours& PositionalBody::point_colours() const { return parts_->point_colours; }

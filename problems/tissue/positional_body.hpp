@@ -6,6 +6,7 @@
 #include <string>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include "core/positional.hpp"
 #include "problems/tissue/body.hpp"
@@ -17,6 +18,7 @@ enum class PositionalVerbs {
   forces,       ///< as any method: the body itself
   points,       ///< point_force() and point_colours()
   constraints,  ///< constraint() and constraint_colours()
+  weights,      ///< weights()
 };
 
 /// A TissueBody with verbs for one point and one constraint (integrators/positional/positional_system.hpp).
@@ -57,6 +59,12 @@ class PositionalBody {
 
   [[nodiscard]] const Colours& constraint_colours() const;
   void constraint(const Dofs& q, std::int32_t number, CompliantConstraint& at) const;
+
+  /// W with q^T (W (x) I) q = sum k |q_a - q_b|^2 of springs of stiffness k, k |q_a|^2 of those that hold a
+  /// point, and w V |dF|^2 of tetrahedra, w = 2 mu + 3/2 lambda: the mean of what they have against shear, 2
+  /// mu, and against dilatation, 2 mu + 3 lambda. Of the stiffness at rest it is at least half, so that
+  /// iterations with it converge there. Shape (points, points) [N/m].
+  [[nodiscard]] const std::shared_ptr<const Eigen::SparseMatrix<double>>& weights() const;
 
  private:
   struct Parts;

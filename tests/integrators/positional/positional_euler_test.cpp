@@ -14,6 +14,7 @@
 #include "core/parallel_for.hpp"
 #include "integrators/integrate.hpp"
 #include "integrators/positional/compliant_constraints.hpp"
+#include "integrators/positional/projective_dynamics.hpp"
 #include "integrators/positional/truncated_newton.hpp"
 #include "integrators/positional/vertex_block_descent.hpp"
 #include "problems/mesh/mesh_generators.hpp"
@@ -31,8 +32,10 @@ using Eigen::VectorXd;
 using Vbd = PositionalEuler<VertexBlockDescent>;
 using Xpbd = PositionalEuler<CompliantConstraints>;
 using Newton = PositionalEuler<TruncatedNewton>;
+using Projective = PositionalEuler<ProjectiveDynamics>;
 static_assert(Stepper<Vbd, HangingBar> && Stepper<Xpbd, HangingBar> && Stepper<Newton, HangingBar>);
-static_assert(Stepper<Vbd, PositionalBody> && Stepper<Xpbd, PositionalBody>);
+static_assert(Stepper<Vbd, PositionalBody> && Stepper<Xpbd, PositionalBody> &&
+              Stepper<Projective, PositionalBody>);
 
 template <class StepperT, class Sys>
 VectorXd step(StepperT stepper, const Sys& system, const VectorXd& y, double h) {
@@ -86,6 +89,8 @@ Xpbd xpbd(int iterations, int substeps, bool reset = false) {
 Newton newton(int iterations, int conjugate_gradients) {
   return {TruncatedNewton(conjugate_gradients), iterations, 1};
 }
+Xpbd pbd(int iterations, double share) { return {CompliantConstraints::stiff(share), iterations, 1}; }
+Projective projective(int iterations) { return {ProjectiveDynamics(), iterations, 1}; }
 
 TEST(PositionalEuler, ShowsTheStiffnessOfTheLaboratoryBar) {
   // Sags after 200 s of a program in one dimension that knows nothing of this one: exact over settled.
@@ -117,6 +122,29 @@ TEST(PositionalEuler, ShowsNoMoreThanItsCeiling) {
   EXPECT_NEAR(1e9 * stiffness_shown(vbd(1, 10), 1e9), 27890, 28);
   EXPECT_NEAR(1e9 * stiffness_shown(xpbd(10, 1), 1e9), 3011, 3);
   EXPECT_NEAR(1e9 * stiffness_shown(xpbd(1, 20), 1e9), 117400, 117);
+}
+
+TEST(PositionalEuler, StiffConstraintsShowTheSameWhateverTheModulus) {
+  // The bar in one dimension by hand: points in a row, each step meets each length to a share, five times.
+  const double share = 0.6, g = 9.81, h = frame;
+  const int iterations = 5;
+  std::vector<double> x(HangingBar::n, 0), v = x, w(HangingBar::n, 1);
+  w.back() = 2;  // of half the mass
+  for (int step = 0; step < 20000; ++step) {
+    const std::vector<double> before = x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += h * v[i] + h * h * g;
+    for (int k = 0; k < iterations; ++k)
+      for (std::size_t i = 0; i < x.size(); ++i) {
+        const double stretch = i == 0 ? x[0] : x[i] - x[i - 1], sum = i == 0 ? w[0] : w[i] + w[i - 1];
+        x[i] -= share * stretch * w[i] / sum;
+        if (i > 0) x[i - 1] += share * stretch * w[i - 1] / sum;
+      }
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] = (x[i] - before[i]) / h;
+  }
+  const double sag = affine_step(pbd(iterations, share), HangingBar(5000), h).settled[HangingBar::n - 1];
+  EXPECT_NEAR(sag, x.back(), 1e-9 * x.back());
+  EXPECT_NEAR(affine_step(pbd(iterations, share), HangingBar(5e8), h).settled[HangingBar::n - 1], sag,
+              1e-9 * sag);
 }
 
 TEST(PositionalEuler, DampsTheFirstModeOfTheLaboratoryBar) {
@@ -220,6 +248,62 @@ TEST(PositionalEuler, ConvergesToImplicitEuler) {
           << model.id;
     }
   }
+}
+
+TEST(PositionalEuler, ProjectionsConvergeToImplicitEuler) {
+  // Sizes at which every law has an energy that does not bend away from its weights.
+  for (const auto& [alpha, beta] : {std::pair(0.0, 0.0), {4.0, 0.01}})
+    for (const TissueModel& model : tissue_models()) {
+      const auto body = block(model, alpha, beta);
+      if (!PositionalBody::why_not(*body, PositionalVerbs::weights).empty()) continue;
+      const PositionalBody system(body, PositionalVerbs::weights);
+      const VectorXd y = 0.1 * moving_state(*body);
+      EXPECT_LT(residual_of_implicit_euler(*body, y, step(projective(1000), system, y, 0.01), 0.01), 1e-8)
+          << model.id;
+    }
+}
+
+TEST(PositionalEuler, ProjectionsGiveSpringsTheirLengthsAndSolveForPoints) {
+  TissueSettings settings = block(tissue_model("mass_spring"), 0, 0)->settings();
+  const auto body = std::make_shared<const TissueBody>(box_mesh({0.1, 0.1, 0.1}, {2, 2, 2}), settings);
+  const PositionalBody system(body, PositionalVerbs::weights);
+  const VectorXd y = moving_state(*body);
+  const double h = 0.01;
+  VectorXd x = y;  // by hand, two iterations
+  const Eigen::Index n = body->dofs();
+  VectorXd loads;
+  system.loads(h, loads);
+  const VectorXd free = y.head(n) + h * y.tail(n) + h * h * loads.cwiseQuotient(body->mass());
+  x = free;
+  for (int k = 0; k < 2; ++k) {
+    MatrixXd A = (body->mass() / (h * h)).asDiagonal();
+    VectorXd b = A * free;
+    const Eigen::Matrix3Xd now = body->positions(0, x), rest = body->mesh().points;
+    std::vector<Eigen::Index> place(static_cast<std::size_t>(rest.cols()), -1);
+    for (std::size_t i = 0; i < body->free_points().size(); ++i)
+      place[static_cast<std::size_t>(body->free_points()[i])] = 3 * static_cast<Eigen::Index>(i);
+    const auto pull = [&](Eigen::Index of, Eigen::Index to, double stiffness, const Eigen::Vector3d& wanted) {
+      A.block<3, 3>(of, of).diagonal().array() += stiffness;
+      if (to >= 0) A.block<3, 3>(of, to).diagonal().array() -= stiffness;
+      b.segment<3>(of) += stiffness * wanted;
+    };
+    const SpringSet& springs = body->spring_sets().front();
+    for (std::size_t i = 0; i < springs.size(); ++i) {
+      const auto [a, c] = springs.spring(i).points;
+      // Displacements whose difference gives the spring its length in its present direction.
+      const Eigen::Vector3d along = rest.col(c) - rest.col(a), d = now.col(c) - now.col(a);
+      const Eigen::Vector3d wanted = along.norm() * d.normalized() - along;
+      const Eigen::Index of = place[static_cast<std::size_t>(a)], to = place[static_cast<std::size_t>(c)];
+      if (of >= 0) pull(of, to, springs.spring(i).stiffness, -wanted);
+      if (to >= 0) pull(to, of, springs.spring(i).stiffness, wanted);
+    }
+    for (const ElasticSupport& support : settings.elastic_supports)
+      for (std::size_t i = 0; i < support.points.size(); ++i)
+        if (const Eigen::Index of = place[static_cast<std::size_t>(support.points[i])]; of >= 0)
+          pull(of, -1, support.stiffness[i], Eigen::Vector3d::Zero());
+    x = A.ldlt().solve(b);
+  }
+  EXPECT_LT((step(projective(2), system, y, h).head(n) - x).norm(), 1e-11 * x.norm());
 }
 
 TEST(PositionalEuler, ConstraintsComeNearToImplicitEulerOfTheirEnergyInShortSteps) {

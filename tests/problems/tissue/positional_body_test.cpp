@@ -92,6 +92,28 @@ TEST(PositionalBody, PointsOfOneColourDoNotActOnEachOther) {
   }
 }
 
+TEST(PositionalBody, WeightsAreAtLeastHalfTheStiffnessAtRest) {
+  // What iterations with them leave of an error, 1 - K / W, lies between -1 and 1.
+  for (const NamedSettings& named : pointwise_settings()) {
+    const auto body = make_body(named.settings);
+    const auto shared_weights = PositionalBody(body, PositionalVerbs::weights).weights();
+    const Eigen::SparseMatrix<double>& weights = *shared_weights;
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(body->dofs(), body->dofs());
+    for (Eigen::Index column = 0; column < weights.cols(); ++column)
+      for (Eigen::SparseMatrix<double>::InnerIterator entry(weights, column); entry; ++entry)
+        W.block<3, 3>(3 * entry.row(), 3 * column).diagonal().setConstant(entry.value());
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body->dofs());
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> shares(stiffness(*body, 0, still, still),
+                                                                           W);
+    EXPECT_GT(shares.eigenvalues().minCoeff(), 0) << named.name;
+    EXPECT_LT(shares.eigenvalues().maxCoeff(), 2) << named.name;
+    // Springs resist no more than their weights.
+    if (body->settings().model.is_of_springs()) {
+      EXPECT_LT(shares.eigenvalues().maxCoeff(), 1 + 1e-12) << named.name;
+    }
+  }
+}
+
 TissueSettings constrained(std::string_view model) {
   TissueSettings settings;
   settings.model = tissue_model(model);
@@ -194,7 +216,7 @@ TEST(PositionalBody, SaysWhichBodiesItDoesNotTake) {
         },
         std::invalid_argument);
   };
-  for (const PositionalVerbs verbs : {points, constraints}) {
+  for (const PositionalVerbs verbs : {points, constraints, PositionalVerbs::weights}) {
     expect("a tool touches the body", verbs, [](Settings& s) { s.tools.resize(1); });
     expect("one of them moves", verbs, [](Settings& s) { s.supports.front().travel = {0, 0, 1e-3}; });
     expect("a skin", verbs, [](Settings& s) { s.skin.kind = SkinSettings::Kind::membrane; });
