@@ -18,6 +18,12 @@ namespace hmax {
 
 namespace {
 
+/// What steps at fixed size and brings no formula shows by its steps how it amplifies.
+void measure_amplification(Method& method) {
+  if (method.fixed_step && !method.amplification && !method.unsuited)
+    method.amplification = shared(measured_amplification(method));
+}
+
 std::vector<Method> all_methods() {
   std::vector<Method> all;
   for (const Family& family : all_families) {
@@ -25,20 +31,53 @@ std::vector<Method> all_methods() {
     family.add(all);
     for (std::size_t i = before; i < all.size(); ++i) all[i].family = family.id;
   }
-  // What steps at fixed size and brings no formula shows by its steps how it amplifies.
-  for (Method& method : all)
-    if (method.fixed_step && !method.amplification && !method.unsuited)
-      method.amplification = shared(measured_amplification(method));
+  for (Method& method : all) measure_amplification(method);
   return all;
 }
 
-/// The method with the parameters of "beta=0.25,gamma=0.5".
-Method with_parameters(const Method& method, std::string_view text) {
+/// The parameter that all methods of fixed steps have: a step of h is so many of h / substeps.
+constexpr const char* substeps = "substeps";
+
+/// The method with steps in equal parts.
+Method in_parts(Method method, double parts) {
+  if (!(parts >= 1 && parts <= 1e6) || parts != std::floor(parts))
+    throw InputError(fmt::format(
+        "{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for instance {1}:{0}=4",
+        substeps, method.id, to_text(parts)));
+  const auto part = [parts](RunSpec spec) {
+    if (!spec.adaptive) spec.h /= parts;
+    return spec;
+  };
+  method.bind = [part, parts, whole = method.bind](const Problem& problem) {
+    Runner runner = whole(problem);
+    runner.run = [part, run = runner.run](const RunSpec& spec, const Sink& sink) {
+      return run(part(spec), sink);
+    };
+    runner.repeat = [ part, repeat = runner.repeat ](const RunSpec& spec, std::int64_t runs) -> const auto& {
+      return repeat(part(spec), runs);
+    };
+    if (runner.end_state_extended)
+      runner.end_state_extended = [parts, end = runner.end_state_extended](double h, double t_end) {
+        return end(h / parts, t_end);
+      };
+    return runner;
+  };
+  method.amplification.reset();
+  if (!method.needs_second_order) measure_amplification(method);
+  return method;
+}
+
+/// The parameters of a method with the values of "beta=0.25,gamma=0.5".
+Parameters parameters_of(const Method& method, std::string_view text) {
+  Parameters parameters = method.parameters;
   std::vector<std::string> names;
-  for (const auto& [name, value] : method.parameters) names.push_back(name);
+  for (const auto& [name, value] : parameters) names.push_back(name);
+  if (method.fixed_step && std::ranges::find(names, substeps) == names.end()) {
+    names.emplace_back(substeps);
+    parameters.emplace_back(substeps, 1);
+  }
   if (names.empty())
     throw InputError(fmt::format("{0} has no parameters, so write it without ':{1}'", method.id, text));
-  Parameters parameters = method.parameters;
   while (!text.empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     text.remove_prefix(std::min(text.size(), item.size() + 1));
@@ -53,11 +92,25 @@ Method with_parameters(const Method& method, std::string_view text) {
                                    item, name, method.id, to_text(it->second)));
     it->second = *value;
   }
-  Method made = method.with(parameters);
-  made.parameters = parameters;
-  made.with = method.with;
+  return parameters;
+}
+
+/// The method with the parameters of "beta=0.25,gamma=0.5".
+Method with_parameters(const Method& method, std::string_view text) {
+  const Parameters parameters = parameters_of(method, text);
+  const auto own = static_cast<std::ptrdiff_t>(method.parameters.size());
+  Method made = method;
+  if (method.with) {
+    made = method.with(Parameters(parameters.begin(), parameters.begin() + own));
+    made.with = method.with;
+  }
+  made.parameters.assign(parameters.begin(), parameters.begin() + own);
+  if (std::ssize(parameters) > own && parameters.back().second != 1) {
+    made = in_parts(std::move(made), parameters.back().second);
+    made.parameters = parameters;
+  }
   std::string suffix;
-  for (const auto& [name, value] : parameters)
+  for (const auto& [name, value] : made.parameters)
     suffix += fmt::format("{}{}={}", suffix.empty() ? ":" : ",", name, to_text(value));
   made.id = method.id + suffix;
   return made;

@@ -89,6 +89,8 @@ const Pattern* pattern_of(const Method& method) {
 
 /// Of a method without an amplification.
 std::string_view why_no_stability(const Method& method) {
+  if (method.fixed_step && !method.unsuited)
+    return "takes parts of h; take it without substeps, with its own step";
   return method.fixed_step
              ? "couples all points of a body in its iterations: no mode alone tells its stability"
              : "chooses its steps, and its order, as it runs: it has no stability of its own";

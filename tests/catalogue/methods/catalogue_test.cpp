@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +35,27 @@ TEST(Catalogue, FactsOfEveryMethodAgreeWithOneAnother) {
     EXPECT_FALSE(method.a_stable && method.is_explicit) << method.id;
     EXPECT_EQ(method.parameters.empty(), !method.with) << method.id;
   }
+}
+
+TEST(Catalogue, EveryMethodOfFixedStepsTakesThemInParts) {
+  const Problem problem = make_problem("liver_forced");
+  for (const Method& method : methods()) {
+    if (!suits(method, problem)) continue;
+    if (!method.fixed_step) {
+      EXPECT_THROW(find_method(method.id + ":substeps=4"), InputError) << method.id;
+      continue;
+    }
+    const Method parts = find_method(method.id + ":substeps=4");
+    const RunRecord whole = parts.bind(problem).run({.t_end = 1, .h = 0.25}, {}),
+                    small = method.bind(problem).run({.t_end = 1, .h = 0.0625}, {});
+    EXPECT_EQ(whole.y, small.y) << method.id;
+    if (method.parameters.empty()) {
+      EXPECT_EQ(find_method(method.id + ":substeps=1").id, method.id);
+    }
+    EXPECT_EQ(parts.parameters.back(), (std::pair<std::string, double>("substeps", 4))) << method.id;
+  }
+  EXPECT_THROW(find_method("rk4:substeps=0"), InputError);
+  EXPECT_THROW(find_method("rk4:substeps=1.5"), InputError);
 }
 
 TEST(Catalogue, FamiliesAndAllStandForTheMethodsThatSuitTheProblem) {
