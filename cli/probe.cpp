@@ -1,11 +1,11 @@
 /// hmax probe: the largest stable step of an engine of one's own, from its steps alone.
 #include <cmath>
 #include <memory>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "analysis/dynamics/growth.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "catalogue/plugin/plugin_sources.hpp"
 #include "catalogue/plugin/plugin_stepper.hpp"
@@ -57,12 +57,7 @@ std::string table_of(const ProbedLimit& found, const Console& console) {
 /// What the growing motion is like from step to step.
 std::string critical_in_words(const ProbedLimit& found) {
   if (!found.critical || !std::isfinite(std::abs(found.critical->multiplier))) return "";
-  const std::complex<double> mu = found.critical->multiplier;
-  std::string text = std::abs(mu.imag()) > 1e-6 * std::abs(mu)
-                         ? fmt::format("a motion that comes round every {} steps grows",
-                                       short_number(2 * std::numbers::pi / std::abs(std::arg(mu)), 4))
-                     : mu.real() < 0 ? "a motion that changes sign in every step grows"
-                                     : "a motion without oscillation grows";
+  std::string text = motion_in_words(found.critical->multiplier) + " grows";
   if (!found.moving.empty())
     text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
   return ": " + text;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "core/dense_solvers.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 
@@ -206,6 +208,13 @@ bool grows_at(const ShowSteps& run, const Distance& distance, double h, std::int
   // What is left of a mode that every step annihilates is what equations are solved to.
   constexpr double noise = 1e-6;
   return observed_growth(run, distance, h, steps, noise) > in_proportion;
+}
+
+std::string motion_in_words(std::complex<double> multiplier) {
+  if (std::abs(multiplier.imag()) > 1e-6 * std::abs(multiplier))
+    return "a motion that comes round every " +
+           short_number(2 * std::numbers::pi / std::abs(std::arg(multiplier)), 4) + " steps";
+  return multiplier.real() < 0 ? "a motion that changes sign in every step" : "a motion without oscillation";
 }
 
 }  // namespace hmax

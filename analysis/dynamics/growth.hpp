@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,6 +53,9 @@ std::optional<double> growth_of_recurrence(const ShowSteps& run, const MotionOf&
 
 /// No run that looks for growth is longer.
 inline constexpr std::int64_t most_observed_steps = 2'000'000;
+
+/// "a motion that changes sign in every step": what a multiplier other than zero makes of its motion.
+std::string motion_in_words(std::complex<double> multiplier);
 
 /// What integration found.
 struct ObservedLimit {

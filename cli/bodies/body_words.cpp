@@ -1,5 +1,7 @@
 #include "cli/bodies/body_words.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "catalogue/models/body_summary.hpp"
@@ -7,6 +9,7 @@
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
+#include "core/numbers.hpp"
 
 namespace hmax {
 
@@ -32,6 +35,10 @@ void remark_unusual(Console& console, const Problem& problem) {
 
 void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y) {
   if (const std::string warning = warning_of_tool(problem, t, y); !warning.empty()) console.remark(warning);
+}
+
+std::string damping_in_words(double zeta) {
+  return std::isnan(zeta) ? "-" : std::abs(zeta) < 1e-6 ? "0" : short_number(zeta, 2);
 }
 
 }  // namespace hmax

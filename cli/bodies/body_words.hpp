@@ -19,4 +19,7 @@ void remark_unusual(Console& console, const Problem& problem);
 /// Says on standard error what a tool does not do that it should, if there is such a thing.
 void warn_of_tool(Console& console, const Problem& problem, double t, const Eigen::VectorXd& y);
 
+/// A damping ratio, of which less than a millionth is rounding; "-" of NaN.
+std::string damping_in_words(double zeta);
+
 }  // namespace hmax

@@ -71,8 +71,6 @@ std::optional<double> modulus_of(const std::string& text) {
 }
 
 std::string in_percent(double share) { return std::isnan(share) ? "-" : short_number(100 * share, 3) + " %"; }
-/// A damping ratio; less than a millionth is rounding.
-std::string in_digits(double zeta) { return std::abs(zeta) < 1e-6 ? "0" : short_number(zeta, 2); }
 std::string in_pascals(double value) {
   return std::isnan(value) ? "-" : std::isinf(value) ? "none" : short_number(value, 4) + " Pa";
 }
@@ -98,9 +96,9 @@ std::string words_of(const std::vector<Fidelity>& rows, const FidelityOptions& o
                          ? "-"
                          : fmt::format("{} for {} rad/s", short_number(mode.omega_shown, 3),
                                        short_number(mode.omega, 3)));
-      line.push_back(std::isnan(mode.zeta_shown)
-                         ? "-"
-                         : fmt::format("{} for {}", in_digits(mode.zeta_shown), in_digits(mode.zeta)));
+      line.push_back(std::isnan(mode.zeta_shown) ? "-"
+                                                 : fmt::format("{} for {}", damping_in_words(mode.zeta_shown),
+                                                               damping_in_words(mode.zeta)));
     }
     if (options.verify) {
       line.push_back(row.observed ? in_percent(row.observed->stiffness_shown) : "-");

@@ -227,7 +227,13 @@ std::vector<std::string> parse_names(std::string_view what, std::string_view tex
           fmt::format("{} is '{}', where a part is empty; write the parts with commas between "
                       "them and none at the ends",
                       what, text));
-    names.emplace_back(part);
+    const auto is_setting = [](std::string_view name) { return name.find('=') != name.npos; };
+    // Of vbd:iterations=1,substeps=10 the second setting belongs to the name before it.
+    if (!names.empty() && is_setting(part) && part.find(':') == part.npos && is_setting(names.back()) &&
+        names.back().find(':') < names.back().find('='))
+      names.back().append(",").append(part);
+    else
+      names.emplace_back(part);
     begin = end + 1;
   }
   return names;

@@ -1,14 +1,12 @@
-/// hmax stability limits | region | numerical-damping | predict | map | modes | matrices
+/// hmax stability limits, and the group of its commands
 #include "cli/stability/stability.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
-#include "analysis/amplification/numerical_damping.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/tableau_file.hpp"
@@ -73,91 +71,6 @@ void limits(const MethodsChoice& choice, Console& console) {
       "damping.\n");
 }
 
-// ---- numerical damping
-
-struct DampingOptions {
-  MethodsChoice methods;
-  std::optional<double> h, frequency, zeta;
-};
-
-/// A difference that is rounding is none.
-double without_rounding(double difference) {
-  constexpr double rounding = 1e-14;
-  return std::abs(difference) <= rounding ? 0 : difference;
-}
-
-/// "7.92 %"; without a sign what rounds to nothing.
-std::string signed_percent(double share) {
-  const std::string text = fmt::format("{:.2f} %", 100 * share);
-  return text == "-0.00 %" ? text.substr(1) : text;
-}
-
-/// What steps of h seconds show where the Nyquist frequency is passed.
-/// @param damped  frequency of the mode [Hz]
-std::string words_of_aliased(const std::vector<std::string>& methods, double damped, double h) {
-  const double nyquist = 1 / (2 * h);
-  if (damped > nyquist)
-    return fmt::format(
-        "The mode oscillates at {} Hz, above the Nyquist frequency 1/(2 h) = {} Hz: the frequencies seen are aliased; "
-        "take h below {} s.\n",
-        short_number(damped, 4), short_number(nyquist, 4), short_number(1 / (2 * damped), 3));
-  return fmt::format(
-      "Of {} a step turns the mode by more than half a period: the frequency seen is aliased; take a "
-      "smaller h.\n",
-      fmt::join(methods, ", "));
-}
-
-void numerical_damping(const DampingOptions& options, Console& console) {
-  const auto positive = [](const std::optional<double>& value, std::string_view what,
-                           std::string_view example) {
-    if (!value) throw InputError(fmt::format("{} is missing; give it, for instance {}", what, example));
-    if (!(*value > 0) || !std::isfinite(*value))
-      throw InputError(fmt::format("{} is {} but must be a positive finite number, for instance {}", what,
-                                   to_text(*value), example));
-    return *value;
-  };
-  const double h = positive(options.h, "the step --h [s]", "--h 0.01");
-  const double frequency = positive(options.frequency, "the frequency --frequency [Hz]", "--frequency 8");
-  const double zeta = options.zeta.value_or(0);
-  if (!(zeta >= 0 && zeta < 1))
-    throw InputError(fmt::format(
-        "the damping ratio --zeta is {} but must lie between 0 and 1: a mode that does not oscillate shows no "
-        "damping; give for instance --zeta 0.1",
-        to_text(zeta)));
-  const double omega = 2 * std::numbers::pi * frequency;
-  Json documents = Json::array();
-  TextTable table({"method", "damping ratio", "added", "seen at [Hz]", "period error", "growth a step"});
-  const std::vector<Formula> formulas = options.methods.formulas(console);
-  std::vector<std::string> aliased;
-  for (const Formula& formula : formulas) {
-    const ShownOscillation shown = shown_oscillation(*formula.amplification, omega, zeta, h);
-    const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
-    const double added = without_rounding(shown.zeta - zeta);
-    if (shown.aliased) aliased.push_back(formula.id);
-    documents.push_back({{"method", formula.id},
-                         {"h", h},
-                         {"frequency", frequency},
-                         {"zeta", zeta},
-                         {"zeta_shown", finite(shown.zeta)},
-                         {"zeta_added", finite(added)},
-                         {"frequency_shown", finite(shown.frequency_damped)},
-                         {"period_error", finite(shown.period_error)},
-                         {"nyquist_frequency", 1 / (2 * h)},
-                         {"aliased", shown.aliased},
-                         {"spectral_radius", finite(shown.spectral_radius)},
-                         {"stable", shown.spectral_radius <= 1 + 1e-12}});
-    table.add({formula.id, short_number(shown.zeta, 4), short_number(added, 4),
-               short_number(shown.frequency_damped, 4),
-               std::isfinite(shown.period_error) ? signed_percent(shown.period_error) : "-",
-               short_number(shown.spectral_radius, 6)});
-  }
-  if (console.json) return console.print_json(formulas.size() == 1 ? documents.front() : documents);
-  console.print(table.text(console));
-  console.print(fmt::format("\nA mode of {} Hz with {} of critical damping, integrated with h = {} s.\n",
-                            short_number(frequency), short_number(zeta), short_number(h)));
-  if (!aliased.empty()) console.print(words_of_aliased(aliased, frequency * std::sqrt(1 - zeta * zeta), h));
-}
-
 }  // namespace
 
 void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
@@ -213,16 +126,7 @@ void add_stability(CLI::App& app, Console& console) {
 
   add_stability_region(stability, console, formulas);
 
-  CLI::App& damping_command = add_command(
-      stability, console, "numerical-damping", "Show the numerical damping and the period error of a method",
-      {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8"});
-  const auto damping = std::make_shared<DampingOptions>();
-  damping->methods.add_to(damping_command, formulas);
-  add_number(damping_command, "--h", damping->h, "Step size [s]");
-  add_number(damping_command, "--frequency", damping->frequency, "Undamped frequency of the mode [Hz]");
-  add_number(damping_command, "--zeta", damping->zeta, "Damping ratio of the mode; 0 by default");
-  set_callback(damping_command, [damping, &console] { numerical_damping(*damping, console); });
-
+  add_stability_damping(stability, console, formulas);
   add_stability_predict(stability, console);
   add_stability_gallery(stability, console, formulas);
   add_stability_map(stability, console);

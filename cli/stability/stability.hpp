@@ -25,6 +25,7 @@ struct MethodsChoice {
 
 /// @param formulas  what can be named, for --help
 void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas);
+void add_stability_damping(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_predict(CLI::App& stability, Console& console);
 void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas);
 void add_stability_map(CLI::App& stability, Console& console);

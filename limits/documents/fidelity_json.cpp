@@ -40,4 +40,13 @@ Json to_json(const Fidelity& row) {
           {"status", row.status}};
 }
 
+Json to_json(const ShownDamping& row) {
+  return {{"method", row.method.id},
+          {"options", parameters_json(row.method.parameters)},
+          {"h", row.h},
+          {"modes", modes_json(row.modes)},
+          {"growth", number_or_word(row.growth)},
+          {"status", row.status}};
+}
+
 }  // namespace hmax

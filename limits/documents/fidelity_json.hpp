@@ -1,4 +1,5 @@
-/// What steps show of a material, for programs: the rows of `hmax fidelity --json`.
+/// What steps show of a material, for programs: the rows of `hmax fidelity --json`, and of
+/// `hmax stability numerical-damping --json` of a body.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,5 +9,6 @@
 namespace hmax {
 
 nlohmann::ordered_json to_json(const Fidelity& row);
+nlohmann::ordered_json to_json(const ShownDamping& row);
 
 }  // namespace hmax

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/amplification/numerical_damping.hpp"
+#include "analysis/dynamics/growth.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -79,6 +81,16 @@ struct Settled {
   [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest); }
 };
 
+/// Where steps of a body that nothing loads come to rest: where it is, but for methods that move it.
+/// @param size  of displacements that count, as a norm [m]
+SettledState settled_without_load(const VectorFunction& step, Eigen::Index n, double size, double share,
+                                  const std::function<void()>& watch) {
+  const VectorXd moved = step(VectorXd::Zero(2 * n)).head(n);
+  // Rounding moves it, and the tolerance of equations.
+  if (moved.norm() <= 1e-6 * share * size) return {.q = VectorXd::Zero(n), .settled = true};
+  return settled_state(step, moved, share, watch);
+}
+
 Settled settle(const Method& method, const FidelityModel& model, double factor,
                const FidelityQuestion& question) {
   const Problem problem = stiffened(model, factor);
@@ -87,15 +99,9 @@ Settled settle(const Method& method, const FidelityModel& model, double factor,
   Settled found;
   found.loaded = settled_state(one_step_map(method, problem, question.h), start, share, question.watch);
   if (!found.loaded.settled) return found;
-  const VectorFunction free = one_step_map(method, without_load(problem), question.h);
-  const Eigen::Index n = start.size();
-  const VectorXd moved = free(VectorXd::Zero(2 * n)).head(n);
-  // Rounding moves it, and the tolerance of equations.
-  if (moved.norm() <= 1e-6 * share * start.norm()) {
-    found.rest = VectorXd::Zero(n);
-  } else if (const SettledState rest = settled_state(free, moved, share, question.watch); rest.settled) {
-    found.rest = rest.q;
-  }
+  const SettledState rest = settled_without_load(one_step_map(method, without_load(problem), question.h),
+                                                 start.size(), start.norm(), share, question.watch);
+  if (rest.settled) found.rest = rest.q;
   return found;
 }
 
@@ -103,13 +109,24 @@ StepModes modes_of(const Method& method, const FidelityModel& model, double fact
                    const FidelityQuestion& question, const VectorXd& q) {
   const Problem problem = stiffened(model, factor);
   const bool compares = factor == 1;  // of other stiffnesses growth alone is asked
-  return shown_modes(one_step_map(method, problem, question.h), q, question.h, problem.body->mass(),
+  return shown_modes(one_step_map(method, problem, question.h), q, q, question.h, problem.body->mass(),
                      compares ? model.shapes : Eigen::MatrixXd(q.size(), 0),
                      compares ? model.modes : std::vector<ShownMode>{}, question.watch);
 }
 
 /// Growth beyond what differences resolve.
-bool grows(const StepModes& modes) { return modes.largest > 1 + 1e-5; }
+bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; }
+
+std::string unsettled_in_words(const SettledState& found) {
+  return !std::isfinite(found.residual)
+             ? "its steps leave the range of numbers"
+             : fmt::format("its steps do not settle: {} of them leave a residual of {:.1e}", found.steps,
+                           found.residual);
+}
+
+constexpr std::string_view not_linear =
+    "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode";
+constexpr std::string_view coupled = "damping couples the modes of the model, so that none is compared";
 
 /// The modulus that is shown where `factor` times that of the model is entered [Pa]; NaN where nothing
 /// settles, or against the load.
@@ -301,48 +318,56 @@ Problem with_stiffness(const Problem& problem, double factor) {
   return with_settings(problem, std::move(settings));
 }
 
-FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
-  if (!problem.body)
-    throw InputError(fmt::format("{} is no body, and its stiffness is no material's; take a mesh with --mesh",
-                                 problem.id));
+FidelityModel settled_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
   if (std::isinf(equilibrium_time(*problem.body)) ||
       (equilibrium_time(*problem.body) == 0 && !problem.body->is_autonomous()))
     throw InputError(
         "the load changes with time and never settles, so that nothing comes to rest; take gravity or press");
-  if (!problem.body->settings().tools.empty())
-    throw InputError(
-        "the force of a tool depends on the body where a tool meets it, and measures no stiffness; take gravity or press");
   FidelityModel model{
       .problem = after_ramps(problem), .load = {}, .equilibrium = {}, .modes = {}, .shapes = {}};
   const TissueBody& body = *model.problem.body;
-  const VectorXd still = VectorXd::Zero(body.dofs());
+  model.equilibrium = VectorXd::Zero(body.dofs());
   model.load.resize(body.dofs());
-  body.force(0, still, still, model.load);
-  if (is_at_rest(body))
-    throw InputError("nothing loads the body, so that no sag shows its stiffness; take a load with --load");
-  StaticSettings settings;
-  if (watch) settings.seen = [&](const StaticIterate&) { watch(); };
-  const StaticSolution solution = found_equilibrium(model.problem, 1, settings, [] { return 0.0; });
-  if (!solution.converged)
-    throw InputError("no static equilibrium to compare with: " + status_of(model.problem, solution));
-  model.equilibrium = solution.q;
-  model.volume = volume_of(body, solution.q);
+  body.force(0, model.equilibrium, model.equilibrium, model.load);
+  if (!is_at_rest(body)) {
+    StaticSettings settings;
+    if (watch) settings.seen = [&](const StaticIterate&) { watch(); };
+    const StaticSolution solution = found_equilibrium(model.problem, 1, settings, [] { return 0.0; });
+    if (!solution.converged)
+      throw InputError("no static equilibrium to compare with: " + status_of(model.problem, solution));
+    model.equilibrium = solution.q;
+  }
+  model.volume = volume_of(body, model.equilibrium);
 
   VectorXd y = VectorXd::Zero(body.dim());
-  y.head(body.dofs()) = solution.q;
+  y.head(body.dofs()) = model.equilibrium;
   const Linearised near = linearised(model.problem, 0, y);
   std::vector<MechanicalMode> slow = near.modes.spectrum.mechanical;
   std::erase_if(slow, [](const MechanicalMode& each) { return !(each.kappa > 0); });
   std::ranges::sort(slow, {}, &MechanicalMode::kappa);
+  if (near.modes.range || !near.point.model.mechanical) slow.clear();
+  if (!slow.empty()) model.fastest = std::sqrt(slow.back().kappa);
   // Of large bodies the ends are known alone.
   slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
-  if (near.modes.range || !near.point.model.mechanical) slow.clear();
   model.shapes.resize(body.dofs(), static_cast<Eigen::Index>(slow.size()));
   for (std::size_t k = 0; k < slow.size(); ++k) {
     const Mode mode = mode_of(slow[k]);
     model.modes.push_back({.omega = mode.omega.value_or(0), .zeta = mode.zeta.value_or(0)});
     model.shapes.col(static_cast<Eigen::Index>(k)) = shape_of_mode(near, slow[k]);
   }
+  return model;
+}
+
+FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
+  if (!problem.body)
+    throw InputError(fmt::format("{} is no body, and its stiffness is no material's; take a mesh with --mesh",
+                                 problem.id));
+  if (!problem.body->settings().tools.empty())
+    throw InputError(
+        "the force of a tool depends on the body where a tool meets it, and measures no stiffness; take gravity or press");
+  FidelityModel model = settled_model(problem, watch, modes);
+  if (model.equilibrium.isZero(0))
+    throw InputError("nothing loads the body, so that no sag shows its stiffness; take a load with --load");
   return model;
 }
 
@@ -355,18 +380,15 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   const Settled found = settle(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
-    say(row, !found.loaded.settled && !std::isfinite(found.loaded.residual)
-                 ? "its steps leave the range of numbers"
-                 : fmt::format("its steps do not settle{}: {} of them leave a residual of {:.1e}",
-                               found.loaded.settled ? " without load" : "", found.loaded.steps,
-                               found.loaded.residual));
+    say(row,
+        found.loaded.settled ? "its steps do not settle without load" : unsettled_in_words(found.loaded));
     return row;
   }
   StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
   if (grows(shown)) {
     say(row,
         fmt::format("its steps grow by a factor of {} each, so that nothing settles; take a smaller step",
-                    short_number(shown.largest, 4)));
+                    short_number(std::abs(shown.largest), 4)));
     return row;
   }
   row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
@@ -377,17 +399,73 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
     say(row, fmt::format("without load it moves {} mm from rest", short_number(1000 * row.rest_moves, 3)));
   if (!shown.linear)
-    say(row,
-        "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode; "
-        "runs do");
+    say(row, fmt::format("{}; runs do", not_linear));
   else if (model.modes.empty())
-    say(row, "damping couples the modes of the model, so that none is compared");
+    say(row, std::string(coupled));
   if (asks_moduli) find_moduli(row, model, question);
   if (question.verify) {
     row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
     row.contradiction = row.gap > 0.05;
     if (std::isnan(row.observed->stiffness_shown)) say(row, "a run from rest does not come to rest");
+  }
+  return row;
+}
+
+ShownDamping damping_by_formula(const Method& method, const FidelityModel& model, double h) {
+  ShownDamping row{.method = method, .h = h, .modes = {}, .status = "by its formula of one mode"};
+  for (ShownMode mode : model.modes) {
+    mode.omega_shown = mode.zeta_shown = Fidelity::none;
+    if (mode.zeta < 1) {
+      const ShownOscillation shown = shown_oscillation(*method.amplification, mode.omega, mode.zeta, h);
+      mode.omega_shown = shown.omega;
+      mode.zeta_shown = shown.zeta;
+    }
+    mode.likeness = 1;
+    row.modes.push_back(mode);
+  }
+  if (!(model.fastest > 0)) return row;
+  const double radius = shown_oscillation(*method.amplification, model.fastest, 0, h).spectral_radius;
+  if (!(radius > 1 + 1e-9)) return row;
+  row.growth = radius;
+  row.status += fmt::format(
+      "; its fastest mode, of {} rad/s, grows by a factor of {} a step but for damping; take a smaller step",
+      short_number(model.fastest, 4), short_number(radius, 4));
+  return row;
+}
+
+ShownDamping shown_damping(const Method& method, const FidelityModel& model, double h,
+                           const std::function<void()>& watch) {
+  if (method.amplification && (!method.bind || depends_on_past(method, model.problem)))
+    return damping_by_formula(method, model, h);
+  ShownDamping row{.method = method, .h = h, .modes = {}, .status = {}};
+  const VectorFunction step = one_step_map(method, model.problem, h);
+  const TissueBody& body = *model.problem.body;
+  const double share = share_of_step(model, 1, h);
+  const Eigen::Index n = body.dofs();
+  VectorXd sizes = model.equilibrium;
+  SettledState found;
+  if (!sizes.isZero(0)) {
+    found = settled_state(step, model.equilibrium, share, watch);
+  } else {
+    const auto& points = body.mesh().points;
+    sizes.setConstant(0.01 * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
+    found = settled_without_load(step, n, sizes.norm(), share, watch);
+  }
+  if (!found.settled) {
+    row.status = unsettled_in_words(found);
+    return row;
+  }
+  StepModes shown = shown_modes(step, found.q, sizes, h, body.mass(), model.shapes, model.modes, watch);
+  row.modes = std::move(shown.modes);
+  if (grows(shown)) {
+    row.growth = std::abs(shown.largest);
+    row.status = fmt::format("{} grows by a factor of {} a step; take a smaller step",
+                             motion_in_words(shown.largest), short_number(row.growth, 4));
+  } else if (!shown.linear) {
+    row.status = not_linear;
+  } else if (model.modes.empty()) {
+    row.status = coupled;
   }
   return row;
 }

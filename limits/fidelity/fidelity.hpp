@@ -22,15 +22,16 @@ struct FidelityQuestion {
   std::function<void()> watch{};
 };
 
-/// A body under a load that does not change with time, in its static equilibrium: what steps are compared
+/// A body in its static equilibrium under a load that does not change with time: what steps are compared
 /// with.
 struct FidelityModel {
   Problem problem;
   Eigen::VectorXd load;          ///< f, the weight and the dead loads [N], shape (dofs)
-  Eigen::VectorXd equilibrium;   ///< q [m], shape (dofs)
+  Eigen::VectorXd equilibrium;   ///< q [m], shape (dofs); zero where nothing loads the body
   double volume = 0;             ///< of the body there [m^3]
   std::vector<ShownMode> modes;  ///< the slowest ones near it, not yet shown by anything
   Eigen::MatrixXd shapes;        ///< of these, columns, shape (dofs, modes)
+  double fastest = 0;            ///< omega of the fastest mode [rad/s]; 0 where damping couples the modes
 };
 
 /// What steps of size h show.
@@ -64,16 +65,37 @@ struct Fidelity {
   std::string status;  ///< sentences: what the numbers do not tell
 };
 
+/// What steps of size h make of the slowest modes of a body, about the state in which they come to rest; of
+/// methods that remember earlier steps by their formula.
+struct ShownDamping {
+  Method method;
+  double h = 0;
+  std::vector<ShownMode> modes;
+  double growth = Fidelity::none;  ///< the factor of a step by which a motion grows; NaN where none does
+  std::string status;              ///< a sentence: what the numbers do not tell
+};
+
+/// @param problem  of a body
 /// @param watch  called now and then; may throw
 /// @param modes  how many of the slowest; fewer where damping couples them or only the ends are known
-/// @throws InputError  for what is no body, a body that nothing loads, a tool, a load that never settles, and
-///                     where no equilibrium is found
+/// @throws InputError  for a load that never settles, and where no equilibrium is found
+FidelityModel settled_model(const Problem& problem, const std::function<void()>& watch = {},
+                            std::size_t modes = 3);
+/// The same of a load that measures stiffness.
+/// @throws InputError  also for what is no body, a body that nothing loads, and a tool
 FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch = {},
                              std::size_t modes = 3);
 
 /// @throws InputError  for a method that does not suit the body, or has no map of steps, and for moduli of
 ///                     springs of a given stiffness
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
+
+/// @param model  of settled_model()
+/// @param h      [s]
+/// @param watch  called before each step; may throw
+/// @throws InputError  for a method that does not suit the body, or has neither a map of steps nor a formula
+ShownDamping shown_damping(const Method& method, const FidelityModel& model, double h,
+                           const std::function<void()>& watch = {});
 
 /// E of the first region [Pa]: what ceilings and moduli are given in.
 double young_of(const Problem& problem);

@@ -86,15 +86,15 @@ class FoundMode {
 
 }  // namespace
 
-StepModes shown_modes(const VectorFunction& step, const VectorXd& q, double h, const VectorXd& mass,
-                      const MatrixXd& shapes, const std::vector<ShownMode>& modes,
+StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const VectorXd& sizes, double h,
+                      const VectorXd& mass, const MatrixXd& shapes, const std::vector<ShownMode>& modes,
                       const std::function<void()>& watch) {
   const Eigen::Index n = q.size();
   const EnergyUnits units(mass, modes.empty() ? 0.1 / h : modes.front().omega);
   VectorXd y = VectorXd::Zero(2 * n);
   y.head(n) = q;
-  // Displacements of a ten-thousandth of the settled ones: large beside rounding, small beside curvature.
-  const double size = 1e-4 * units.scale.head(n).cwiseProduct(q).norm();
+  // A ten-thousandth: large beside rounding, small beside curvature.
+  const double size = 1e-4 * units.scale.head(n).cwiseProduct(sizes).norm();
   const LinearOperator A = [&](const VectorXd& x) -> VectorXd {
     if (watch) watch();
     const double length = x.norm();
@@ -123,7 +123,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, double h, c
       const RitzValue& largest = spectrum.values.front();
       // Beside a residual an excess over 1 is nothing unless it is much larger.
       if (const double modulus = std::abs(largest.value); largest.residual < 0.05 * std::abs(modulus - 1))
-        shown.largest = modulus;
+        shown.largest = largest.value;
       found.assign(modes.size(), {});
       for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
         const std::complex<double> value = spectrum.values[i].value;

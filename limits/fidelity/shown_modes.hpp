@@ -1,6 +1,7 @@
 /// The eigenvalues of a step that continue the modes of a model.
 #pragma once
 
+#include <complex>
 #include <functional>
 #include <vector>
 
@@ -25,20 +26,23 @@ struct StepModes {
   std::vector<ShownMode> modes;
   bool linear =
       true;  ///< false: what two small disturbances become together is not the sum, and no mode is found
-  double largest = 0;  ///< the largest modulus of its eigenvalues, as far as it was found: above 1 they grow
+  /// The eigenvalue of largest modulus, as far as it was found: above 1 motions grow.
+  std::complex<double> largest{};
 };
 
 /// By Arnoldi iteration with the derivative of a step about its settled state, whose slow motions are those
 /// that decay least.
 /// @param step   as settled_state()
 /// @param q      where it settles, shape (dofs)
+/// @param sizes  displacements as large as those that matter, shape (dofs), not zero: q itself, where it is
+/// not
 /// @param h      [s]
 /// @param mass   lumped, shape (dofs) [kg]
 /// @param shapes of the modes, columns of length 1 in the norm of M, shape (dofs, modes)
 /// @param modes  their omega and zeta
 /// @param watch  called before each step; may throw
-StepModes shown_modes(const VectorFunction& step, const Eigen::VectorXd& q, double h,
-                      const Eigen::VectorXd& mass, const Eigen::MatrixXd& shapes,
+StepModes shown_modes(const VectorFunction& step, const Eigen::VectorXd& q, const Eigen::VectorXd& sizes,
+                      double h, const Eigen::VectorXd& mass, const Eigen::MatrixXd& shapes,
                       const std::vector<ShownMode>& modes, const std::function<void()>& watch = {});
 
 }  // namespace hmax

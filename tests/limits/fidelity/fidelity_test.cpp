@@ -1,6 +1,7 @@
 /// What steps show of a material: against formulas, against runs, and against themselves.
 #include "limits/fidelity/fidelity.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <string>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "limits/fidelity/settled_state.hpp"
@@ -163,6 +165,53 @@ TEST(Fidelity, SaysWhatItCannotTell) {
   const Fidelity truncated = fidelity(find_method("newton_truncated:cg=2"), model, {.h = 0.05});
   EXPECT_NE(truncated.status.find("not linear in the state"), std::string::npos) << truncated.status;
   EXPECT_TRUE(std::isnan(truncated.modes.front().omega_shown));
+}
+
+TEST(ShownDamping, OfImplicitEulerIsItsFormulaAtRestAndUnderALoad) {
+  const double h = 0.01;
+  for (const double g : {0.0, 9.81}) {
+    const FidelityModel model = settled_model(body("fem_cauchy/gravity@cube:n=2", {{"g", g}}));
+    EXPECT_EQ(model.equilibrium.isZero(0), g == 0);
+    const ShownDamping row = shown_damping(find_method("implicit_euler"), model, h);
+    EXPECT_EQ(row.status, "") << g;
+    EXPECT_TRUE(std::isnan(row.growth)) << g;
+    ASSERT_EQ(row.modes.size(), 3U) << g;
+    for (const ShownMode& mode : row.modes) {
+      // Of y' = i omega y a step makes 1 / (1 - i omega h).
+      const std::complex<double> rate = -std::log(1.0 - std::complex<double>(0, mode.omega * h)) / h;
+      EXPECT_NEAR(mode.omega_shown, std::abs(rate), 1e-4 * mode.omega) << g;
+      EXPECT_NEAR(mode.zeta_shown, -rate.real() / std::abs(rate), 1e-4) << g;
+    }
+  }
+}
+
+/// BDF 2: (3/2 - z) r^2 - 2 r + 1/2 = 0 with r = (2 + sqrt(1 + 2 z)) / (3 - 2 z), z = i omega h.
+TEST(ShownDamping, OfMethodsThatRememberEarlierStepsIsThatOfTheirFormula) {
+  const FidelityModel model = settled_model(body("fem_cauchy/press@cube:n=2"));
+  const double h = 0.01;
+  const ShownDamping row =
+      shown_damping(chosen_methods_and_formulas({"bdf_2"}, {model.problem}).methods.front(), model, h);
+  ASSERT_EQ(row.modes.size(), 3U);
+  for (const ShownMode& mode : row.modes) {
+    const std::complex<double> z(0, mode.omega * h), r = (2.0 + std::sqrt(1.0 + 2.0 * z)) / (3.0 - 2.0 * z);
+    EXPECT_NEAR(mode.omega_shown, std::abs(std::log(r)) / h, 1e-8 * mode.omega);
+    EXPECT_NEAR(mode.zeta_shown, -std::log(r).real() / std::abs(std::log(r)), 1e-8);
+  }
+  EXPECT_TRUE(std::isnan(row.growth));
+  // Adams-Bashforth methods of order 2 have no stable step of an undamped mode.
+  EXPECT_GT(shown_damping(find_method("adams_bashforth_2"), model, h).growth, 1);
+}
+
+TEST(ShownDamping, SaysWhatGrowsBeyondTheLimit) {
+  const FidelityModel model = settled_model(body("fem_cauchy/press@cube:n=2"));
+  double fastest = 0;
+  for (const MechanicalMode& mode : linearised(model.problem).modes.spectrum.mechanical)
+    fastest = std::max(fastest, std::sqrt(mode.kappa));
+  // Symplectic Euler: z^2 - (2 - (omega h)^2) z + 1 = 0, of omega h = 2.2 with a root below -1.
+  const ShownDamping row = shown_damping(find_method("symplectic_euler"), model, 2.2 / fastest);
+  const double half = 1 - 2.2 * 2.2 / 2;
+  EXPECT_NEAR(row.growth, std::sqrt(half * half - 1) - half, 1e-4);
+  EXPECT_EQ(row.status.find("a motion that changes sign in every step grows"), 0U) << row.status;
 }
 
 TEST(Fidelity, RefusesWhatShowsNoStiffness) {
