@@ -1,6 +1,11 @@
 /// hmax probe: the largest stable step of an engine of one's own, from its steps alone.
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,6 +21,8 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "limits/documents/method_json.hpp"
+#include "limits/documents/number_json.hpp"
+#include "limits/fidelity/steps_stiffness.hpp"
 
 namespace hmax {
 
@@ -24,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
-  std::string plugin, example;
+  std::string plugin, example, stiffness;
   std::optional<double> h0, h1, motion, timeout, time_limit;
   bool no_runs = false;
 };
@@ -33,7 +40,7 @@ struct ProbeOptions {
 constexpr double call_seconds = 1e-5;
 
 std::string length_in_words(double h) {
-  return std::isnan(h) ? "-" : std::isinf(h) ? "unbounded" : short_number(h, 7) + " s";
+  return std::isnan(h) ? "-" : std::isinf(h) ? "beyond h1" : short_number(h, 7) + " s";
 }
 
 std::string multiplier_in_words(std::complex<double> mu) {
@@ -44,13 +51,23 @@ std::string multiplier_in_words(std::complex<double> mu) {
              : fmt::format("{} ± {}i", short_number(mu.real()), short_number(imaginary));
 }
 
+/// "12 % away" from where steps of h0 settle.
+std::string rest_in_words(const StepSpectrum& row) {
+  if (!row.settles || !*row.settles) return row.settles ? "no" : "-";
+  return std::isnan(row.settled_moves) ? "yes" : short_number(100 * row.settled_moves, 3) + " % away";
+}
+
 std::string table_of(const ProbedLimit& found, const Console& console) {
   TextTable table({"h [s]", found.state == ProbedState::motion ? "mean growth of a step" : "spectral radius",
-                   "growing multiplier", ""});
-  for (const StepSpectrum& row : found.rows)
+                   "growing multiplier", "", "settles", "slowest mode [rad/s]", "damping ratio"});
+  for (const StepSpectrum& row : found.rows) {
+    const ShownMode* mode = row.modes.empty() ? nullptr : &row.modes.front();
     table.add({short_number(row.h, 7),
                std::isinf(row.spectral_radius) ? "infinite" : short_number(row.spectral_radius, 8),
-               row.grows ? multiplier_in_words(row.multiplier) : "-", row.grows ? "grows" : ""});
+               row.grows ? multiplier_in_words(row.multiplier) : "-", row.grows ? "grows" : "",
+               rest_in_words(row), mode ? short_number(mode->omega_shown, 4) : "-",
+               mode ? short_number(mode->zeta_shown, 2) : "-"});
+  }
   return table.text(console);
 }
 
@@ -61,6 +78,71 @@ std::string critical_in_words(const ProbedLimit& found) {
   if (!found.moving.empty())
     text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
   return ": " + text;
+}
+
+/// Where the number behind NAME= stands in the argument of a plugin: its first character, and how many.
+/// @throws InputError  where there is none, or it is not positive
+std::pair<std::size_t, std::size_t> place_of_number(const std::string& argument, const std::string& name) {
+  const std::string sign = name + "=";
+  for (std::size_t at = argument.find(sign); at != argument.npos; at = argument.find(sign, at + 1)) {
+    if (at > 0 && (std::isalnum(static_cast<unsigned char>(argument[at - 1])) || argument[at - 1] == '_'))
+      continue;
+    const std::size_t begin = at + sign.size(),
+                      end = std::min(argument.find_first_of(",;:& ", begin), argument.size());
+    const std::optional<double> value = to_number(argument.substr(begin, end - begin));
+    if (value && *value > 0 && std::isfinite(*value)) return {begin, end - begin};
+  }
+  throw InputError(fmt::format(
+      "--stiffness {0}: the argument of the plugin has no {0}=NUMBER that is positive; give for instance "
+      "--plugin FILE.so:NAME:{0}=5000",
+      name));
+}
+
+/// The stiffness that steps show, in units of the parameter: at h1, or at the largest step that does not
+/// grow.
+struct ProbedStiffness {
+  double value = 0;  ///< that was entered
+  StepsStiffness shown;
+};
+
+std::optional<ProbedStiffness> stiffness_of(const ProbeOptions& options, const ProbedLimit& found,
+                                            const std::function<void(double, std::string_view)>& watch,
+                                            const PluginSettings& settings) {
+  if (options.stiffness.empty() || std::isnan(found.h_max)) return std::nullopt;
+  const PluginName plugin = parse_plugin(options.plugin);
+  const auto [begin, count] = place_of_number(plugin.argument, options.stiffness);
+  const double value = *to_number(plugin.argument.substr(begin, count));
+  double h = *options.h0;
+  for (const StepSpectrum& row : found.rows)
+    if (!row.grows) h = std::max(h, row.h);
+  const auto with = [&, begin = begin, count = count](double c) {
+    PluginName scaled = plugin;
+    scaled.argument.replace(begin, count, to_text(c * value));
+    return std::make_unique<PluginStepper>(scaled, settings);
+  };
+  return ProbedStiffness{value, stiffness_of_steps(with, *options.h0, h, watch)};
+}
+
+std::string in_words(const ProbedStiffness& stiffness, const std::string& name) {
+  const auto in_digits = [&](double share) { return short_number(share * stiffness.value, 4); };
+  const StepsStiffness& seen = stiffness.shown;
+  std::string text = fmt::format("stiffness {}={} ", name, short_number(stiffness.value));
+  text += std::isnan(seen.shown)
+              ? fmt::format("settles nowhere at {} s", short_number(seen.h, 7))
+              : fmt::format("shows {} at {} s", in_digits(seen.shown), short_number(seen.h, 7));
+  if (std::isinf(seen.ceiling))
+    text += ", and all that is entered";
+  else if (!std::isnan(seen.ceiling))
+    text += ", and at most " + in_digits(seen.ceiling) + " whatever is entered";
+  return text + "\n";
+}
+
+Json to_json(const ProbedStiffness& stiffness, const std::string& name) {
+  return {{"parameter", name},
+          {"value", stiffness.value},
+          {"h", stiffness.shown.h},
+          {"shown", number_or_word(stiffness.shown.shown * stiffness.value)},
+          {"ceiling", number_or_word(stiffness.shown.ceiling * stiffness.value)}};
 }
 
 std::string in_words(const ProbeOptions& options, const ProbedLimit& found, const Console& console) {
@@ -114,22 +196,36 @@ void probe(const ProbeOptions& options, Console& console) {
   const auto leave = [&] {
     if (interrupted) throw Interrupted{};
   };
-  PluginStepper engine(parse_plugin(options.plugin),
-                       {.patience = options.timeout.value_or(10), .watch = leave});
-  const ProbedLimit found = [&] {
+  const PluginSettings settings{.patience = options.timeout.value_or(10), .watch = leave};
+  PluginStepper engine(parse_plugin(options.plugin), settings);
+  if (!options.stiffness.empty()) {
+    if (options.motion) throw InputError("--stiffness is asked of a state of rest; remove --motion");
+    place_of_number(parse_plugin(options.plugin).argument, options.stiffness);
+  }
+  ProbedLimit found;
+  std::optional<ProbedStiffness> stiffness;
+  {
     Progress progress(console, "probe");
-    return probe_steps(engine, {.h0 = *options.h0,
-                                .h1 = *options.h1,
-                                .motion = options.motion,
-                                .observe = !options.no_runs,
-                                .watch = [&](double share, std::string_view detail) {
-                                  leave();
-                                  progress.update(share, detail);
-                                }});
-  }();
+    const auto watch = [&](double share, std::string_view detail) {
+      leave();
+      progress.update(share, detail);
+    };
+    found = probe_steps(engine, {.h0 = *options.h0,
+                                 .h1 = *options.h1,
+                                 .motion = options.motion,
+                                 .observe = !options.no_runs,
+                                 .watch = watch});
+    stiffness = stiffness_of(options, found, watch, settings);
+  }
   if (found.contradiction) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(probe_json(found));
-  console.print(in_words(options, found, console));
+  if (console.json) {
+    Json document = probe_json(found);
+    if (!options.stiffness.empty())
+      document["stiffness"] = stiffness ? to_json(*stiffness, options.stiffness) : Json();
+    return console.print_json(document);
+  }
+  console.print(in_words(options, found, console) +
+                (stiffness ? in_words(*stiffness, options.stiffness) : ""));
 }
 
 }  // namespace
@@ -138,6 +234,7 @@ void add_probe(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "probe", "Find the largest stable step of your own step function",
       {"hmax probe --example probe_example", "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
+       "hmax probe --plugin ./engine.so:bar:E=5000 --h0 1e-4 --h1 0.01 --stiffness E",
        "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
   add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
@@ -148,6 +245,9 @@ void add_probe(CLI::App& app, Console& console) {
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
   add_timeout(command, options->timeout);
   add_time_limit(command, options->time_limit);
+  add_text(command, "--stiffness", options->stiffness,
+           "A stiffness that stands as NAME=NUMBER in ARGUMENT: how much of it steps show, and at most",
+           "NAME");
   add_flag(command, "--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
   add_text(command, "--example", options->example,
            "Write the header and two examples into this folder, and end", "FOLDER");

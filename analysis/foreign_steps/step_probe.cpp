@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/observed_steps.hpp"
+#include "analysis/foreign_steps/slow_motions.hpp"
 #include "analysis/foreign_steps/step_derivative.hpp"
 #include "core/dense_solvers.hpp"
 #include "core/errors.hpp"
@@ -37,6 +39,7 @@ class Probe {
       : engine_(engine), settings_(settings), coordinates_(engine.dim(), engine.quaternions()) {}
 
   ProbedLimit run();
+  ProbedLimit compare();
 
  private:
   void look_at_start();
@@ -47,8 +50,16 @@ class Probe {
   void check_smoothness();
   void find_limit();
   double distance_of_step(const VectorXd& y, double h);
+  struct Rest {
+    VectorXd y;
+    double left = 0;   ///< how far a step of h moves it, in units of scales
+    double error = 0;  ///< about how far it is from rest
+  };
+  Rest rest_near(VectorXd y, double h, double tolerance);
   VectorXd rest_at(double h);
+  StepSpectrum spectrum_near(const VectorXd& y, double h);
   StepSpectrum at(double h);
+  void look_where_it_settles(StepSpectrum& row);
   StepSpectrum along_motion(double h);
   void bisect(double low, double high);
   void explain_growth_at_least();
@@ -63,6 +74,8 @@ class Probe {
   void compare_with_runs();
   void observe_beyond_limits();
   void say_what_is_unresolved();
+  void compare_rests();
+  void say_what_steps_show();
   /// One of the two limits is wrong.
   void contradict(const std::string& text) {
     found_.contradiction = true;
@@ -95,6 +108,9 @@ class Probe {
   StateCoordinates coordinates_;
   VectorXd start_, scale_;
   VectorXd rest_;  // at the step size that was last looked at
+  VectorXd settled_;
+  std::vector<StepMotion> slow_;  // of h0
+  bool compares_ = false;
   StepPattern pattern_;
   ProbedLimit found_;
   double base_growth_ = 0, base_run_ = nan;
@@ -110,7 +126,7 @@ void Probe::look_at_start() {
     while (std::isfinite(start_[bad])) ++bad;
     throw InputError("number " + std::to_string(bad) + " of the state at the start is not finite");
   }
-  rest_ = start_;
+  rest_ = settled_ = start_;
   engine_.save(home);
   for (const Index first : engine_.quaternions())
     if (std::abs(start_.segment<4>(first).norm() - 1) > 1e-3)
@@ -240,41 +256,68 @@ double Probe::distance_of_step(const VectorXd& y, double h) {
   return next.allFinite() ? distance(y, next) : infinity;
 }
 
-/// Engines that make constraints softer at large steps rest elsewhere there: y = S(y) by Newton's method from
-/// the last rest, (I - J) x = S(y) - y, of least norm where motions are free.
-VectorXd Probe::rest_at(double h) {
-  VectorXd y = rest_;
-  double left = distance_of_step(y, h);
-  if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to)
-    return y;
+/// y = S(y) by Newton's method, (I - J) x = S(y) - y, of least norm where motions are free.
+Probe::Rest Probe::rest_near(VectorXd y, double h, double tolerance) {
   const Index n = coordinates_.size();
-  if (left <= (is_single() ? 1e-3 : 1e-8)) return y;
-  for (int k = 0; k < 10 && left > rest_tolerance() && std::isfinite(left); ++k) {
-    StepDerivative derivative(engine_, coordinates_, scale_, home, y, h);
-    const VectorXd step = coordinates_.of(y, derivative.next()).cwiseQuotient(scale_);
+  Rest rest{.y = std::move(y)};
+  rest.left = rest.error = distance_of_step(rest.y, h);
+  for (int k = 0; k < 10 && rest.left > tolerance && std::isfinite(rest.left); ++k) {
+    StepDerivative derivative(engine_, coordinates_, scale_, home, rest.y, h);
+    const VectorXd step = coordinates_.of(rest.y, derivative.next()).cwiseQuotient(scale_);
     const std::optional<Eigen::SparseMatrix<double>> grouped =
         pattern_.pays() ? derivative.grouped_matrix(pattern_) : std::nullopt;
     const Eigen::MatrixXd J = grouped ? Eigen::MatrixXd(*grouped) : derivative.matrix(pattern_);
+    rest.error = infinity;
     if (!J.allFinite()) break;
     const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n) - J;
     const double threshold = std::max(1e-12, derivative.error() / A.norm());
-    const VectorXd tried = coordinates_.at(y, minimum_norm_solution(A, step, threshold).cwiseProduct(scale_));
+    const VectorXd x = minimum_norm_solution(A, step, threshold);
+    rest.error = x.cwiseAbs().maxCoeff();
+    const VectorXd tried = coordinates_.at(rest.y, x.cwiseProduct(scale_));
     const double now = distance_of_step(tried, h);
-    if (!(now < 0.5 * left)) break;
-    y = tried;
-    left = now;
+    if (!(now < 0.5 * rest.left)) break;
+    rest = {.y = tried, .left = now, .error = rest.error * now / rest.left};
   }
-  return left <= 1e3 * rest_tolerance() ? y : rest_;
+  return rest;
+}
+
+/// Engines that make constraints softer at large steps rest elsewhere there: from the last rest.
+VectorXd Probe::rest_at(double h) {
+  if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to ||
+      distance_of_step(rest_, h) <= (is_single() ? 1e-3 : 1e-8))
+    return rest_;
+  const Rest found = rest_near(rest_, h, rest_tolerance());
+  return found.left <= 1e3 * rest_tolerance() ? found.y : rest_;
+}
+
+StepSpectrum Probe::spectrum_near(const VectorXd& y, double h) {
+  return spectrum_of_step(engine_, coordinates_, scale_, home, y, h, pattern_,
+                          {.eigenvalues_to = settings_.spectrum.eigenvalues_to,
+                           .matrix_to = settings_.spectrum.matrix_to,
+                           .watch = watcher()});
+}
+
+/// Slow motions go a small share of their way in a step, so that what a step moves tells little of how far
+/// away the rest is.
+void Probe::look_where_it_settles(StepSpectrum& row) {
+  if (found_.state == ProbedState::motion || coordinates_.size() > settings_.spectrum.eigenvalues_to) return;
+  row.settles = false;
+  const bool at_rest = found_.state == ProbedState::equilibrium;
+  if (row.grows && at_rest && !compares_) return;
+  const Rest found = rest_near(settled_, row.h, 1e-3 * rest_tolerance());
+  if (!(found.error <= (is_single() ? 1e-2 : 1e-4))) return;
+  row.settled = settled_ = found.y;
+  StepSpectrum near = at_rest ? row : spectrum_near(found.y, row.h);
+  row.settles = !near.grows;
+  if (slow_.empty()) slow_ = slowest_motions(near.motions, scale_, 3);
+  if (*row.settles || compares_) row.modes = continued_motions(slow_, near.motions, scale_);
 }
 
 StepSpectrum Probe::at(double h) {
   if (found_.state == ProbedState::equilibrium) rest_ = rest_at(h);
-  StepSpectrum row = found_.state == ProbedState::motion
-                         ? along_motion(h)
-                         : spectrum_of_step(engine_, coordinates_, scale_, home, rest_, h, pattern_,
-                                            {.eigenvalues_to = settings_.spectrum.eigenvalues_to,
-                                             .matrix_to = settings_.spectrum.matrix_to,
-                                             .watch = watcher()});
+  StepSpectrum row = found_.state == ProbedState::motion ? along_motion(h) : spectrum_near(rest_, h);
+  look_where_it_settles(row);
+  row.motions.clear();
   found_.rows.push_back(row);
   if (row.grows && (!found_.critical || h < found_.critical->h))
     found_.critical = row;  // until the limit is known
@@ -329,7 +372,6 @@ void Probe::find_limit() {
     low = h;
   }
   found_.h_max = infinity;
-  found_.status.push_back("no growth up to h1");
 }
 
 /// Whether what was probed is at rest at the limit, and where that is.
@@ -527,6 +569,37 @@ void Probe::say_what_is_unresolved() {
                           (settings_.observe ? "" : "; let the engine run"));
 }
 
+void Probe::compare_rests() {
+  std::ranges::sort(found_.rows, {}, &StepSpectrum::h);
+  const VectorXd first = found_.rows.front().settled;
+  for (StepSpectrum& row : found_.rows) {
+    if (first.size() == 0 || row.settled.size() == 0) continue;
+    const double moved = (row.settled - first).norm();
+    row.settled_moves = moved > 0 ? moved / first.norm() : 0;
+  }
+}
+
+/// What steps of h1 make of the slowest motion and of the state of rest, where nothing grows up to there.
+void Probe::say_what_steps_show() {
+  if (!std::isinf(found_.h_max)) return;
+  const StepSpectrum& last = found_.rows.back();
+  std::string text = "no growth up to h1 = " + rounded_text(last.h, 4) + " s";
+  if (!last.modes.empty() && !std::isnan(last.modes.front().omega_shown)) {
+    const ShownMode& mode = last.modes.front();
+    const auto ratio = [](double zeta) { return std::abs(zeta) < 1e-6 ? "0" : rounded_text(zeta, 2); };
+    text += "; there the slowest mode is " + rounded_text(mode.omega_shown, 3) + " for " +
+            rounded_text(mode.omega, 3) + " rad/s with damping ratio " + ratio(mode.zeta_shown) + " for " +
+            ratio(mode.zeta) + " of steps of h0";
+  }
+  if (!last.settles && found_.state != ProbedState::motion)
+    text += "; where they settle and their modes are found of up to " +
+            std::to_string(settings_.spectrum.eigenvalues_to) + " numbers";
+  if (last.settles && !*last.settles) text += "; there nothing settles";
+  if (std::isfinite(last.settled_moves))
+    text += "; it settles " + rounded_text(100 * last.settled_moves, 3) + " % away from where steps of h0 do";
+  found_.status.push_back(text);
+}
+
 ProbedLimit Probe::run() {
   found_.model = engine_.name();
   found_.dim = engine_.dim();
@@ -539,8 +612,38 @@ ProbedLimit Probe::run() {
   observe();
   say_what_is_unresolved();
   engine_.restore(home);
-  std::ranges::sort(found_.rows, {}, &StepSpectrum::h);
+  compare_rests();
+  say_what_steps_show();
   return found_;
+}
+
+ProbedLimit Probe::compare() {
+  compares_ = true;
+  found_.model = engine_.name();
+  found_.dim = engine_.dim();
+  found_.h_max = found_.observed = found_.gap = nan;
+  look_at_start();
+  choose_scales(settings_.h0);
+  judge_start();
+  at(settings_.h0);
+  at(settings_.h1);
+  engine_.restore(home);
+  compare_rests();
+  return found_;
+}
+
+/// @throws InputError  for step sizes that make no sense, and for more numbers than `most`
+void check_question(const ForeignStepper& engine, const ProbeSettings& settings, Index most) {
+  const auto is_size = [](double h) { return std::isfinite(h) && h > 0; };
+  if (!is_size(settings.h0) || !is_size(settings.h1) || settings.h1 < settings.h0)
+    throw InputError("step sizes are from h0 " + to_text(settings.h0) + " to h1 " + to_text(settings.h1) +
+                     "; give two positive numbers, the smaller one first");
+  if (settings.motion && !(*settings.motion >= settings.h1 && std::isfinite(*settings.motion)))
+    throw InputError("motion " + to_text(*settings.motion) +
+                     " is shorter than a step of h1; give its length in seconds");
+  if (engine.dim() > most)
+    throw InputError("the state has " + std::to_string(engine.dim()) + " numbers, and a probe takes up to " +
+                     std::to_string(most) + "; probe a smaller scene of the same engine");
 }
 
 }  // namespace
@@ -551,17 +654,13 @@ std::string_view name_of(ProbedState state) {
 }
 
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {
-  const auto is_size = [](double h) { return std::isfinite(h) && h > 0; };
-  if (!is_size(settings.h0) || !is_size(settings.h1) || settings.h1 < settings.h0)
-    throw InputError("step sizes are from h0 " + to_text(settings.h0) + " to h1 " + to_text(settings.h1) +
-                     "; give two positive numbers, the smaller one first");
-  if (settings.motion && !(*settings.motion >= settings.h1 && std::isfinite(*settings.motion)))
-    throw InputError("motion " + to_text(*settings.motion) +
-                     " is shorter than a step of h1; give its length in seconds");
-  if (engine.dim() > most_probed_numbers)
-    throw InputError("the state has " + std::to_string(engine.dim()) + " numbers, and a probe takes up to " +
-                     std::to_string(most_probed_numbers) + "; probe a smaller scene of the same engine");
+  check_question(engine, settings, most_probed_numbers);
   return Probe(engine, settings).run();
+}
+
+ProbedLimit compare_steps(ForeignStepper& engine, const ProbeSettings& settings) {
+  check_question(engine, settings, settings.spectrum.eigenvalues_to);
+  return Probe(engine, settings).compare();
 }
 
 }  // namespace hmax

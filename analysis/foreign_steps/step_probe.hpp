@@ -58,4 +58,8 @@ inline constexpr Eigen::Index most_probed_numbers = 100'000;
 /// @throws InputError  for step sizes or a start that make no sense, and for more than most_probed_numbers
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings);
 
+/// Where steps of h0 and of h1 settle and what they make of slow motions, two `rows`, without a limit.
+/// @throws InputError  as probe_steps(), and for more numbers than all eigenvalues are computed of
+ProbedLimit compare_steps(ForeignStepper& engine, const ProbeSettings& settings);
+
 }  // namespace hmax

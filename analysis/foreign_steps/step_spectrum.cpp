@@ -60,7 +60,13 @@ void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpe
     const auto at = static_cast<Index>(i);
     const double condition = left.row(at).norm() * pairs.vectors.col(at).norm();
     const double tolerance = multiplier_tolerance(error, condition);
-    const double excess = std::abs(pairs.values[i]) - 1 - tolerance;
+    const Complex value = pairs.values[i];
+    // Of a pair the upper one; a negative number turns about in every step.
+    if (value.imag() > 0 || (value.imag() == 0 && value.real() > 0))
+      found.motions.push_back({.rate = std::log(value) / found.h,
+                               .error = tolerance / std::abs(value - 1.0),
+                               .shape = pairs.vectors.col(at)});
+    const double excess = std::abs(value) - 1 - tolerance;
     if (excess > most) {
       most = excess;
       chosen = i;

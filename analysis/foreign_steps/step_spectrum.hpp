@@ -3,9 +3,13 @@
 
 #include <complex>
 #include <functional>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "analysis/dynamics/shown_mode.hpp"
 #include "analysis/foreign_steps/foreign_stepper.hpp"
 #include "analysis/foreign_steps/step_pattern.hpp"
 
@@ -16,6 +20,13 @@ struct StepSpectrumSettings {
   Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi
                                       ///< iteration; above that products alone, or the matrix by a pattern
   std::function<void()> watch = {};   ///< called now and then; may throw
+};
+
+/// What a step makes of a motion that oscillates or decays.
+struct StepMotion {
+  std::complex<double> rate;  ///< log(multiplier) / h [1/s], not below the real axis
+  double error = 0;           ///< of the multiplier, beside its distance from 1
+  Eigen::VectorXcd shape;     ///< in units of scales, of length 1, shape (coordinates)
 };
 
 /// What a step of size h makes of small differences of states.
@@ -31,6 +42,14 @@ struct StepSpectrum {
   bool grows = false;
   bool resolved = true;      ///< false: growth of less than `tolerance` a step may be there unseen
   Eigen::VectorXd motion{};  ///< that grows, as numbers of the state; shape (dim), its largest number 1
+  std::vector<StepMotion> motions{};  ///< all of them, where all eigenvalues were computed
+
+  // Of a probe (step_probe.hpp):
+  std::optional<bool> settles{};  ///< whether steps have a state of rest and nothing grows near it
+  Eigen::VectorXd settled{};      ///< that state, shape (dim); empty where none was found
+  /// |settled - that of the smallest step| / |that of the smallest step|
+  double settled_moves = std::numeric_limits<double>::quiet_NaN();
+  std::vector<ShownMode> modes{};  ///< near it: the slowest of the smallest step, and what this one shows
 };
 
 /// About the state of the engine in `slot`. Each eigenvalue has a tolerance of its own, as

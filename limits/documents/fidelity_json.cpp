@@ -5,8 +5,8 @@
 namespace hmax {
 
 namespace {
-
 using Json = nlohmann::ordered_json;
+}  // namespace
 
 Json modes_json(const std::vector<ShownMode>& modes) {
   Json list = Json::array();
@@ -18,8 +18,6 @@ Json modes_json(const std::vector<ShownMode>& modes) {
                     {"likeness", mode.likeness}});
   return list;
 }
-
-}  // namespace
 
 Json to_json(const Fidelity& row) {
   return {{"method", row.method.id},

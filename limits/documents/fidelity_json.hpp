@@ -8,6 +8,8 @@
 
 namespace hmax {
 
+/// [{omega, omega_shown, zeta, zeta_shown, likeness}]
+nlohmann::ordered_json modes_json(const std::vector<ShownMode>& modes);
 nlohmann::ordered_json to_json(const Fidelity& row);
 nlohmann::ordered_json to_json(const ShownDamping& row);
 

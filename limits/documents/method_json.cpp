@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "limits/documents/fidelity_json.hpp"
 #include "limits/documents/number_json.hpp"
 
 namespace hmax {
@@ -106,7 +107,10 @@ Json probe_json(const ProbedLimit& found) {
                     {"spectral_radius", number_or_word(row.spectral_radius)},
                     {"grows", row.grows},
                     {"growing", row.grows ? complex_or_null(row.multiplier) : Json()},
-                    {"tolerance", row.tolerance}});
+                    {"tolerance", row.tolerance},
+                    {"settles", row.settles ? Json(*row.settles) : Json()},
+                    {"settled_moves", number_or_word(row.settled_moves)},
+                    {"modes", modes_json(row.modes)}});
   return {{"model", found.model},
           {"dim", found.dim},
           {"state", name_of(found.state)},

@@ -14,6 +14,7 @@
 #include "core/numbers.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/fidelity/settled_state.hpp"
+#include "limits/fidelity/steps_stiffness.hpp"
 #include "limits/modes/mode_start.hpp"
 #include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
@@ -143,17 +144,7 @@ double modulus_shown(const Method& method, const FidelityModel& model, double fa
 double ceiling_of(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
   // Springs as supports stay, and sag under the stiffest body.
   if (!model.problem.body->settings().elastic_supports.empty()) return Fidelity::none;
-  constexpr double stride = 100, most = 1e8;
-  double before = modulus_shown(method, model, 1, question);
-  for (double factor = stride; factor <= most; factor *= stride) {
-    const double shown = modulus_shown(method, model, factor, question);
-    if (std::isnan(shown) || std::isnan(before)) return Fidelity::none;
-    // Beyond, E_shown = ceiling (1 - c / E): the last of a geometric sequence.
-    if (shown < 1.05 * before) return shown + (shown - before) / (stride - 1);
-    before = shown;
-  }
-  // Of exact equations all that is entered.
-  return infinity;
+  return stiffness_ceiling([&](double c) { return modulus_shown(method, model, c, question); }, 1e8);
 }
 
 /// E with which the steps sag as the model does with the wanted one, by bisection of its logarithm; NaN where

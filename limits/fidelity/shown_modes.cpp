@@ -1,11 +1,8 @@
 #include "limits/fidelity/shown_modes.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
-#include <utility>
 
 #include "analysis/spectrum/arnoldi.hpp"
 #include "analysis/spectrum/lanczos.hpp"
@@ -33,56 +30,6 @@ double likeness(const VectorXcd& x, const VectorXd& shape, const VectorXd& mass)
                       .dot(shape.cast<std::complex<double>>())) /
          q.norm();
 }
-
-/// What has been found of one mode: an oscillation, or two decays of one motion.
-class FoundMode {
- public:
-  /// @param rate  log(lambda) / h [1/s], @param error  of lambda beside its distance from 1
-  void look(std::complex<double> rate, double like, double error) {
-    const Eigenvalue seen{rate, like, error};
-    if (rate.imag() > 0) {
-      if (like > oscillation_.like) oscillation_ = seen;
-    } else if (like > decays_[0].like) {
-      decays_[1] = std::exchange(decays_[0], seen);
-    } else if (like > decays_[1].like) {
-      decays_[1] = seen;
-    }
-  }
-
-  /// Whether the eigenvalue that is most like the mode has converged.
-  [[nodiscard]] bool converged(double tolerance) const { return best().error <= tolerance; }
-
-  /// @returns `mode` with what is shown; NaN where nothing is like it, or has not converged
-  [[nodiscard]] ShownMode shown(ShownMode mode) const {
-    // Of two or three modes of one frequency a sum is found, which is like each to 0.7 or 0.58.
-    constexpr double least_like = 0.5, most_error = 1e-3;
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    mode.likeness = best().like;
-    mode.omega_shown = mode.zeta_shown = nan;
-    if (!(best().like >= least_like && best().error <= most_error)) return mode;
-    if (&best() == &oscillation_) {
-      mode.omega_shown = std::abs(oscillation_.rate);
-      mode.zeta_shown = -oscillation_.rate.real() / mode.omega_shown;
-    } else if (decays_[1].like >= least_like && decays_[1].error <= most_error) {
-      // Of an overdamped oscillation: omega^2 the product of both rates, 2 zeta omega their sum.
-      const double a = -decays_[0].rate.real(), b = -decays_[1].rate.real();
-      mode.omega_shown = std::sqrt(a * b);
-      mode.zeta_shown = (a + b) / (2 * mode.omega_shown);
-    }
-    return mode;
-  }
-
- private:
-  struct Eigenvalue {
-    std::complex<double> rate;
-    double like = 0, error = std::numeric_limits<double>::infinity();
-  };
-  [[nodiscard]] const Eigenvalue& best() const {
-    return oscillation_.like >= decays_[0].like ? oscillation_ : decays_[0];
-  }
-  Eigenvalue oscillation_;
-  std::array<Eigenvalue, 2> decays_;
-};
 
 }  // namespace
 

@@ -8,18 +8,9 @@
 #include <Eigen/Core>
 
 #include "analysis/dynamics/differences.hpp"
+#include "analysis/dynamics/shown_mode.hpp"
 
 namespace hmax {
-
-/// A slow mode of the model, and what steps make of it.
-struct ShownMode {
-  double omega = 0, zeta = 0;  ///< of the model [rad/s], [1]
-  /// Of the steps: |log(lambda)| / h and -Re(log(lambda)) / |log(lambda)| of the eigenvalue lambda of the
-  /// derivative of a step whose motion is most like that of the mode, or of two real ones as of an overdamped
-  /// oscillation. NaN where none is like it, to a half.
-  double omega_shown = 0, zeta_shown = 0;
-  double likeness = 0;  ///< |u^T M x| of the shapes u of the model and x of the step, |u|_M = |x|_M = 1
-};
 
 /// What the derivative of a step has of modes.
 struct StepModes {

@@ -34,6 +34,25 @@ TEST(ProbeCommand, PrintsTheContractedKeys) {
   EXPECT_LT(found["rows"].back()["growing"]["re"].get<double>(), -1);
 }
 
+TEST(ProbeCommand, TellsWhatStepsMakeOfRestAndOfTheSlowestMode) {
+  const std::string line = tested + ":softened:k=100 --h0 1e-3 --h1 0.1 --no-runs --stiffness k";
+  const nlohmann::json found = probe(line + " --json").json();
+  const nlohmann::json& last = found["rows"].back();
+  EXPECT_EQ(last["settles"], true);
+  // Rest at 10 (2 / k + h^2).
+  EXPECT_NEAR(last["settled_moves"].get<double>(), 0.3 / 0.20001 - 1, 1e-5);
+  EXPECT_LT(last["modes"][0]["omega_shown"].get<double>(), last["modes"][0]["omega"].get<double>());
+  EXPECT_EQ(found["stiffness"]["parameter"], "k");
+  EXPECT_EQ(found["stiffness"]["h"], 0.1);
+  EXPECT_NEAR(found["stiffness"]["shown"].get<double>(), 100 * 0.2 / 0.3, 0.05);
+  EXPECT_NEAR(found["stiffness"]["ceiling"].get<double>(), 200, 0.5);
+  const Told told = probe(line);
+  EXPECT_TRUE(says(told.out, "h_max     beyond h1\n")) << told.out;
+  EXPECT_TRUE(says(told.out, "no growth up to h1 = 0.1 s; there the slowest mode is")) << told.out;
+  EXPECT_TRUE(says(told.out, "it settles 50 % away from where steps of h0 do")) << told.out;
+  EXPECT_TRUE(says(told.out, "and at most 200 whatever is entered")) << told.out;
+}
+
 TEST(ProbeCommand, WhatHasNoLimitIsUnbounded) {
   const nlohmann::json found = probe(tested + ":implicit_euler --h0 0.1 --h1 10 --json").json();
   EXPECT_EQ(found["h_max"], "unbounded");
@@ -57,6 +76,8 @@ TEST(ProbeCommand, RefusesWhatDoesNotWork) {
   expect_refused(probe(tested + ":crash:hang --patience 0.2" + steps), "did not return within 0.2 s");
   expect_refused(probe(tested + " --timeout 0" + steps), "--timeout 0 is not positive");
   expect_refused(probe(TESTED_PLUGIN_VERSION + steps), "version 99");
+  expect_refused(probe(tested + ":softened:k=100 --stiffness E" + steps), "has no E=NUMBER");
+  expect_refused(probe(tested + ":softened:k=100 --stiffness k --motion 9" + steps), "remove --motion");
   expect_refused(Shell().hmax("probe"), "--example FOLDER");
   expect_refused(Shell().hmax("probe --example a --plugin b"), "remove --plugin");
 }

@@ -1,5 +1,6 @@
 /// Limits of steppers behind the plugin interface, beside what is known of them in closed form.
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -217,6 +218,58 @@ TEST(ProbePlugin, FloatsFarFromZeroKeepTheirSprings) {
   const ProbedLimit found = probed("far_float", {.h0 = 1e-4, .h1 = 1});
   EXPECT_NEAR(found.h_max, 0.2, 5e-3 * 0.2);
   EXPECT_NEAR(found.observed, 0.2, 2e-2 * 0.2);
+}
+
+/// 10 (2 / k + h^2) with k = 100.
+double rest_of_softened(double h) { return 10 * (0.02 + h * h); }
+
+TEST(ProbePlugin, StatesOfRestAndSlowMotionsAreThoseOfEachStepSize) {
+  const double h0 = 1e-3;
+  const ProbedLimit found = probed("softened:k=100", {.h0 = h0, .h1 = 0.3});
+  EXPECT_TRUE(std::isinf(found.h_max));
+  ASSERT_EQ(found.rows.size(), 12U);
+  const auto rate_at = [](double h) {
+    const double a = 100 * h * h / (1 + 100 * h * h), b = 1 - a / 2;
+    return std::log(std::complex<double>(b, std::sqrt(b * (1 - b)))) / h;
+  };
+  for (const StepSpectrum& row : found.rows) {
+    EXPECT_EQ(row.settles, true) << row.h;
+    ASSERT_EQ(row.settled.size(), 2) << row.h;
+    EXPECT_NEAR(row.settled[0], rest_of_softened(row.h), 1e-6) << row.h;
+    EXPECT_NEAR(row.settled_moves, rest_of_softened(row.h) / rest_of_softened(h0) - 1, 1e-5) << row.h;
+    ASSERT_EQ(row.modes.size(), 1U) << row.h;
+    const ShownMode& mode = row.modes.front();
+    EXPECT_NEAR(mode.omega, std::abs(rate_at(h0)), 1e-4) << row.h;
+    EXPECT_NEAR(mode.omega_shown, std::abs(rate_at(row.h)), 1e-4) << row.h;
+    EXPECT_NEAR(mode.zeta_shown, -rate_at(row.h).real() / std::abs(rate_at(row.h)), 1e-4) << row.h;
+  }
+  EXPECT_TRUE(says(status_of(found), "no growth up to h1 = 0.3 s; there the slowest mode is"))
+      << status_of(found);
+}
+
+TEST(ProbePlugin, DecaysAreSlowMotionsWhereNothingOscillates) {
+  const ProbedLimit found = probed("decays", {.h0 = 1e-3, .h1 = 0.5});
+  const StepSpectrum& last = found.rows.back();
+  EXPECT_EQ(last.settles, true);
+  EXPECT_EQ(last.settled_moves, 0);
+  ASSERT_EQ(last.modes.size(), 2U);
+  for (const auto& [k, rate] : {std::pair(0U, 1.0), {1U, 5.0}}) {
+    EXPECT_NEAR(last.modes[k].omega, std::log1p(1e-3 * rate) / 1e-3, 1e-4);
+    EXPECT_NEAR(last.modes[k].omega_shown, std::log1p(0.5 * rate) / 0.5, 1e-4);
+    EXPECT_EQ(last.modes[k].zeta_shown, 1);
+  }
+}
+
+TEST(ProbePlugin, NothingSettlesWhereAMotionGrows) {
+  const ProbedLimit found = probed("chain", {.h0 = 1e-3, .h1 = 0.05, .observe = false});
+  for (const StepSpectrum& row : found.rows) {
+    EXPECT_EQ(row.settles, row.h < found.h_max) << row.h;
+    if (!*row.settles) continue;
+    // Symplectic Euler: cos(omega_shown h) = 1 - (omega h)^2 / 2 with the slowest 200 sin(pi / 22).
+    const double turn = 200 * std::sin(std::numbers::pi / 22) * row.h;
+    EXPECT_NEAR(row.modes.front().omega_shown, std::acos(1 - turn * turn / 2) / row.h, 2e-3) << row.h;
+    EXPECT_NEAR(row.modes.front().zeta_shown, 0, 1e-5) << row.h;
+  }
 }
 
 TEST(ProbePlugin, BadStartsAndStepsAreRefused) {

@@ -121,6 +121,28 @@ struct ImplicitEuler : Engine {
   }
 };
 
+/// x'' = 10 - k x from x = 0 by implicit Euler, half of whose correction is made, k of an argument k=100.
+/// With a = h^2 k / (1 + h^2 k) and b = 1 - a / 2 the multipliers are b +- i sqrt(b (1 - b)), and the rest is
+/// at 10 (2 / k + h^2).
+struct Softened : Engine {
+  explicit Softened(const std::string& argument) : Engine({0, 0}), k(std::stod(argument.substr(2))) {}
+  double k;
+  int step(double h) override {
+    const double aim = y[0] + h * y[1] + h * h * 10, x = aim - 0.5 * h * h * k * aim / (1 + h * h * k);
+    y = {x, (x - y[0]) / h};
+    return HMAX_OK;
+  }
+};
+
+/// x' = -x and u' = -5 u by implicit Euler: nothing oscillates.
+struct Decays : Engine {
+  explicit Decays(const std::string&) : Engine({0, 0}) {}
+  int step(double h) override {
+    y = {y[0] / (1 + h), y[1] / (1 + 5 * h)};
+    return HMAX_OK;
+  }
+};
+
 /// x'' = -100 x - 1e4 x^3 from x = 0.2 by symplectic Euler: at rest 2 / 10, along the motion less.
 struct Stiffening : Engine {
   explicit Stiffening(const std::string& argument)
@@ -455,7 +477,8 @@ const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six},
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
-                   implicit_euler = table<ImplicitEuler>(), stiffening = table<Stiffening>(),
+                   implicit_euler = table<ImplicitEuler>(), softened = table<Softened>(),
+                   decays = table<Decays>(), stiffening = table<Stiffening>(),
                    gimbal = table<Gimbal>(0, first_four), warm_start = table<WarmStart>(),
                    counting = table<Counting>(), crash = table<Crash>(), start = table<Start>(),
                    unruly = table<Unruly>(), coupled = table<CoupledChain>(0, nullptr, couplings),
@@ -477,6 +500,8 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"coupled", "", nullptr, &coupled},
                                   {"reaching", "", nullptr, &reaching},
                                   {"shifting", "", nullptr, &shifting},
+                                  {"softened", "", nullptr, &softened},
+                                  {"decays", "", nullptr, &decays},
                                   {"bounded", "", nullptr, &bounded},
                                   {"far_float", "", nullptr, &far_float},
                                   {"faulty", "", &faulty, nullptr},
