@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "analysis/dynamics/growth.hpp"
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/slow_motions.hpp"
@@ -624,9 +625,15 @@ ProbedLimit Probe::compare() {
   found_.h_max = found_.observed = found_.gap = nan;
   look_at_start();
   choose_scales(settings_.h0);
+  const std::vector<std::string> remarks = found_.status;
   judge_start();
+  found_.status = remarks;  // where the state goes is looked for
   at(settings_.h0);
-  at(settings_.h1);
+  const StepSpectrum row = at(settings_.h1);
+  if (row.grows) found_.status.push_back(motion_in_words(row.multiplier) + " grows");
+  for (const StepSpectrum& each : found_.rows)
+    if (each.settled.size() == 0)
+      found_.status.push_back("no state of rest of steps of " + rounded_text(each.h, 4) + " s was found");
   engine_.restore(home);
   compare_rests();
   return found_;

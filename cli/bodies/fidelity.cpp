@@ -27,8 +27,6 @@ namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct FidelityOptions {
   ProblemChoice problem;
   std::optional<double> rate;
@@ -37,15 +35,10 @@ struct FidelityOptions {
   std::string enter;
 };
 
-/// What simulators step soft bodies with, as far as it suits the body.
 std::vector<Method> methods_of(const FidelityOptions& options, const Problem& problem) {
   std::vector<Method> methods;
   for (const std::string& name : options.methods) methods.push_back(find_method(name));
-  if (!methods.empty()) return methods;
-  for (const char* name : {"symplectic_euler", "implicit_euler", "newton_truncated", "vbd",
-                           "vbd:iterations=1,substeps=10", "xpbd", "xpbd:iterations=1,substeps=10"})
-    if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
-  return methods;
+  return methods.empty() ? positional_methods(problem) : methods;
 }
 
 /// "5000", "5kPa", "0.2 MPa" [Pa]. @throws InputError  for what is none, or not positive
@@ -114,11 +107,7 @@ std::string words_of(const std::vector<Fidelity>& rows, const FidelityOptions& o
 
 void print_rows(const std::vector<Fidelity>& rows, const Problem& problem, const FidelityOptions& options,
                 const FidelityQuestion& question, Console& console) {
-  if (console.json) {
-    Json list = Json::array();
-    for (const Fidelity& row : rows) list.push_back(to_json(row));
-    return console.print_json({{"model", problem.id}, {"rate", *options.rate}, {"rows", list}});
-  }
+  if (console.json) return console.print_json(fidelity_json(problem, *options.rate, rows));
   console.print(fmt::format("{} with {}\n{}\nframes of {} s\n\n{}", problem.id, describe_acting(problem),
                             body_in_words(problem), short_number(question.h, 4),
                             words_of(rows, options, console)));

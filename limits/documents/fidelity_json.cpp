@@ -47,4 +47,10 @@ Json to_json(const ShownDamping& row) {
           {"status", row.status}};
 }
 
+Json fidelity_json(const Problem& problem, double rate, const std::vector<Fidelity>& rows) {
+  Json list = Json::array();
+  for (const Fidelity& row : rows) list.push_back(to_json(row));
+  return {{"model", problem.id}, {"rate", rate}, {"rows", list}};
+}
+
 }  // namespace hmax

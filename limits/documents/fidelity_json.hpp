@@ -12,5 +12,7 @@ namespace hmax {
 nlohmann::ordered_json modes_json(const std::vector<ShownMode>& modes);
 nlohmann::ordered_json to_json(const Fidelity& row);
 nlohmann::ordered_json to_json(const ShownDamping& row);
+/// The document of `hmax fidelity --json`.
+nlohmann::ordered_json fidelity_json(const Problem& problem, double rate, const std::vector<Fidelity>& rows);
 
 }  // namespace hmax

@@ -20,6 +20,10 @@ Json complex_or_null(std::complex<double> value) {
   return {{"re", value.real()}, {"im", value.imag()}};
 }
 
+Json status_json(const ProbedLimit& found) {
+  return found.status.empty() ? Json() : Json(fmt::format("{}", fmt::join(found.status, "; ")));
+}
+
 }  // namespace
 
 nlohmann::ordered_json method_json(const Method& method) {
@@ -121,7 +125,25 @@ Json probe_json(const ProbedLimit& found) {
           {"gap", number_or_word(found.gap)},
           {"steps", found.steps},
           {"contradiction", found.contradiction},
-          {"status", found.status.empty() ? Json() : Json(fmt::format("{}", fmt::join(found.status, "; ")))}};
+          {"status", status_json(found)}};
+}
+
+Json comparison_json(const ProbedLimit& found, const Eigen::VectorXd& load) {
+  const StepSpectrum &model = found.rows.front(), &row = found.rows.back();
+  const bool rests = row.settles.value_or(false) && model.settled.size() > 0;
+  return {
+      {"model", found.model},
+      {"dim", found.dim},
+      {"h0", model.h},
+      {"h", row.h},
+      {"spectral_radius", number_or_word(row.spectral_radius)},
+      {"grows", row.grows},
+      {"settles", row.settles ? Json(*row.settles) : Json()},
+      {"settled_moves", number_or_word(row.settled_moves)},
+      {"stiffness_shown",
+       rests && load.size() > 0 ? number_or_word(load.dot(model.settled) / load.dot(row.settled)) : Json()},
+      {"modes", modes_json(row.modes)},
+      {"status", status_json(found)}};
 }
 
 }  // namespace hmax

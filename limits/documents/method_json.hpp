@@ -28,4 +28,9 @@ nlohmann::ordered_json region_json(const std::string& method, const PlaneWindow&
 /// The document of `hmax probe --json`, docs/reference/commands/probe.md.
 nlohmann::ordered_json probe_json(const ProbedLimit& found);
 
+/// What hmax.fidelity of Python says of a step: of compare_steps().
+/// @param load  f of the shape of the state, or empty: stiffness_shown = f.y(h0) / f.y(h) of the states of
+/// rest
+nlohmann::ordered_json comparison_json(const ProbedLimit& found, const Eigen::VectorXd& load);
+
 }  // namespace hmax

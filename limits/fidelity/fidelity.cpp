@@ -8,6 +8,7 @@
 
 #include "analysis/amplification/numerical_damping.hpp"
 #include "analysis/dynamics/growth.hpp"
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -292,6 +293,14 @@ void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuesti
 }
 
 }  // namespace
+
+std::vector<Method> positional_methods(const Problem& problem) {
+  std::vector<Method> methods;
+  for (const char* name : {"symplectic_euler", "implicit_euler", "newton_truncated", "vbd",
+                           "vbd:iterations=1,substeps=10", "xpbd", "xpbd:iterations=1,substeps=10"})
+    if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
+  return methods;
+}
 
 double young_of(const Problem& problem) { return problem.body->settings().materials.front().young; }
 

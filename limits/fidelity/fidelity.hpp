@@ -97,6 +97,9 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
 ShownDamping shown_damping(const Method& method, const FidelityModel& model, double h,
                            const std::function<void()>& watch = {});
 
+/// What simulators step soft bodies with, as far as it suits the body.
+std::vector<Method> positional_methods(const Problem& problem);
+
 /// E of the first region [Pa]: what ceilings and moduli are given in.
 double young_of(const Problem& problem);
 

@@ -17,6 +17,8 @@
 #include "catalogue/models/tissue_parameters.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
+#include "limits/documents/fidelity_json.hpp"
+#include "limits/fidelity/fidelity.hpp"
 #include "limits/query/query_limits.hpp"
 #include "problems/tissue/body.hpp"
 #include "python/bindings/calls.hpp"
@@ -249,6 +251,25 @@ py::object predict_body(const Body& body, std::vector<std::string> methods, std:
   return predict_recipe(body.recipe, {std::move(methods), std::move(at), std::move(along), verify, t_end});
 }
 
+/// What `hmax fidelity --json` computes.
+py::object fidelity_of_body(const Body& body, double rate, const std::vector<std::string>& names, bool verify,
+                            bool ceiling, std::optional<double> enter) {
+  return to_python(in_background([=, recipe = body.recipe](const Stop& stop) {
+    const Problem problem = recipe.make();
+    const FidelityQuestion question{
+        .h = 1 / rate, .verify = verify, .ceiling = ceiling, .wanted = enter, .watch = [&stop] {
+          leave_if(stop);
+        }};
+    std::vector<Method> methods;
+    for (const std::string& name : names) methods.push_back(find_method(name));
+    if (methods.empty()) methods = positional_methods(problem);
+    const FidelityModel model = fidelity_model(problem, question.watch);
+    std::vector<Fidelity> rows;
+    for (const Method& method : methods) rows.push_back(fidelity(method, model, question));
+    return fidelity_json(problem, rate, rows);
+  }));
+}
+
 }  // namespace
 
 void add_models(py::module_& module) {
@@ -261,6 +282,7 @@ void add_models(py::module_& module) {
       .def("run", &run_body)
       .def("advise", &advise_body)
       .def("predict", &predict_body)
+      .def("fidelity", &fidelity_of_body)
       .def_property_readonly("id", [](const Body& body) { return body.problem.id; })
       .def_property_readonly("dofs", [](const Body& body) { return body.tissue().dofs(); })
       .def_property_readonly("free_points", [](const Body& body) {

@@ -1,4 +1,4 @@
-/// The largest stable step of a step function written in Python.
+/// The largest stable step of a step function written in Python, and what its steps show.
 #include <array>
 #include <optional>
 #include <pybind11/eigen.h>
@@ -90,6 +90,16 @@ class PythonStepper final : public ForeignStepper {
   std::array<Slot, 3> slots_;
 };
 
+py::object compare(const py::object& step, VectorXd y0, const std::string& name, bool single, double h0,
+                   double h, const VectorXd& load) {
+  PythonStepper engine({step, py::none(), py::none()},
+                       {.name = name, .single = single, .quaternions = {}, .scales = {}, .pattern = {}},
+                       std::move(y0));
+  const ProbeSettings settings{
+      .h0 = h0, .h1 = h, .watch = [](double, std::string_view) { call_back([] {}); }};
+  return to_python(with_callbacks([&] { return comparison_json(compare_steps(engine, settings), load); }));
+}
+
 py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0,
                  bool in_place, const std::string& name, bool single, std::vector<Index> quaternions,
                  VectorXd scales, Eigen::SparseMatrix<double> pattern, double h0, double h1,
@@ -111,6 +121,9 @@ py::object probe(const py::object& step, const py::object& save, const py::objec
 
 }  // namespace
 
-void add_probe(py::module_& module) { module.def("probe", &probe); }
+void add_probe(py::module_& module) {
+  module.def("probe", &probe);
+  module.def("compare", &compare);
+}
 
 }  // namespace hmax::python

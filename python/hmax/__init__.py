@@ -5,6 +5,7 @@ numpy arrays and scipy.sparse matrices go in and come out. Input that is wrong i
 
 from ._answer import Answer
 from ._core import __version__
+from ._fidelity import fidelity
 from ._models import Body, Mesh, advise, predict, read_mesh
 from ._probe import probe
 from ._runs import Run, integrate
@@ -19,6 +20,7 @@ __all__ = [
     "Run",
     "__version__",
     "advise",
+    "fidelity",
     "integrate",
     "largest_stable_step",
     "limits",

@@ -64,10 +64,7 @@ def probe(
     >>> print(f"{found.h_max:.3f} s, runs show {found.observed:.3f} s")
     0.200 s, runs show 0.200 s
     """
-    for what, given in (("step", step), ("save", save), ("restore", restore)):
-        function(what, given)
-    if step is None:
-        raise ValueError("step is missing; give a function of the state and the step size")
+    _check_functions(step, save, restore)
     if (save is None) != (restore is None):
         raise ValueError("save and restore belong together; give both, or none of them")
     if y0 is None and save is None:
@@ -75,9 +72,7 @@ def probe(
     if number("h0", h0) is None or number("h1", h1) is None:
         raise ValueError("give the step sizes to look at, such as h0=1e-4 and h1=0.1")
     start = save() if y0 is None and save else y0
-    y = vector("y0" if y0 is not None else "what save returns", start)
-    if len(y) == 0:
-        raise ValueError("the state has no numbers; give at least one")
+    y = _start("y0" if y0 is not None else "what save returns", start)
     in_place = y0 is None or _steps_in_place(step, y, float(h0), save, restore)
     if in_place and y0 is not None and restore:
         restore(y.copy())
@@ -88,6 +83,38 @@ def probe(
     single = np.asarray(start).dtype == np.float32
     engine = (step, save, restore, y, in_place, str(name), single, indices, extent, _pattern(pattern, len(y)))
     return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify)))
+
+
+def steps_fidelity(step: Any, y0: Any, h: Any, h0: Any, load: Any) -> Answer:
+    """hmax.fidelity of a step function."""
+    _check_functions(step)
+    if y0 is None:
+        raise ValueError("y0 is missing; give the state that steps begin with")
+    size = number("h", h)
+    if size is None:
+        raise ValueError("h is missing; give the step size to look at, such as h=0.01")
+    smallest = size / 100 if h0 is None else float(number("h0", h0) or 0)
+    y = _start("y0", y0)
+    _steps_in_place(step, y, smallest, None, None)
+    force = np.empty(0) if load is None else vector("load", load)
+    if load is not None and (force.shape != y.shape or not force.any()):
+        raise ValueError(f"load must be {len(y)} numbers, one for each of the state, not all zero")
+    single = np.asarray(y0).dtype == np.float32
+    return answer(_core.compare(step, y, "step", single, smallest, size, force))
+
+
+def _check_functions(step: Any, save: Any = None, restore: Any = None) -> None:
+    for what, given in (("step", step), ("save", save), ("restore", restore)):
+        function(what, given)
+    if step is None:
+        raise ValueError("step is missing; give a function of the state and the step size")
+
+
+def _start(name: str, given: Any) -> Any:
+    y = vector(name, given)
+    if len(y) == 0:
+        raise ValueError("the state has no numbers; give at least one")
+    return y
 
 
 def _pattern(given: Optional[Matrix], size: int) -> Any:
