@@ -20,22 +20,25 @@ Json modes_json(const std::vector<ShownMode>& modes) {
 }
 
 Json to_json(const Fidelity& row) {
-  return {{"method", row.method.id},
-          {"options", parameters_json(row.method.parameters)},
-          {"h", row.h},
-          {"stiffness_shown", number_or_word(row.stiffness_shown)},
-          {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
-          {"modulus_to_enter", number_or_word(row.modulus_to_enter)},
-          {"rest_moves", row.rest_moves},
-          {"volume_kept", number_or_word(row.volume_kept)},
-          {"modes", modes_json(row.modes)},
-          {"observed", row.observed ? Json{{"stiffness_shown", number_or_word(row.observed->stiffness_shown)},
-                                           {"modes", modes_json(row.observed->modes)}}
-                                    : Json()},
-          {"gap", number_or_word(row.gap)},
-          {"contradiction", row.contradiction},
-          {"steps", row.steps},
-          {"status", row.status}};
+  return {
+      {"method", row.method.id},
+      {"options", parameters_json(row.method.parameters)},
+      {"h", row.h},
+      {"stiffness_shown", number_or_word(row.stiffness_shown)},
+      {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
+      {"modulus_to_enter", number_or_word(row.modulus_to_enter)},
+      {"rest_moves", row.rest_moves},
+      {"volume_kept", number_or_word(row.volume_kept)},
+      {"momentum_made",
+       {{"linear", number_or_word(row.momentum.linear)}, {"angular", number_or_word(row.momentum.angular)}}},
+      {"modes", modes_json(row.modes)},
+      {"observed", row.observed ? Json{{"stiffness_shown", number_or_word(row.observed->stiffness_shown)},
+                                       {"modes", modes_json(row.observed->modes)}}
+                                : Json()},
+      {"gap", number_or_word(row.gap)},
+      {"contradiction", row.contradiction},
+      {"steps", row.steps},
+      {"status", row.status}};
 }
 
 Json to_json(const ShownDamping& row) {

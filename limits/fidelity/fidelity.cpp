@@ -78,9 +78,9 @@ Problem without_load(const Problem& problem) {
 /// Where the steps come to rest with the load and without.
 struct Settled {
   SettledState loaded;
-  VectorXd rest;  ///< shape (dofs)
-  [[nodiscard]] bool found() const { return loaded.settled && rest.size() > 0; }
-  [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest); }
+  SettledState rest;
+  [[nodiscard]] bool found() const { return loaded.settled && rest.settled; }
+  [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest.q); }
 };
 
 /// Where steps of a body that nothing loads come to rest: where it is, but for methods that move it.
@@ -90,7 +90,7 @@ SettledState settled_without_load(const VectorFunction& step, Eigen::Index n, do
   const VectorXd moved = step(VectorXd::Zero(2 * n)).head(n);
   // Rounding moves it, and the tolerance of equations.
   if (moved.norm() <= 1e-6 * share * size) return {.q = VectorXd::Zero(n), .settled = true};
-  return settled_state(step, moved, share, watch);
+  return settled_state(step, moved, share, watch, size);
 }
 
 Settled settle(const Method& method, const FidelityModel& model, double factor,
@@ -101,9 +101,8 @@ Settled settle(const Method& method, const FidelityModel& model, double factor,
   Settled found;
   found.loaded = settled_state(one_step_map(method, problem, question.h), start, share, question.watch);
   if (!found.loaded.settled) return found;
-  const SettledState rest = settled_without_load(one_step_map(method, without_load(problem), question.h),
-                                                 start.size(), start.norm(), share, question.watch);
-  if (rest.settled) found.rest = rest.q;
+  found.rest = settled_without_load(one_step_map(method, without_load(problem), question.h), start.size(),
+                                    start.norm(), share, question.watch);
   return found;
 }
 
@@ -122,13 +121,16 @@ bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; 
 std::string unsettled_in_words(const SettledState& found) {
   return !std::isfinite(found.residual)
              ? "its steps leave the range of numbers"
-             : fmt::format("its steps do not settle: {} of them leave a residual of {:.1e}", found.steps,
-                           found.residual);
+             : fmt::format(
+                   "its steps do not settle near the equilibrium of the model: {} of them leave a "
+                   "residual of {:.1e}",
+                   found.steps, found.residual);
 }
 
 constexpr std::string_view not_linear =
     "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode";
-constexpr std::string_view coupled = "damping couples the modes of the model, so that none is compared";
+constexpr std::string_view unknown_modes =
+    "of so many modes the slow ones are not known, and none is compared";
 
 /// The modulus that is shown where `factor` times that of the model is entered [Pa]; NaN where nothing
 /// settles, or against the load.
@@ -217,10 +219,13 @@ VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelit
       static_cast<std::int64_t>(decay > 0 ? std::min(most_observed, 7 / decay + 100) : most_observed);
   const auto averaged =
       static_cast<std::int64_t>(std::clamp(4 * std::numbers::pi / turn, 1.0, most_observed));
+  constexpr double still = 1e-10;
   VectorXd y = VectorXd::Zero(2 * n), mean = VectorXd::Zero(n);
   for (std::int64_t i = 0; i < settling + averaged; ++i) {
-    y = step(y);
-    if (!y.allFinite()) return {};
+    const VectorXd next = step(y);
+    if (!next.allFinite()) return {};
+    if ((next - y).head(n).norm() <= still * next.head(n).norm()) return next.head(n);
+    y = next;
     if (i >= settling) mean += y.head(n) / static_cast<double>(averaged);
   }
   return (y.head(n) - mean).norm() <= 0.02 * mean.norm() ? mean : VectorXd();
@@ -260,7 +265,7 @@ Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, cons
   Fidelity::Observed seen;
   const VectorXd loaded = observed_rest(step, n, row);
   const VectorXd rest =
-      settled.rest.isZero(0) ? settled.rest : observed_rest(watched(without_load(model.problem)), n, row);
+      settled.rest.q.isZero(0) ? settled.rest.q : observed_rest(watched(without_load(model.problem)), n, row);
   if (loaded.size() > 0 && rest.size() > 0)
     seen.stiffness_shown = model.load.dot(model.equilibrium) / model.load.dot(loaded - rest);
   for (std::size_t k = 0; k < row.modes.size(); ++k)
@@ -271,19 +276,26 @@ Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, cons
 
 /// The largest relative difference; of damping ratios the difference itself.
 double gap_of(const Fidelity& row) {
-  double gap = std::abs(row.observed->stiffness_shown / row.stiffness_shown - 1);
+  double gap =
+      std::abs(row.observed->stiffness_shown / row.stiffness_shown - 1);  // NaN where it was not seen
   for (std::size_t k = 0; k < row.observed->modes.size(); ++k)
     if (const ShownMode& seen = row.observed->modes[k];
         !std::isnan(seen.omega_shown) && !std::isnan(row.modes[k].omega_shown))
-      gap = std::max({gap, std::abs(seen.omega_shown / row.modes[k].omega_shown - 1),
-                      std::abs(seen.zeta_shown - row.modes[k].zeta_shown)});
+      for (const double each : {std::abs(seen.omega_shown / row.modes[k].omega_shown - 1),
+                                std::abs(seen.zeta_shown - row.modes[k].zeta_shown)})
+        gap = std::fmax(gap, each);
   return gap;
 }
 
 /// Ceiling and modulus to enter.
 void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
   row.stiffness_ceiling = ceiling_of(row.method, model, question);
+  if (std::isnan(row.stiffness_ceiling) && model.problem.body->settings().elastic_supports.empty())
+    say(row, "no ceiling was found: with a larger modulus it does not settle, or against the load");
   if (!question.wanted) return;
+  if (std::isnan(exact_sag(model, *question.wanted / young_of(model.problem))))
+    return say(row, fmt::format("the model with {} Pa has no equilibrium to compare with",
+                                short_number(*question.wanted, 4)));
   row.modulus_to_enter = modulus_to_enter(row.method, model, question);
   if (!std::isnan(row.modulus_to_enter)) return;
   say(row, *question.wanted >= row.stiffness_ceiling
@@ -292,12 +304,39 @@ void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuesti
                : "no modulus was found with which it settles as the model does with the wanted one");
 }
 
+/// The slowest modes of the undamped body near `y`, with what its damping makes of each alone, x^T C x = 2
+/// zeta omega: beta K at rest couples them a little where the body is deformed.
+void add_modes(FidelityModel& model, const VectorXd& y, std::size_t modes) {
+  TissueSettings settings = model.problem.body->settings();
+  settings.alpha = settings.beta = settings.springs.damper = settings.springs.damper_time = 0;
+  const Linearised near = linearised(with_settings(model.problem, std::move(settings)), 0, y);
+  std::vector<MechanicalMode> slow = near.modes.spectrum.mechanical;
+  std::erase_if(slow, [](const MechanicalMode& each) { return !(each.kappa > 0); });
+  std::ranges::sort(slow, {}, &MechanicalMode::kappa);
+  if (near.modes.range || !near.point.model.mechanical) slow.clear();
+  if (!slow.empty()) model.fastest = std::sqrt(slow.back().kappa);
+  // Of large bodies the ends are known alone.
+  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
+  const TissueBody& body = *model.problem.body;
+  const Eigen::Index n = body.dofs();
+  TissueBody::DofMatrix C;
+  body.damping(0, y.head(n), VectorXd::Zero(n), C);
+  model.shapes.resize(n, static_cast<Eigen::Index>(slow.size()));
+  for (std::size_t k = 0; k < slow.size(); ++k) {
+    const double omega = std::sqrt(slow[k].kappa);
+    const VectorXd x = shape_of_mode(near, slow[k]);
+    model.modes.push_back({.omega = omega, .zeta = x.dot(C * x) / (2 * omega)});
+    model.shapes.col(static_cast<Eigen::Index>(k)) = x;
+  }
+}
+
 }  // namespace
 
 std::vector<Method> positional_methods(const Problem& problem) {
   std::vector<Method> methods;
-  for (const char* name : {"symplectic_euler", "implicit_euler", "newton_truncated", "vbd",
-                           "vbd:iterations=1,substeps=10", "xpbd", "xpbd:iterations=1,substeps=10"})
+  for (const char* name : {"symplectic_euler", "symplectic_euler:substeps=10", "implicit_euler",
+                           "newton_truncated", "projective_dynamics", "vbd", "vbd:iterations=1,substeps=10",
+                           "xpbd", "xpbd:iterations=1,substeps=10", "pbd"})
     if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
   return methods;
 }
@@ -341,20 +380,7 @@ FidelityModel settled_model(const Problem& problem, const std::function<void()>&
 
   VectorXd y = VectorXd::Zero(body.dim());
   y.head(body.dofs()) = model.equilibrium;
-  const Linearised near = linearised(model.problem, 0, y);
-  std::vector<MechanicalMode> slow = near.modes.spectrum.mechanical;
-  std::erase_if(slow, [](const MechanicalMode& each) { return !(each.kappa > 0); });
-  std::ranges::sort(slow, {}, &MechanicalMode::kappa);
-  if (near.modes.range || !near.point.model.mechanical) slow.clear();
-  if (!slow.empty()) model.fastest = std::sqrt(slow.back().kappa);
-  // Of large bodies the ends are known alone.
-  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
-  model.shapes.resize(body.dofs(), static_cast<Eigen::Index>(slow.size()));
-  for (std::size_t k = 0; k < slow.size(); ++k) {
-    const Mode mode = mode_of(slow[k]);
-    model.modes.push_back({.omega = mode.omega.value_or(0), .zeta = mode.zeta.value_or(0)});
-    model.shapes.col(static_cast<Eigen::Index>(k)) = shape_of_mode(near, slow[k]);
-  }
+  add_modes(model, y, modes);
   return model;
 }
 
@@ -380,34 +406,44 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   const Settled found = settle(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
-    say(row,
-        found.loaded.settled ? "its steps do not settle without load" : unsettled_in_words(found.loaded));
+    say(row, found.loaded.settled ? "without load " + unsettled_in_words(found.rest)
+                                  : unsettled_in_words(found.loaded));
     return row;
   }
   StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
   if (grows(shown)) {
     say(row,
-        fmt::format("its steps grow by a factor of {} each, so that nothing settles; take a smaller step",
-                    short_number(std::abs(shown.largest), 4)));
+        fmt::format(
+            "disturbances of its settled state grow by {} % in each step, so that it does not stay there",
+            short_number(100 * (std::abs(shown.largest) - 1), 3)));
     return row;
   }
   row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
   row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
-  row.rest_moves = largest_displacement(found.rest);
+  row.settled_error =
+      largest_displacement(found.loaded.q - model.equilibrium) / largest_displacement(model.equilibrium);
+  row.rest_moves = largest_displacement(found.rest.q);
+  row.momentum = momentum_made(method, model.problem, model.equilibrium, question.h);
   row.modes = std::move(shown.modes);
   if (row.stiffness_shown < 0) say(row, "it settles against the load");
   if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
     say(row, fmt::format("without load it moves {} mm from rest", short_number(1000 * row.rest_moves, 3)));
+  if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.01)
+    say(row,
+        fmt::format("its inner forces alone make {} % of momentum in a step", short_number(100 * made, 2)));
   if (!shown.linear)
     say(row, fmt::format("{}; runs do", not_linear));
-  else if (model.modes.empty())
-    say(row, std::string(coupled));
+  else if (row.modes.empty())
+    say(row, std::string(unknown_modes));
+  else if (std::isnan(row.modes.front().omega_shown))
+    say(row, "no eigenvalue of its steps is like the slowest mode");
   if (asks_moduli) find_moduli(row, model, question);
   if (question.verify) {
     row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
     row.contradiction = row.gap > 0.05;
-    if (std::isnan(row.observed->stiffness_shown)) say(row, "a run from rest does not come to rest");
+    if (std::isnan(row.observed->stiffness_shown))
+      say(row, fmt::format("a run from rest still moves after {} steps", most_observed));
   }
   return row;
 }
@@ -465,7 +501,7 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
   } else if (!shown.linear) {
     row.status = not_linear;
   } else if (model.modes.empty()) {
-    row.status = coupled;
+    row.status = unknown_modes;
   }
   return row;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "limits/fidelity/momentum_made.hpp"
 #include "limits/fidelity/shown_modes.hpp"
 #include "limits/linearised_problem.hpp"
 
@@ -50,8 +51,11 @@ struct Fidelity {
   double stiffness_ceiling = none;
   /// E [Pa] with which the steps sag as the model does with the wanted one; NaN where none is found.
   double modulus_to_enter = none;
+  /// The largest distance of a point of q_settled from q_exact, relative to the largest displacement of it.
+  double settled_error = none;
   double rest_moves = 0;      ///< the largest displacement of q_rest [m]
   double volume_kept = none;  ///< settled over that in the equilibrium of the model
+  MomentumMade momentum{};    ///< in a step from that equilibrium without all that acts from outside
   std::vector<ShownMode> modes;
   struct Observed {
     double stiffness_shown = none;

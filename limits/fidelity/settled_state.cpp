@@ -10,7 +10,7 @@
 namespace hmax {
 
 SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& start, double left,
-                           const std::function<void()>& watch) {
+                           const std::function<void()>& watch, double size) {
   const double tolerance = std::max(1e-14, 1e-8 * left);
   /// Equations that are solved to a tolerance of their own leave more: it counts as settled where it no
   /// longer falls, to a thousandth.
@@ -29,7 +29,7 @@ SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& st
     y.head(n) = q[0];
     change[0] = step(y).head(n) - q[0];
     best.steps = i;
-    const double residual = change[0].norm() / q[0].norm();
+    const double residual = change[0].norm() / std::max(q[0].norm(), size);
     if (residual < best.residual) {
       best.q = q[0];
       best.residual = residual;
@@ -48,6 +48,7 @@ SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& st
     }
     mixing.step(q, change);
   }
+  best.settled = best.residual <= tolerable;
   return best;
 }
 

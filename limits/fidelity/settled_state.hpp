@@ -12,7 +12,7 @@ namespace hmax {
 struct SettledState {
   Eigen::VectorXd q;     ///< displacements [m], shape (dofs); the last iterate where nothing settles
   bool settled = false;  ///< |Phi_q(q, 0) - q| is nothing beside |q|
-  double residual = 0;   ///< |Phi_q(q, 0) - q| / |q|
+  double residual = 0;   ///< |Phi_q(q, 0) - q| / |q|, or beside a larger size
   int steps = 0;         ///< evaluations of Phi
 };
 
@@ -23,7 +23,8 @@ struct SettledState {
 /// @param left   about which share of its distance the slowest part of q goes in a step from rest, at most 1:
 ///               the residual is so much smaller than the error
 /// @param watch  called before each step; may throw
+/// @param size   |q| that residuals are compared with where q is smaller
 SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& start, double left = 1,
-                           const std::function<void()>& watch = {});
+                           const std::function<void()>& watch = {}, double size = 0);
 
 }  // namespace hmax

@@ -56,9 +56,10 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   const VectorXd others = start_vector(2 * n);
   start += (modes.empty() ? 1 : 0.02 * start.norm()) / others.norm() * others;
 
+  constexpr double most_curved = 1e-3;
   StepModes shown;
   const VectorXd other = start.reverse(), together = A(start + other), sum = A(start) + A(other);
-  shown.linear = (together - sum).norm() <= 0.01 * together.norm();
+  shown.linear = (together - sum).norm() <= most_curved * together.norm();
   std::vector<FoundMode> found(modes.size());
   ArnoldiSettings settings;
   settings.basis = std::min<Eigen::Index>(80, 2 * n);

@@ -48,6 +48,27 @@ TEST(SettledState, SaysThatNothingSettles) {
   EXPECT_FALSE(settled_state(turns, VectorXd::Constant(2, 30)).settled);
 }
 
+TEST(MomentumMade, IsNoneWhereForcesComeInPairs) {
+  const FidelityModel model = fidelity_model(body("fem_neo_hookean/press@cube:n=2"));
+  const auto made = [&](const char* method, double h = 0.01) {
+    return momentum_made(find_method(method), model.problem, model.equilibrium, h);
+  };
+  // Forces and torques of a solid add up to nothing where they are evaluated; constraints come in pairs too.
+  for (const char* method : {"implicit_euler", "symplectic_euler", "xpbd:iterations=2"}) {
+    EXPECT_LT(made(method).linear, 1e-9) << method;
+    EXPECT_LT(made(method).angular, 1e-7) << method;
+  }
+  // Forces that are found point by point do not, nor do torques where one matrix stands for all directions.
+  const MomentumMade of_points = made("vbd:iterations=2"),
+                     of_directions = made("projective_dynamics:iterations=2");
+  EXPECT_GT(of_points.linear, 1e-3);
+  EXPECT_GT(of_points.angular, 1e-3);
+  EXPECT_LT(made("vbd:iterations=2000").linear, 1e-7);
+  EXPECT_LT(of_directions.linear, 1e-9);
+  EXPECT_GT(of_directions.angular, 1e-6);
+  EXPECT_LT(made("projective_dynamics:iterations=2000").angular, 1e-7);
+}
+
 TEST(Fidelity, OfImplicitEulerIsThatOfItsFormula) {
   const FidelityModel model = fidelity_model(body("fem_cauchy/press@cube:n=2"));
   ASSERT_EQ(model.modes.size(), 3u);
