@@ -127,6 +127,12 @@ std::string unsettled_in_words(const SettledState& found) {
                    found.steps, found.residual);
 }
 
+/// "a factor of 1.4", "0.003 %".
+std::string growth_in_words(double modulus) {
+  return modulus < 1.1 ? short_number(100 * (modulus - 1), 3) + " %"
+                       : "a factor of " + short_number(modulus, 4);
+}
+
 constexpr std::string_view not_linear =
     "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode";
 constexpr std::string_view unknown_modes =
@@ -412,10 +418,8 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   }
   StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
   if (grows(shown)) {
-    say(row,
-        fmt::format(
-            "disturbances of its settled state grow by {} % in each step, so that it does not stay there",
-            short_number(100 * (std::abs(shown.largest) - 1), 3)));
+    say(row, fmt::format("about its settled state its steps grow by {} each, so that it does not stay there",
+                         growth_in_words(std::abs(shown.largest))));
     return row;
   }
   row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
@@ -496,8 +500,8 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
   row.modes = std::move(shown.modes);
   if (grows(shown)) {
     row.growth = std::abs(shown.largest);
-    row.status = fmt::format("{} grows by a factor of {} a step; take a smaller step",
-                             motion_in_words(shown.largest), short_number(row.growth, 4));
+    row.status = fmt::format("{} grows by {} a step; take a smaller step", motion_in_words(shown.largest),
+                             growth_in_words(row.growth));
   } else if (!shown.linear) {
     row.status = not_linear;
   } else if (model.modes.empty()) {

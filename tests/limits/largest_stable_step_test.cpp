@@ -29,7 +29,7 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 
 /// The stability polynomial of RK4 at its first zero of |R| - 1 on the negative axis.
-constexpr double real_limit_of_rk4 = 2.785293563405282;
+constexpr double real_exit_of_rk4 = 2.785293563405282;
 
 Eigen::MatrixXd one(double value) { return Eigen::MatrixXd::Constant(1, 1, value); }
 
@@ -58,7 +58,7 @@ TEST(LargestStableStep, OfADampedOscillatorFollowsItsClosedForm) {
               2 * zeta / omega, 1e-12);
   // Overdamped, lambda = -1 and -40: RK4 is limited by the faster.
   const StepAnswer slow = largest_stable_step("rk4", one(80), M, one(82));
-  EXPECT_NEAR(slow.h_max, real_limit_of_rk4 / 40, 1e-12);
+  EXPECT_NEAR(slow.h_max, real_exit_of_rk4 / 40, 1e-12);
   ASSERT_TRUE(slow.limiting && slow.limiting->rates);
   EXPECT_NEAR((*slow.limiting->rates)[0], 40, 1e-12);
 }

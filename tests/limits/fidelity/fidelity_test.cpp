@@ -53,11 +53,13 @@ TEST(MomentumMade, IsNoneWhereForcesComeInPairs) {
   const auto made = [&](const char* method, double h = 0.01) {
     return momentum_made(find_method(method), model.problem, model.equilibrium, h);
   };
-  // Forces and torques of a solid add up to nothing where they are evaluated; constraints come in pairs too.
-  for (const char* method : {"implicit_euler", "symplectic_euler", "xpbd:iterations=2"}) {
+  // Forces and torques of a solid add up to nothing where they are evaluated, and so do those of a
+  // constraint: but it moves on while others are met.
+  for (const char* method : {"implicit_euler", "symplectic_euler"}) {
     EXPECT_LT(made(method).linear, 1e-9) << method;
     EXPECT_LT(made(method).angular, 1e-7) << method;
   }
+  EXPECT_LT(made("xpbd:iterations=2").linear, 1e-9);
   // Forces that are found point by point do not, nor do torques where one matrix stands for all directions.
   const MomentumMade of_points = made("vbd:iterations=2"),
                      of_directions = made("projective_dynamics:iterations=2");
@@ -156,9 +158,25 @@ TEST(Fidelity, JoinsBothDecaysOfAnOverdampedMode) {
   EXPECT_NEAR(mode.zeta_shown, mode.zeta, 0.05 * mode.zeta);
 }
 
+TEST(Fidelity, KnowsModesWhoseDampingIsThatOfTheMaterial) {
+  const double beta = 0.004, h = 2e-3;
+  const FidelityModel model = fidelity_model(body("fem_cauchy/press@cube:n=2", {{"beta", beta}}));
+  const Fidelity row = fidelity(find_method("implicit_euler"), model, {.h = h});
+  ASSERT_EQ(row.modes.size(), 3u);
+  for (const ShownMode& mode : row.modes) {
+    EXPECT_NEAR(mode.zeta, beta * mode.omega / 2, 1e-9);
+    const std::complex<double> lambda =
+        mode.omega * std::complex<double>(-mode.zeta, std::sqrt(1 - mode.zeta * mode.zeta));
+    const std::complex<double> rate = -std::log(1.0 - lambda * h) / h;
+    EXPECT_NEAR(mode.omega_shown, std::abs(rate), 1e-4 * mode.omega);
+    EXPECT_NEAR(mode.zeta_shown, -rate.real() / std::abs(rate), 1e-4);
+  }
+}
+
 TEST(Fidelity, SeesGrowthWhereNoModeIsKnown) {
-  const FidelityModel model = fidelity_model(body("mass_spring/press@cube:n=2", {{"damper", 0.01}}));
-  ASSERT_TRUE(model.modes.empty());
+  FidelityModel model = fidelity_model(body("mass_spring/press@cube:n=2", {{"damper", 0.01}}));
+  model.modes.clear();  // as of large bodies
+  model.shapes.resize(model.load.size(), 0);
   const Fidelity row = fidelity(find_method("symplectic_euler"), model, {.h = 0.25});
   EXPECT_TRUE(std::isnan(row.stiffness_shown));
   EXPECT_NE(row.status.find("its steps grow"), std::string::npos) << row.status;

@@ -11,6 +11,7 @@
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/along/trajectory_limit.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
