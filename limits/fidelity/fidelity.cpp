@@ -149,13 +149,6 @@ double modulus_shown(const Method& method, const FidelityModel& model, double fa
   return sag > 0 ? young_of(model.problem) * factor_of_sag(model, sag) : Fidelity::none;
 }
 
-/// Where the modulus shown no longer grows with the modulus entered.
-double ceiling_of(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
-  // Springs as supports stay, and sag under the stiffest body.
-  if (!model.problem.body->settings().elastic_supports.empty()) return Fidelity::none;
-  return stiffness_ceiling([&](double c) { return modulus_shown(method, model, c, question); }, 1e8);
-}
-
 /// E with which the steps sag as the model does with the wanted one, by bisection of its logarithm; NaN where
 /// no E does.
 double modulus_to_enter(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
@@ -295,7 +288,7 @@ double gap_of(const Fidelity& row) {
 
 /// Ceiling and modulus to enter.
 void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
-  row.stiffness_ceiling = ceiling_of(row.method, model, question);
+  row.stiffness_ceiling = stiffness_ceiling(row.method, model, question);
   if (std::isnan(row.stiffness_ceiling) && model.problem.body->settings().elastic_supports.empty())
     say(row, "no ceiling was found: with a larger modulus it does not settle, or against the load");
   if (!question.wanted) return;
@@ -401,6 +394,23 @@ FidelityModel fidelity_model(const Problem& problem, const std::function<void()>
   if (model.equilibrium.isZero(0))
     throw InputError("nothing loads the body, so that no sag shows its stiffness; take a load with --load");
   return model;
+}
+
+double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
+  // Springs as supports stay, and sag under the stiffest body; k is no modulus.
+  const TissueSettings& settings = model.problem.body->settings();
+  if (!settings.elastic_supports.empty() || settings.springs.stiffness > 0) return Fidelity::none;
+  constexpr double stride = 100, most = 1e8;
+  double before = modulus_shown(method, model, 1, question);
+  for (double factor = stride; factor <= most; factor *= stride) {
+    const double shown = modulus_shown(method, model, factor, question);
+    if (std::isnan(shown) || std::isnan(before)) return Fidelity::none;
+    // Beyond, E_shown = ceiling (1 - c / E): the last of a geometric sequence.
+    if (shown < 1.05 * before) return shown + (shown - before) / (stride - 1);
+    before = shown;
+  }
+  // Of exact equations all that is entered.
+  return infinity;
 }
 
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {

@@ -104,6 +104,10 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
 /// What simulators step soft bodies with, as far as it suits the body.
 std::vector<Method> positional_methods(const Problem& problem);
 
+/// Fidelity::stiffness_ceiling alone: where the modulus shown no longer grows with the modulus entered. NaN
+/// also of springs of a given stiffness.
+double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
+
 /// E of the first region [Pa]: what ceilings and moduli are given in.
 double young_of(const Problem& problem);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <complex>
 
+#include <Eigen/Eigenvalues>
+
 #include "analysis/spectrum/arnoldi.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 
@@ -29,6 +31,31 @@ double likeness(const VectorXcd& x, const VectorXd& shape, const VectorXd& mass)
   return std::abs(q.cwiseProduct(mass.cwiseSqrt().cast<std::complex<double>>())
                       .dot(shape.cast<std::complex<double>>())) /
          q.norm();
+}
+
+/// Modes that steps do not mix with others, as methods with linear equations do not: eigenvalues of the step
+/// on the plane of displacements and velocities along one.
+/// @param A  the derivative of a step in energy units
+std::vector<FoundMode> modes_alone(const LinearOperator& A, const EnergyUnits& units, const MatrixXd& shapes,
+                                   double h) {
+  constexpr double most_mixed = 1e-4;  // of 1 - lambda
+  const Eigen::Index n = shapes.rows();
+  std::vector<FoundMode> found(static_cast<std::size_t>(shapes.cols()));
+  for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
+    MatrixXd plane = MatrixXd::Zero(2 * n, 2);
+    plane.col(0).head(n) = shapes.col(k).cwiseProduct(units.scale.head(n)).normalized();
+    plane.col(1).tail(n) = shapes.col(k).cwiseProduct(units.scale.tail(n)).normalized();
+    MatrixXd image(2 * n, 2);
+    for (Eigen::Index i = 0; i < 2; ++i) image.col(i) = A(plane.col(i));
+    const Eigen::Matrix2d own = plane.transpose() * image;
+    const double mixed = (image - plane * own).norm();
+    const Eigen::Vector2cd values = own.eigenvalues();
+    for (const std::complex<double>& value : values)
+      if (value.imag() > 0 || (value.imag() == 0 && value.real() > 0))
+        if (mixed <= most_mixed * std::abs(1.0 - value))
+          found[static_cast<std::size_t>(k)].look(std::log(value) / h, 1, 0);
+  }
+  return found;
 }
 
 }  // namespace
@@ -60,7 +87,9 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   StepModes shown;
   const VectorXd other = start.reverse(), together = A(start + other), sum = A(start) + A(other);
   shown.linear = (together - sum).norm() <= most_curved * together.norm();
-  std::vector<FoundMode> found(modes.size());
+  const std::vector<FoundMode> alone =
+      shown.linear ? modes_alone(A, units, shapes, h) : std::vector<FoundMode>(modes.size());
+  std::vector<FoundMode> found = alone;
   ArnoldiSettings settings;
   settings.basis = std::min<Eigen::Index>(80, 2 * n);
   settings.kept = std::min<Eigen::Index>(40, std::max<Eigen::Index>(1, settings.basis / 2));
@@ -72,7 +101,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
       // Beside a residual an excess over 1 is nothing unless it is much larger.
       if (const double modulus = std::abs(largest.value); largest.residual < 0.05 * std::abs(modulus - 1))
         shown.largest = largest.value;
-      found.assign(modes.size(), {});
+      found = alone;
       for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
         const std::complex<double> value = spectrum.values[i].value;
         // Of a pair the upper one; a negative number turns about in every step.

@@ -21,8 +21,8 @@ struct StepModes {
   std::complex<double> largest{};
 };
 
-/// By Arnoldi iteration with the derivative of a step about its settled state, whose slow motions are those
-/// that decay least.
+/// On the plane of each mode where steps do not mix it with others, else by Arnoldi iteration with the
+/// derivative of a step about its settled state, whose slow motions are those that decay least.
 /// @param step   as settled_state()
 /// @param q      where it settles, shape (dofs)
 /// @param sizes  displacements as large as those that matter, shape (dofs), not zero: q itself, where it is

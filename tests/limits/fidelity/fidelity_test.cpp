@@ -158,6 +158,19 @@ TEST(Fidelity, JoinsBothDecaysOfAnOverdampedMode) {
   EXPECT_NEAR(mode.zeta_shown, mode.zeta, 0.05 * mode.zeta);
 }
 
+TEST(Fidelity, KnowsSlowModesOfStepsThatDampNothing) {
+  // All eigenvalues have the modulus 1, and none of the slow ones stands out.
+  const FidelityModel model = fidelity_model(body("fem_cauchy/press@phantom"));
+  const double h = 2e-3;
+  const Fidelity row = fidelity(find_method("symplectic_euler"), model, {.h = h});
+  ASSERT_EQ(row.modes.size(), 3u);
+  for (const ShownMode& mode : row.modes) {
+    // 2 - 2 cos(omega_shown h) = (omega h)^2 [hairer2006geometric, I.1].
+    EXPECT_NEAR(mode.omega_shown, std::acos(1 - std::pow(mode.omega * h, 2) / 2) / h, 1e-5 * mode.omega);
+    EXPECT_NEAR(mode.zeta_shown, 0, 1e-5);
+  }
+}
+
 TEST(Fidelity, KnowsModesWhoseDampingIsThatOfTheMaterial) {
   const double beta = 0.004, h = 2e-3;
   const FidelityModel model = fidelity_model(body("fem_cauchy/press@cube:n=2", {{"beta", beta}}));
