@@ -313,18 +313,25 @@ void add_modes(FidelityModel& model, const VectorXd& y, std::size_t modes) {
   std::erase_if(slow, [](const MechanicalMode& each) { return !(each.kappa > 0); });
   std::ranges::sort(slow, {}, &MechanicalMode::kappa);
   if (near.modes.range || !near.point.model.mechanical) slow.clear();
-  if (!slow.empty()) model.fastest = std::sqrt(slow.back().kappa);
-  // Of large bodies the ends are known alone.
-  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
   const TissueBody& body = *model.problem.body;
   const Eigen::Index n = body.dofs();
   TissueBody::DofMatrix C;
   body.damping(0, y.head(n), VectorXd::Zero(n), C);
+  const auto damped = [&](const MechanicalMode& mode, const VectorXd& x) {
+    const double omega = std::sqrt(mode.kappa);
+    return ShownMode{.omega = omega, .zeta = x.dot(C * x) / (2 * omega)};
+  };
+  if (!slow.empty()) {
+    const ShownMode fastest = damped(slow.back(), shape_of_mode(near, slow.back()));
+    model.fastest = fastest.omega;
+    model.fastest_zeta = std::min(fastest.zeta, 0.999);
+  }
+  // Of large bodies the ends are known alone.
+  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
   model.shapes.resize(n, static_cast<Eigen::Index>(slow.size()));
   for (std::size_t k = 0; k < slow.size(); ++k) {
-    const double omega = std::sqrt(slow[k].kappa);
     const VectorXd x = shape_of_mode(near, slow[k]);
-    model.modes.push_back({.omega = omega, .zeta = x.dot(C * x) / (2 * omega)});
+    model.modes.push_back(damped(slow[k], x));
     model.shapes.col(static_cast<Eigen::Index>(k)) = x;
   }
 }
@@ -464,23 +471,29 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
 
 ShownDamping damping_by_formula(const Method& method, const FidelityModel& model, double h) {
   ShownDamping row{.method = method, .h = h, .modes = {}, .status = "by its formula of one mode"};
+  double growing = 0;  // omega
+  const auto shown_of = [&](double omega, double zeta) {
+    const ShownOscillation shown = shown_oscillation(*method.amplification, omega, zeta, h);
+    if (shown.spectral_radius > std::max(row.growth > 0 ? row.growth : 0, 1 + 1e-9)) {
+      row.growth = shown.spectral_radius;
+      growing = omega;
+    }
+    return shown;
+  };
   for (ShownMode mode : model.modes) {
     mode.omega_shown = mode.zeta_shown = Fidelity::none;
     if (mode.zeta < 1) {
-      const ShownOscillation shown = shown_oscillation(*method.amplification, mode.omega, mode.zeta, h);
+      const ShownOscillation shown = shown_of(mode.omega, mode.zeta);
       mode.omega_shown = shown.omega;
       mode.zeta_shown = shown.zeta;
     }
     mode.likeness = 1;
     row.modes.push_back(mode);
   }
-  if (!(model.fastest > 0)) return row;
-  const double radius = shown_oscillation(*method.amplification, model.fastest, 0, h).spectral_radius;
-  if (!(radius > 1 + 1e-9)) return row;
-  row.growth = radius;
-  row.status += fmt::format(
-      "; its fastest mode, of {} rad/s, grows by a factor of {} a step but for damping; take a smaller step",
-      short_number(model.fastest, 4), short_number(radius, 4));
+  if (model.fastest > 0) shown_of(model.fastest, model.fastest_zeta);
+  if (growing > 0)
+    row.status += fmt::format("; the mode of {} rad/s grows by a factor of {} a step; take a smaller step",
+                              short_number(growing, 4), short_number(row.growth, 4));
   return row;
 }
 

@@ -33,6 +33,7 @@ struct FidelityModel {
   std::vector<ShownMode> modes;  ///< the slowest ones near it, not yet shown by anything
   Eigen::MatrixXd shapes;        ///< of these, columns, shape (dofs, modes)
   double fastest = 0;            ///< omega of the fastest mode [rad/s]; 0 where damping couples the modes
+  double fastest_zeta = 0;       ///< its damping ratio, as far as it oscillates
 };
 
 /// What steps of size h show.

@@ -250,6 +250,12 @@ TEST(ShownDamping, OfMethodsThatRememberEarlierStepsIsThatOfTheirFormula) {
     EXPECT_NEAR(mode.zeta_shown, -std::log(r).real() / std::abs(std::log(r)), 1e-8);
   }
   EXPECT_TRUE(std::isnan(row.growth));
+  // BDF 3 is not A-stable: a slow mode grows by |r| of its root.
+  const ShownDamping third =
+      shown_damping(chosen_methods_and_formulas({"bdf_3"}, {model.problem}).methods.front(), model, 0.1);
+  const ShownMode& slow = third.modes.front();
+  EXPECT_GE(third.growth, std::exp(-slow.zeta_shown * slow.omega_shown * 0.1) - 1e-9);
+  EXPECT_GT(third.growth, 1);
   // Adams-Bashforth methods of order 2 have no stable step of an undamped mode.
   EXPECT_GT(shown_damping(find_method("adams_bashforth_2"), model, h).growth, 1);
 }
