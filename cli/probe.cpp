@@ -54,7 +54,8 @@ std::string multiplier_in_words(std::complex<double> mu) {
 /// "12 % away" from where steps of h0 settle.
 std::string rest_in_words(const StepSpectrum& row) {
   if (!row.settles || !*row.settles) return row.settles ? "no" : "-";
-  return std::isnan(row.settled_moves) ? "yes" : short_number(100 * row.settled_moves, 3) + " % away";
+  constexpr double rounding = 1e-6;
+  return !(row.settled_moves > rounding) ? "yes" : short_number(100 * row.settled_moves, 3) + " % away";
 }
 
 std::string table_of(const ProbedLimit& found, const Console& console) {
