@@ -7,7 +7,7 @@ from typing import Any, Callable, Optional, Sequence, Union
 from . import _core
 from ._answer import Answer, answer
 from ._arguments import number
-from ._models import Body, within
+from ._models import Body, between
 from ._probe import steps_fidelity
 from ._runs import method_name
 
@@ -66,7 +66,7 @@ def fidelity(
             raise ValueError(f"{name} does not belong to {kind}; leave it out")
     if not isinstance(model, Body):
         return steps_fidelity(model, y0, h, h0, load)
-    hertz = within("rate", rate, 1e-3, 1e9)
-    wanted = None if enter is None else within("enter", number("enter", enter), 1e-3, 1e15)
+    hertz = between("rate", rate, 1e-3, 1e9)
+    wanted = None if enter is None else between("enter", number("enter", enter), 1e-3, 1e15)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
     return answer(model._core.fidelity(hertz, names, bool(verify), bool(ceiling), wanted))

@@ -195,14 +195,14 @@ def advise(
     >>> print(advice.recommended.method, advice.recommended.verdict, advice.recommended.bound)
     rk4 recommended rate
     """
-    hertz = within("rate", rate, 1, 1e5)
-    allowed = 0.01 if tolerance is None else within("tolerance", tolerance, 1e-10, 1)
-    milliseconds = None if budget is None else within("budget", budget, 1e-6, 1e9)
+    hertz = between("rate", rate, 1, 1e5)
+    allowed = 0.01 if tolerance is None else between("tolerance", tolerance, 1e-10, 1)
+    milliseconds = None if budget is None else between("budget", budget, 1e-6, 1e9)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
-    seconds = float("inf") if within is None else within("within", within, 1e-3, 1e9)
+    seconds = float("inf") if within is None else between("within", within, 1e-3, 1e9)
     question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6), seconds)
     if model is None:
-        return _advise_matrices(structure(K, M, C), y0, within("t_end", t_end, 1e-9, 1e9), question)
+        return _advise_matrices(structure(K, M, C), y0, between("t_end", t_end, 1e-9, 1e9), question)
     if K is not None or M is not None or C is not None:
         raise ValueError("a model and matrices are both given; give one of them")
     if isinstance(model, Body):
@@ -286,7 +286,7 @@ def _values(parameters: Mapping[str, Any]) -> Sequence[Any]:
     return [(name, number(name, value)) for name, value in parameters.items()]
 
 
-def within(name: str, given: Any, least: float, most: float) -> float:
+def between(name: str, given: Any, least: float, most: float) -> float:
     value = number(name, given)
     if value is None or not least <= value <= most:
         raise ValueError(f"{name} is {given} but must lie between {least:g} and {most:g}")

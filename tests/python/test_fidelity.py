@@ -72,7 +72,7 @@ def test_a_body_has_the_rows_of_the_program(program):
         (lambda: hmax.fidelity(half_corrected, rate=100), "rate does not belong to a step function"),
         (lambda: hmax.fidelity(lambda y, h: y, y0=np.zeros(301), h=0.1), "takes up to 300"),
         (lambda: hmax.fidelity(3, y0=[0], h=0.1), "step is 3 but must be a function"),
-        (lambda: hmax.fidelity(hmax.Body("cube:n=2"), rate=100), "nothing loads the body"),
+        (lambda: hmax.fidelity(hmax.Body("cube:n=2", g=0), rate=100), "nothing loads the body"),
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press")), "rate is None"),
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press"), rate=100, enter=0), "enter is 0"),
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press"), rate=100, h=1), "h does not belong to a Body"),
