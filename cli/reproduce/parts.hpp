@@ -38,6 +38,10 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
 ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
                                      Console& console);
 
+/// Methods of simulators at 60, 100 and 1000 frames a second: error, time of a frame, stiffness shown.
+/// @param quick  the phantom at one rate
+ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool quick, Console& console);
+
 /// `hmax reproduce slice`: any slice of the synthetic thigh as PNG.
 void add_slice(CLI::App& reproduce, Console& console);
 

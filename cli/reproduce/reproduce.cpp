@@ -52,7 +52,8 @@ const std::vector<ReportPart>& parts() {
          TissueOptions options;
          options.quick = quick;
          return reproduce_tissue_part(folder, options, console);
-       }}};
+       }},
+      {"real-time", "A liver in real time: what each setting makes of its material", reproduce_real_time}};
   return all;
 }
 
@@ -61,7 +62,7 @@ std::vector<ReportPart> chosen_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (std::ranges::find(parts(), name, &ReportPart::name) == parts().end())
       throw InputError(
-          fmt::format("there is no part '{}'; take some of oscillators, stability, tissue", name));
+          fmt::format("there is no part '{}'; take some of oscillators, stability, tissue, real-time", name));
   std::vector<ReportPart> chosen;
   for (const ReportPart& part : parts())
     if (names.empty() || std::ranges::find(names, part.name) != names.end()) chosen.push_back(part);
@@ -166,8 +167,10 @@ void add_all(CLI::App& reproduce, Console& console) {
                   {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
   auto options = std::make_shared<AllOptions>();
   show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
-  add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue; all by default", "A,B");
-  add_flag(all, "--quick", options->quick, "The quick form of tissue: coarser meshes, fewer points");
+  add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue, real-time; all by default",
+           "A,B");
+  add_flag(all, "--quick", options->quick,
+           "The quick form of tissue and real-time: coarser meshes, fewer points");
   add_footer(all, "A part that the same program has finished in FOLDER is not made again.");
   add_force(all);
   add_figure_style(all);
@@ -218,12 +221,30 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
   });
 }
 
+void add_real_time_study(CLI::App& reproduce, Console& console) {
+  CLI::App& study = add_command(reproduce, console, "real-time",
+                                "Show what methods of simulators make of a liver at 60, 100 and 1000 Hz",
+                                {"hmax reproduce real-time --output results/runs/real-time"});
+  auto folder = std::make_shared<std::string>("results/runs/real-time");
+  show_default(add_text(study, "--output", *folder, "Folder of the report"));
+  const auto quick = std::make_shared<bool>(false);
+  add_flag(study, "--quick", *quick, "The phantom at one rate; takes seconds");
+  add_force(study);
+  add_figure_style(study);
+  add_jobs(study);
+  set_callback(study, [&console, folder, quick] {
+    refuse_copies("hmax reproduce");
+    show(reproduce_real_time(*folder, *quick, console), console);
+  });
+}
+
 }  // namespace
 
 void add_reproduce(CLI::App& app, Console& console) {
-  CLI::App& reproduce = add_command(app, console, "reproduce", "Reproduce a published study",
-                                    {"hmax reproduce all --quick", "hmax reproduce oscillators",
-                                     "hmax reproduce stability", "hmax reproduce tissue"});
+  CLI::App& reproduce =
+      add_command(app, console, "reproduce", "Reproduce a published study",
+                  {"hmax reproduce all --quick", "hmax reproduce oscillators", "hmax reproduce stability",
+                   "hmax reproduce tissue", "hmax reproduce real-time"});
   require_subcommand(reproduce);
   add_all(reproduce, console);
   CLI::App& oscillators = add_sharded_study(
@@ -234,6 +255,7 @@ void add_reproduce(CLI::App& app, Console& console) {
                     "Predict and observe the step limits of every method on every model of the study",
                     "Folder of the report", reproduce_limits);
   add_tissue_study(reproduce, console);
+  add_real_time_study(reproduce, console);
   add_slice(reproduce, console);
 }
 

@@ -2,6 +2,7 @@
 #include <limits>
 #include <map>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -150,6 +151,33 @@ TEST(ReproduceSlice, WritesAnySliceAsPng) {
   expect_refused(shell.hmax("reproduce slice --press 5"), "--press is for a slice that is deformed");
   expect_refused(shell.hmax("reproduce slice --rule bone --press 40"), "the probe presses by 40 mm");
   expect_refused(shell.hmax("reproduce slice --output a.jpg"), "the slice a.jpg would be a PNG");
+}
+
+TEST(ReproduceRealTime, ShowsWhatEverySettingMakesOfTheMaterial) {
+  const Shell shell;
+  const Told told = shell.hmax("reproduce real-time --quick --output frames --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto rows = told.json().at("rows");
+  ASSERT_GE(rows.size(), 14U);
+  std::set<std::string> families;
+  for (const auto& row : rows) {
+    families.insert(row.at("family"));
+    const std::string method = row.at("method");
+    ASSERT_TRUE(row.at("error_pressed").is_number()) << method;
+    EXPECT_LT(row.at("error_pressed"), 1) << method;
+    // Solved equations come to rest where the model does; iterations that end before do not.
+    const bool solved = row.at("family") != "positions by iterations";
+    if (solved) {
+      EXPECT_NEAR(row.at("stiffness_shown"), 1, 1e-3) << method;
+    } else if (method.starts_with("vbd:iterations=10,")) {
+      EXPECT_LT(row.at("stiffness_shown"), 0.999) << method;
+    }
+  }
+  EXPECT_GE(families.size(), 6U);
+  const std::string page = read_text(shell / "frames/README.md");
+  EXPECT_NE(page.find("| 1 | symplectic\\_euler |"), std::string::npos);
+  EXPECT_NE(page.find("real_time.svg"), std::string::npos);
+  expect_whole_pages(shell / "frames", 1);
 }
 
 TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
