@@ -67,7 +67,7 @@ Method in_parts(Method method, double parts) {
   return method;
 }
 
-/// The parameters of a method with the values of "beta=0.25,gamma=0.5".
+/// The parameters of a method of the catalogue, with substeps, and the values of "beta=0.25,gamma=0.5".
 Parameters parameters_of(const Method& method, std::string_view text) {
   Parameters parameters = method.parameters;
   std::vector<std::string> names;
@@ -95,9 +95,8 @@ Parameters parameters_of(const Method& method, std::string_view text) {
   return parameters;
 }
 
-/// The method with the parameters of "beta=0.25,gamma=0.5".
-Method with_parameters(const Method& method, std::string_view text) {
-  const Parameters parameters = parameters_of(method, text);
+/// A method of the catalogue with these values of its own parameters, and of substeps behind them.
+Method made_with(const Method& method, const Parameters& parameters) {
   const auto own = static_cast<std::ptrdiff_t>(method.parameters.size());
   Method made = method;
   if (method.with) {
@@ -205,7 +204,8 @@ Method find_method(std::string_view name) {
   std::vector<std::string> names;
   for (const Method& method : methods()) {
     if (method.id == id || std::ranges::find(method.aliases, id) != method.aliases.end())
-      return id.size() == name.size() ? method : with_parameters(method, name.substr(id.size() + 1));
+      return id.size() == name.size() ? method
+                                      : made_with(method, parameters_of(method, name.substr(id.size() + 1)));
     names.push_back(method.id);
     names.insert(names.end(), method.aliases.begin(), method.aliases.end());
   }
@@ -220,6 +220,17 @@ Method find_method(std::string_view name) {
                       id, library.name, library.package));
   throw InputError(fmt::format("unknown method '{}'; {}", id,
                                suggestion(id, names, "`hmax list methods` shows all of them")));
+}
+
+Method with_values(const Method& method, const Parameters& changed) {
+  Parameters parameters = method.parameters;
+  for (const auto& [name, value] : changed)
+    if (const auto at = std::ranges::find(parameters, name, &Parameters::value_type::first);
+        at != parameters.end())
+      at->second = value;
+    else
+      parameters.emplace_back(name, value);
+  return made_with(find_method(std::string_view(method.id).substr(0, method.id.find(':'))), parameters);
 }
 
 const Family* family_of(const Method& method) {

@@ -17,6 +17,10 @@ const std::vector<Method>& methods();
 /// @throws InputError with a suggestion when there is none
 Method find_method(std::string_view name);
 
+/// The method with other values of some of its parameters.
+/// @throws InputError  for values that make no method
+Method with_values(const Method& method, const Parameters& changed);
+
 /// The families of methods(), in their order.
 std::vector<std::string> method_families();
 

@@ -37,6 +37,11 @@ bool lacks_lumped_masses(const Method& method, const Problem& problem) {
 
 }  // namespace
 
+std::optional<double> Method::parameter(std::string_view name) const {
+  const auto found = std::ranges::find(parameters, name, &Parameters::value_type::first);
+  return found == parameters.end() ? std::nullopt : std::optional(found->second);
+}
+
 std::string why_unsuited(const Method& method, const Problem& problem) {
   if (method.needs_second_order && !is_second_order(problem))
     return fmt::format("steps positions and velocities, which {} does not have", problem.id);

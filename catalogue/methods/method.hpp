@@ -117,6 +117,8 @@ struct Method {
   Parameters parameters{};
   std::function<Method(const Parameters&)> with{};
 
+  /// The value of one of `parameters`; nothing where the method has none of that name.
+  [[nodiscard]] std::optional<double> parameter(std::string_view name) const;
   [[nodiscard]] bool adaptive() const { return error_order > 0; }
   /// By Newton's method: linearly implicit ones solve linear equations. Explicit positions do not exclude it,
   /// since forces may depend on the velocity that a step ends with.

@@ -288,7 +288,7 @@ double gap_of(const Fidelity& row) {
 
 /// Ceiling and modulus to enter.
 void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
-  row.stiffness_ceiling = stiffness_ceiling(row.method, model, question);
+  row.stiffness_ceiling = stiffness_ceiling(row.method, model, question, row.stiffness_shown);
   if (std::isnan(row.stiffness_ceiling) && model.problem.body->settings().elastic_supports.empty())
     say(row, "no ceiling was found: with a larger modulus it does not settle, or against the load");
   if (!question.wanted) return;
@@ -403,12 +403,13 @@ FidelityModel fidelity_model(const Problem& problem, const std::function<void()>
   return model;
 }
 
-double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
+double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question,
+                         double stiffness_shown) {
   // Springs as supports stay, and sag under the stiffest body; k is no modulus.
   const TissueSettings& settings = model.problem.body->settings();
   if (!settings.elastic_supports.empty() || settings.springs.stiffness > 0) return Fidelity::none;
   constexpr double stride = 100, most = 1e8;
-  double before = modulus_shown(method, model, 1, question);
+  double before = stiffness_shown * young_of(model.problem);
   for (double factor = stride; factor <= most; factor *= stride) {
     const double shown = modulus_shown(method, model, factor, question);
     if (std::isnan(shown) || std::isnan(before)) return Fidelity::none;

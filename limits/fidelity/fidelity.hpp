@@ -107,7 +107,9 @@ std::vector<Method> positional_methods(const Problem& problem);
 
 /// Fidelity::stiffness_ceiling alone: where the modulus shown no longer grows with the modulus entered. NaN
 /// also of springs of a given stiffness.
-double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
+/// @param stiffness_shown  of the model itself
+double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question,
+                         double stiffness_shown);
 
 /// E of the first region [Pa]: what ceilings and moduli are given in.
 double young_of(const Problem& problem);
