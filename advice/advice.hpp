@@ -28,6 +28,7 @@ struct AdviceQuestion {
   bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
   std::size_t frames = 1000;     ///< that the best methods are timed for
   double within = std::numeric_limits<double>::infinity();  ///< elapsed time of the answer [s]
+  bool material = true;  ///< also what the steps of rows show of the material of a body
   double proof = 60;  ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
   std::vector<Method> methods;       ///< to choose from
   std::optional<UserMotion> motion;  ///< in place of the probing motion
@@ -77,6 +78,8 @@ struct AdviceRow : StepFindings {
   std::optional<std::int64_t> memory;   ///< peak of the process while the row was tried [bytes]
   std::vector<double> damping_added;    ///< to the damping ratio of each of Advice::modes
   std::vector<double> frequency_shift;  ///< relative, of each of them
+  double stiffness_shown = none;        ///< as Fidelity has it, at h; of bodies that settle
+  double stiffness_ceiling = none;      ///< as Fidelity has it [Pa], where less is shown than entered
   AdviceVerdict verdict = AdviceVerdict::unstable;
 
   /// CPU time of a frame [s]: the median, or what is expected of a row that was not run.

@@ -49,7 +49,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
     for (const double value : values) list.push_back(number_or_word(value));
     return list;
   };
-  Json options = Json::object();
+  Json options = parameters_json(row.candidate.method.parameters);
   if (row.candidate.method.needs_jacobian) {
     options["jacobian"] = to_string(row.candidate.jacobian);
     options["linear"] = to_string(row.candidate.linear_solve);
@@ -79,6 +79,8 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
           {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
           {"damping_added", numbers(row.damping_added)},
           {"frequency_shift", numbers(row.frequency_shift)},
+          {"stiffness_shown", number_or_word(row.stiffness_shown)},
+          {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
           {"margin", margin_json(row.stiffening, load)},
           {"verdict", name_of(row.verdict)},
           {"status", row.status}};

@@ -9,6 +9,7 @@
 
 #include "advice/first_answer.hpp"
 #include "advice/motion/motion_limits.hpp"
+#include "advice/shown_material.hpp"
 #include "advice/step_search.hpp"
 #include "advice/time_limit.hpp"
 #include "catalogue/methods/catalogue.hpp"
@@ -248,8 +249,11 @@ class Search {
         if (is_suitable(advice_.rows.front())) verify_best();
         if (is_suitable(advice_.rows.front())) {
           look_at_other_model();
-          compare_others();
+          enter(AdviceStage::observing, 0.9, "timing other methods");
+          time_rows(Timed::others, advice_.rows, question_, *model_, watch_);
         }
+        tell_what_is_shown();
+        observe_others();
       }
       advice_.stage = AdviceStage::done;
     } catch (const OutOfTime&) {
@@ -384,12 +388,17 @@ class Search {
     }
   }
 
-  void compare_others() {
+  void tell_what_is_shown() {
+    if (!question_.material) return;
+    enter(advice_.stage, 0.91, "what is shown of the material");
+    if (const auto model = material_model(problem_, question_, advice_, watch_))
+      tell_material(advice_.rows, *model, std::min(10.0, time_.left() / 3), watch_);
+  }
+
+  void observe_others() {
     std::vector<AdviceRow>& rows = advice_.rows;
-    enter(AdviceStage::observing, 0.9, "timing other methods");
-    time_rows(Timed::others, rows, question_, *model_, watch_);
     for (std::size_t i = 1; i < rows.size(); ++i)
-      observe(rows[i], 0.9 + 0.1 * static_cast<double>(i) / static_cast<double>(rows.size()));
+      observe(rows[i], 0.92 + 0.08 * static_cast<double>(i) / static_cast<double>(rows.size()));
   }
 
   /// Of rows that suit: nobody takes the others, and some take a million steps.

@@ -62,6 +62,7 @@ class Trials {
     question_.frames = std::min<std::size_t>(question.frames, 100);
     question_.methods = nearest_methods(failed, question.tolerance);
     question_.least_error = false;  // what suffices at all
+    question_.material = false;
   }
 
   /// Whether there are methods to try, and less than two minutes of CPU time are over and not all of the

@@ -191,6 +191,7 @@ void fail_at_every_step(AdviceRow& row) {
 void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const AdviceQuestion& question,
             const AnalysedModel& model) {
   row.steps_per_frame = steps;
+  row.stiffness_shown = row.stiffness_ceiling = AdviceRow::none;
   row.h = question.frame() / static_cast<double>(steps);
   // The method of the reference at its step would have none.
   row.error = std::max(run.error, model.reference.error_bound);
@@ -204,7 +205,9 @@ void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advi
     const double most = quantile(counts, 0.999);
     return most > 0 ? most : AdviceRow::none;
   };
-  row.newton_per_frame = in_nearly_all(run.newton);
+  // A number that the method fixes is one of its parameters.
+  const bool fixed = row.candidate.method.parameter("iterations").has_value();
+  row.newton_per_frame = fixed ? AdviceRow::none : in_nearly_all(run.newton);
   row.linear_per_frame = in_nearly_all(run.linear_iterations);
 }
 

@@ -40,7 +40,12 @@ std::vector<std::string> simulator_methods() {
           "newmark",
           "hht_alpha",
           "sdirk_4",
-          "imex_euler"};
+          "imex_euler",
+          "vbd",
+          "vbd:iterations=1,substeps=10",
+          "xpbd",
+          "xpbd:iterations=1,substeps=10",
+          "newton_truncated"};
 }
 
 std::string why_no_candidate(const Method& method, const Problem& problem) {

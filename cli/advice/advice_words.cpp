@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "advice/shown_material.hpp"
 #include "advice/step_search.hpp"
 #include "catalogue/models/body_summary.hpp"
 #include "problems/tissue/body.hpp"
@@ -196,6 +197,20 @@ std::string words_of(const LoadMargin& margin, bool of_body) {
                      margin.of_model.value_or(false) ? ", where a quarter of the step fails too" : "");
 }
 
+/// What the best row shows of the stiffness of a body, beside the fastest row that shows another; empty where
+/// neither is off.
+std::string words_of_material(const AdviceRow& best, const Advice& advice) {
+  const AdviceRow* other = nullptr;
+  for (const AdviceRow& row : advice.rows)
+    if (&row != &best && shows_other_material(row) && (!other || row.frame.p50 < other->frame.p50))
+      other = &row;
+  if (std::isnan(best.stiffness_shown) || (!other && !shows_other_material(best))) return {};
+  return fmt::format("shows {} of the stiffness{}", percent(best.stiffness_shown),
+                     other ? fmt::format("; {}, {} ms per frame, shows {}", other->candidate.words(),
+                                         milliseconds(other->frame.p50), percent(other->stiffness_shown))
+                           : "");
+}
+
 /// The margin to instability, and the damping added to slow modes.
 void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice) {
   if (!std::isnan(row.stiffening))
@@ -212,6 +227,8 @@ void add_margins(Facts& facts, const Problem& problem, const AdviceRow& row, con
         &band == &advice.bands.front() ? "uncertainty" : "",
         fmt::format("h_max {} to {} ms where the {} is {} % less or more", milliseconds(band.low * row.h_max),
                     milliseconds(band.high * row.h_max), band.quantity, short_number(100 * band.spread, 2)));
+  if (const std::string material = words_of_material(row, advice); !material.empty())
+    facts.emplace_back("material", material);
   if (const std::string modes = words_of_modes(row, advice); !modes.empty())
     facts.emplace_back("slow modes", modes);
   std::vector<std::string> ties;
@@ -309,11 +326,14 @@ std::vector<std::vector<std::string>> table_of(const Advice& advice,
                                                const std::vector<AdviceRecord>& records) {
   std::vector<std::vector<std::string>> table{{"method", "h [ms]", "steps", "h_max [ms]", "observed [ms]",
                                                "error", "frame [ms]", "p99 [ms]", "bound", "verdict"}};
+  const bool of_material = std::ranges::any_of(advice.rows, shows_other_material);
+  if (of_material) table.front().insert(table.front().begin() + 6, "stiffness");
   for (std::size_t i = 0; i < records.size(); ++i) {
     const AdviceRecord& row = records[i];
     table.push_back({row.words(), milliseconds(row.h, 4), fmt::format("{:.0f}", row.steps_per_frame),
                      milliseconds(row.h_max, 4), milliseconds(row.h_max_observed), percent(row.error),
                      words_of_frame(advice.rows[i]), milliseconds(row.frame_p99), row.bound, row.verdict});
+    if (of_material) table.back().insert(table.back().begin() + 6, percent(advice.rows[i].stiffness_shown));
   }
   return table;
 }

@@ -15,6 +15,8 @@
 #include "advice/remaking.hpp"
 #include "bench/timing/timing.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
+#include "catalogue/methods/unsuited.hpp"
 #include "catalogue/models/support_sets.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "cli/advice/advice_page.hpp"
@@ -119,14 +121,12 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
 /// Methods that were asked for and do not step this problem.
 std::string words_of_left_out(const AdviseOptions& options, const Problem& problem) {
   if (!options.methods.empty()) return {};
-  std::vector<std::string> names;
+  std::vector<LeftOut> left_out;
   for (const std::string& name : simulator_methods())
-    if (!suits(find_method(name), problem)) names.push_back(name);
-  return names.empty() ? ""
-                       : fmt::format(
-                             "left out: {}, which need positions and velocities or a stiff part that the "
-                             "problem does not declare",
-                             fmt::join(names, ", "));
+    if (const Method method = find_method(name); problem.body || !method.unsuited)  // of bodies alone
+      if (std::string why = why_unsuited(method, problem); !why.empty())
+        left_out.push_back({name, std::move(why)});
+  return left_out.empty() ? "" : fmt::format("left out: {}", fmt::join(in_words(left_out), "; "));
 }
 
 /// @throws InputError  for a store or a page that cannot have its name, and for a file that is no store

@@ -110,6 +110,31 @@ TEST(AdviceWords, TellOfNoMoreThanAPredictionWhereNothingWasRun) {
   EXPECT_EQ(text.table.at(1).at(6), ">= 2");
 }
 
+TEST(AdviceWords, SetWhatIsShownOfTheMaterialBesideTheFastestThatShowsAnother) {
+  Advice advice = advice_of({find_method("newmark"), {}, {}});
+  advice.rows.front().stiffness_shown = 1;
+  const auto add = [&](const char* method, double frame, double shown) {
+    AdviceRow& row = advice.rows.emplace_back();
+    row.candidate.method = find_method(method);
+    row.frame.p50 = frame;
+    row.stiffness_shown = shown;
+    row.verdict = AdviceVerdict::inaccurate;
+  };
+  add("rk4", 1e-3, 1);
+  EXPECT_EQ(fact(cube("press"), advice, "material"), "");
+  EXPECT_EQ(words_of(cube("press"), {}, advice, false).table.front().size(), 10U);
+  add("xpbd", 3e-3, 1.5);
+  add("vbd", 2e-3, 0.42);
+  EXPECT_EQ(fact(cube("press"), advice, "material"),
+            "shows 100 % of the stiffness; vbd, 2 ms per frame, shows 42 %");
+  const auto table = words_of(cube("press"), {}, advice, false).table;
+  EXPECT_EQ(table.front().at(6), "stiffness");
+  EXPECT_EQ(table.back().at(6), "42 %");
+  advice.rows.resize(1);
+  advice.rows.front().stiffness_shown = 0.9;
+  EXPECT_EQ(fact(cube("press"), advice, "material"), "shows 90 % of the stiffness");
+}
+
 TEST(AdviceWords, NameTheModelThatInvertsNoElement) {
   const Problem problem = cube("press");
   Advice advice = advice_of({find_method("symplectic_euler"), {}, {}});

@@ -25,9 +25,13 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
     EXPECT_TRUE(document.contains(key)) << key;
   EXPECT_EQ(document.at("long_runs"), document.at("proof"));  // its old name
   ASSERT_EQ(document.at("rows").size(), 2U);
-  for (const char* key : {"method", "options", "h", "steps_per_frame", "h_max", "h_max_observed",
-                          "h_accurate", "bound", "error", "error_of", "frame_ms", "missed", "frames",
-                          "realtime_factor", "memory_bytes", "damping_added", "margin", "verdict", "status"})
+  for (const char* key : {"method",          "options",         "h",
+                          "steps_per_frame", "h_max",           "h_max_observed",
+                          "h_accurate",      "bound",           "error",
+                          "error_of",        "frame_ms",        "missed",
+                          "frames",          "realtime_factor", "memory_bytes",
+                          "damping_added",   "stiffness_shown", "stiffness_ceiling",
+                          "margin",          "verdict",         "status"})
     EXPECT_TRUE(document.at("rows")[0].contains(key)) << key;
   EXPECT_EQ(document.at("recommended"), document.at("rows")[0]);
   EXPECT_EQ(document.at("recommended").at("verdict"), "recommended");
