@@ -143,4 +143,33 @@ Figure phase_figure(const std::string& title, const std::vector<PhasePlane>& pla
   return figure;
 }
 
+Figure work_figure(const std::string& title, const std::vector<WorkCurve>& curves,
+                   const std::string& footer) {
+  const Axis work{.label = "work of a frame: iterations × substeps", .logarithmic = true};
+  Panel stiffness{.title = "Stiffness",
+                  .x = work,
+                  .y = {.label = "stiffness shown over that entered [1]"},
+                  .lost_label = "does not settle"};
+  Panel damping{.title = "Damping", .x = work, .y = {.label = "added damping ratio of the slowest mode [1]"}};
+  for (std::size_t k = 0; k < curves.size(); ++k) {
+    const WorkCurve& curve = curves[k];
+    const Style style = family_style(static_cast<int>(k), true);
+    Curve shown{.label = curve.label, .x = curve.work, .y = curve.stiffness, .style = style};
+    for (std::size_t i = 0; i < curve.work.size(); ++i)
+      if (std::isnan(curve.stiffness[i])) shown.lost.push_back(curve.work[i]);
+    stiffness.curves.push_back(std::move(shown));
+    damping.curves.push_back({.label = curve.label, .x = curve.work, .y = curve.damping, .style = style});
+    const auto last = std::find_if(curve.damping.rbegin(), curve.damping.rend(),
+                                   [](double value) { return std::isfinite(value); });
+    if (last == curve.damping.rend()) continue;
+    const auto at = static_cast<std::size_t>(curve.damping.rend() - last) - 1;
+    damping.marks.push_back({curve.work[at], *last, style, "", curve.label});
+    damping.marks.back().style.size = 0.6;  // as large as the points of the line
+  }
+  // Twice the substeps halve it.
+  damping.y.logarithmic =
+      std::all_of(damping.marks.begin(), damping.marks.end(), [](const Mark& mark) { return mark.y > 0; });
+  return {.title = title, .panels = {stiffness, damping}, .columns = 2, .footer = footer};
+}
+
 }  // namespace hmax

@@ -78,4 +78,14 @@ Panel phase_panel(const PhasePlane& plane);
 /// Phase planes two in a row (one alone is drawn wide).
 Figure phase_figure(const std::string& title, const std::vector<PhasePlane>& planes);
 
+/// What a method of so many substeps shows of a material, over the work of a frame.
+struct WorkCurve {
+  std::string label;
+  std::vector<double> work, stiffness, damping;  ///< equal length; NaN where nothing is shown
+};
+
+/// Stiffness shown and added damping over work, side by side; where nothing settles a mark at the top. Each
+/// curve is named at its end, and in the key.
+Figure work_figure(const std::string& title, const std::vector<WorkCurve>& curves, const std::string& footer);
+
 }  // namespace hmax

@@ -9,17 +9,22 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/options.hpp"
+#include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/own_files.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/documents/fidelity_json.hpp"
+#include "plots/curves.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
 
@@ -32,10 +37,68 @@ struct FidelityOptions {
   std::optional<double> rate;
   std::vector<std::string> methods;
   bool verify = false, ceiling = false;
-  std::string enter;
+  std::string enter, map, output;
 };
 
+/// The methods of --map: settings of one, for each number of substeps in the order of their work.
+/// @throws InputError  for another map, another number of methods, and a method without both parameters
+std::vector<Method> methods_of_map(const FidelityOptions& options) {
+  if (options.map != "iterations,substeps")
+    throw InputError(fmt::format("--map is '{}', but there is one: iterations,substeps", options.map));
+  if (options.methods.size() != 1)
+    throw InputError(
+        fmt::format("--map is of one method, and {} are named; name one with --method, for instance vbd",
+                    options.methods.size()));
+  const auto has_both = [](const Method& method) {
+    return method.parameter("iterations") && method.parameter("substeps");
+  };
+  const Method method = find_method(options.methods.front());
+  if (!has_both(method)) {
+    std::vector<std::string> ids;
+    for (const Method& each : methods())
+      if (has_both(each)) ids.push_back(each.id);
+    throw InputError(fmt::format("{} has no numbers of iterations and substeps to map; take one of {}",
+                                 method.id, fmt::join(ids, ", ")));
+  }
+  constexpr double most = 200;  // iterations of a frame
+  std::vector<Method> settings;
+  for (const double substeps : {1, 2, 5, 10, 20})
+    for (const double iterations : {1, 2, 5, 10, 20, 50})
+      if (substeps * iterations <= most)
+        settings.push_back(with_values(method, {{"iterations", iterations}, {"substeps", substeps}}));
+  return settings;
+}
+
+/// The figure of --map.
+Figure figure_of(const std::vector<Fidelity>& rows, const Problem& problem, const FidelityOptions& options) {
+  std::vector<WorkCurve> curves;
+  double substeps_before = 0;
+  for (const Fidelity& row : rows) {
+    const double iterations = *row.method.parameter("iterations"),
+                 substeps = *row.method.parameter("substeps");
+    if (substeps != std::exchange(substeps_before, substeps))
+      curves.emplace_back().label = fmt::format("{} substep{}", substeps, substeps == 1 ? "" : "s");
+    curves.back().work.push_back(iterations * substeps);
+    curves.back().stiffness.push_back(row.stiffness_shown);
+    curves.back().damping.push_back(
+        row.modes.empty() ? Fidelity::none : row.modes.front().zeta_shown - row.modes.front().zeta);
+  }
+  return work_figure(fmt::format("What {} shows of {} at {} Hz", options.methods.front(),
+                                 title_of(problem.id), short_number(*options.rate)),
+                     curves, describe_acting(problem));
+}
+
+/// @throws InputError  for a picture that nothing is drawn of, or whose name is that of something else
+void check_output(const FidelityOptions& options) {
+  if (options.output.empty()) return;
+  if (options.map.empty())
+    throw InputError("--output draws the map; add --map iterations,substeps, or leave it out");
+  (void)form_of(options.output, {{".svg", "a figure"}});
+  check_writable(options.output);
+}
+
 std::vector<Method> methods_of(const FidelityOptions& options, const Problem& problem) {
+  if (!options.map.empty()) return methods_of_map(options);
   std::vector<Method> methods;
   for (const std::string& name : options.methods) methods.push_back(find_method(name));
   return methods.empty() ? positional_methods(problem) : methods;
@@ -121,6 +184,7 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
   question.wanted = modulus_of(options.enter);
   const std::vector<Method> methods = methods_of(options, problem);
+  check_output(options);
   for (const Method& method : methods) one_step_map(method, problem, question.h);  // before any is looked at
   std::vector<Fidelity> rows;
   std::optional<Interrupted> interrupted;
@@ -139,6 +203,13 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   }
   if (std::ranges::any_of(rows, &Fidelity::contradiction)) console.exit_code = Exit::failed;
   print_rows(rows, problem, options, question, console);
+  if (!options.output.empty()) {
+    const DrawnSvg drawn = drawn_svg(figure_of(rows, problem, options), "fidelity");
+    if (drawn.problem.empty())
+      write_file(options.output, drawn.svg);
+    else
+      console.remark(fmt::format("the figure {} is not drawn: {}", options.output, drawn.problem));
+  }
   if (interrupted) throw *interrupted;
 }
 
@@ -148,7 +219,8 @@ void add_fidelity(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "fidelity", "Show what the steps of a method make of a material",
       {"hmax fidelity --mesh cube:n=2 --model mass_spring --load press --rate 100",
-       "hmax fidelity --mesh cube:n=2 --model fem_neo_hookean --load gravity --rate 60 --method vbd:iterations=5 --verify"});
+       "hmax fidelity --mesh cube:n=2 --model fem_neo_hookean --load gravity --rate 60 --method vbd:iterations=5 --verify",
+       "hmax fidelity --mesh phantom --load press --rate 60 --method vbd --map iterations,substeps --output vbd.svg"});
   const auto options = std::make_shared<FidelityOptions>();
   options->problem.add_to(command);
   add_number(command, "--rate", options->rate, "frames a second, each one step of the method [1/s]");
@@ -160,6 +232,11 @@ void add_fidelity(CLI::App& app, Console& console) {
   add_flag(command, "--ceiling", options->ceiling, "the largest modulus that the steps can show [Pa]");
   add_text(command, "--enter", options->enter,
            "a modulus that is to be shown, like 5kPa: which one to enter for it", "E");
+  add_text(command, "--map", options->map,
+           "one method over iterations,substeps, from 1 to 200 iterations a frame: what more work shows",
+           "iterations,substeps");
+  add_text(command, "--output", options->output, "a figure of the map", "FILE.svg");
+  add_force(command);
   set_callback(command, [options, &console] { show_fidelity(*options, console); });
 }
 

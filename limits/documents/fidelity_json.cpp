@@ -8,6 +8,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 }  // namespace
 
+Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
 Json modes_json(const std::vector<ShownMode>& modes) {
   Json list = Json::array();
   for (const ShownMode& mode : modes)
@@ -44,6 +46,8 @@ Json to_json(const Fidelity& row) {
 Json to_json(const ShownDamping& row) {
   return {{"method", row.method.id},
           {"options", parameters_json(row.method.parameters)},
+          {"iterations", number_or_null(row.method.parameter("iterations"))},
+          {"substeps", number_or_null(row.method.parameter("substeps"))},
           {"h", row.h},
           {"modes", modes_json(row.modes)},
           {"growth", number_or_word(row.growth)},

@@ -32,6 +32,36 @@ TEST(FidelityCommand, TellsStiffnessDampingAndTheModulusToEnter) {
   EXPECT_NEAR(exact["modulus_to_enter"].get<double>(), 5000, 1);
 }
 
+TEST(FidelityCommand, MapsOneMethodOverItsWork) {
+  const Shell shell;
+  const Told told = shell.hmax(
+      "fidelity --mesh cube:n=1 --load press --model fem_neo_hookean --rate 60 --method xpbd:reset=1 --map "
+      "iterations,substeps --output map.svg --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const nlohmann::json rows = told.json()["rows"];
+  ASSERT_EQ(rows.size(), 26U);
+  for (const nlohmann::json& row : rows) {
+    EXPECT_LE(row["iterations"].get<int>() * row["substeps"].get<int>(), 200);
+    EXPECT_EQ(row["options"]["iterations"], row["iterations"]);
+    EXPECT_EQ(row["options"]["reset"], 1);
+  }
+  EXPECT_EQ(rows[7]["iterations"], 2);
+  EXPECT_EQ(rows[7]["substeps"], 2);
+  // A row is that of its own method.
+  const nlohmann::json alone =
+      shell
+          .hmax(
+              "fidelity --mesh cube:n=1 --load press --model fem_neo_hookean --rate 60 "
+              "--method xpbd:iterations=2,substeps=2,reset=1 --method rk4 --json")
+          .json()["rows"];
+  EXPECT_EQ(alone[0], rows[7]);
+  EXPECT_TRUE(alone[1]["iterations"].is_null());
+  if (!told.err.empty()) GTEST_SKIP() << told.err;  // without gnuplot
+  const std::string svg = read_text(shell / "map.svg");
+  for (const char* words : {"Stiffness", "Damping", "1 substep", "20 substeps", "iterations × substeps"})
+    EXPECT_TRUE(says(svg, words));
+}
+
 TEST(FidelityCommand, SaysWhatIsWrong) {
   const std::string body = "fidelity --mesh cube:n=2 ";
   expect_refusal(body + "--load press", "--rate");
@@ -42,6 +72,14 @@ TEST(FidelityCommand, SaysWhatIsWrong) {
   expect_refusal(body + "--load press --rate 60 --method vbd:iterations=0", "must be a whole number");
   expect_refusal(body + "--load press --rate 60 --method vbd:iteration=3", "did you mean 'iterations'?");
   expect_refusal(body + "--load press --rate 60 --method xpbd", "take one of the two");
+  const std::string map = body + "--load press --rate 60 --map ";
+  expect_refusal(map + "iterations", "--map is 'iterations', but there is one: iterations,substeps");
+  expect_refusal(map + "iterations,substeps", "--map is of one method, and 0 are named");
+  expect_refusal(map + "iterations,substeps --method vbd --method xpbd", "and 2 are named");
+  expect_refusal(map + "iterations,substeps --method rk4", "rk4 has no numbers of iterations and substeps");
+  expect_refusal(body + "--load press --rate 60 --output map.svg", "--output draws the map; add --map");
+  expect_refusal(map + "iterations,substeps --method vbd --output map.png",
+                 "would not be what its name says");
   expect_refusal(body + "--load breathing --rate 60", "never settles");
   expect_refusal("fidelity --problem liver_linear --rate 60", "is no body");
 }
