@@ -145,11 +145,21 @@ Figure phase_figure(const std::string& title, const std::vector<PhasePlane>& pla
 
 Figure work_figure(const std::string& title, const std::vector<WorkCurve>& curves,
                    const std::string& footer) {
-  const Axis work{.label = "work of a frame: iterations × substeps", .logarithmic = true};
+  double most = 1;
+  bool all_settle = true;
+  for (const WorkCurve& curve : curves)
+    for (std::size_t i = 0; i < curve.work.size(); ++i) {
+      most = std::max(most, curve.work[i]);
+      all_settle = all_settle && !std::isnan(curve.stiffness[i]);
+    }
+  // Room for the names, and for what the strip is called.
+  const Axis work{.label = "work of a frame: iterations × substeps",
+                  .logarithmic = true,
+                  .range = Range{all_settle ? 0.8 : 0.3, 6 * most}};
   Panel stiffness{.title = "Stiffness",
                   .x = work,
                   .y = {.label = "stiffness shown over that entered [1]"},
-                  .lost_label = "does not settle"};
+                  .lost_label = "unsettled"};
   Panel damping{.title = "Damping", .x = work, .y = {.label = "added damping ratio of the slowest mode [1]"}};
   for (std::size_t k = 0; k < curves.size(); ++k) {
     const WorkCurve& curve = curves[k];
@@ -163,7 +173,7 @@ Figure work_figure(const std::string& title, const std::vector<WorkCurve>& curve
                                    [](double value) { return std::isfinite(value); });
     if (last == curve.damping.rend()) continue;
     const auto at = static_cast<std::size_t>(curve.damping.rend() - last) - 1;
-    damping.marks.push_back({curve.work[at], *last, style, "", curve.label});
+    damping.marks.push_back({curve.work[at], *last, style, "", curve.label, true});
     damping.marks.back().style.size = 0.6;  // as large as the points of the line
   }
   // Twice the substeps halve it.

@@ -518,10 +518,14 @@ void Writer::plot(const Mark& mark, const Panel& panel, const Extent& extent) {
   if (mark.name.empty()) return;
   // Towards the middle of the panel, where there is room.
   const double x = fraction(mark.x, panel.x, extent.x), y = fraction(mark.y, panel.y, extent.y);
+  const bool left = x > 0.5 && !mark.ends;
   script_ += fmt::format(
       "set label {} at graph {:.5f},{:.5f} {} offset {},{} font 'sans-serif,12' noenhanced front\n",
-      gnuplot_string(shortened(one_line(mark.name), longest_label)), x, y, x > 0.5 ? "right" : "left",
-      x > 0.5 ? -1 : 1, y > 0.5 ? -0.8 : 0.8);
+      gnuplot_string(shortened(one_line(mark.name), longest_label)), x, y, left ? "right" : "left",
+      left ? -1 : 1,
+      mark.ends ? 0
+      : y > 0.5 ? -0.8
+                : 0.8);
 }
 
 /// The key under the panels: every entry a sample of the line with its marker, filled down the columns.

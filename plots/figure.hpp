@@ -51,6 +51,7 @@ struct Mark {
   Style style;
   std::string label = {};  ///< text in the key; marks of one label share one entry
   std::string name = {};   ///< text beside the mark
+  bool ends = false;  ///< a line, whose name stands to the right; others' towards the middle of the panel
 };
 
 struct Range {
