@@ -37,6 +37,11 @@ LoadedBody loaded_body(const RealTimeQuestion& question, const char* load, const
 /// Whether the motion ends, and not far from where it should.
 bool holds(const MotionRun& run) { return run.reached_end() && run.error < 0.1; }
 
+/// NaN where the run was stopped for its time.
+double error_of(const MotionRun& run) {
+  return run.outcome == Outcome::stopped ? RealTimeRow::none : run.error;
+}
+
 /// Steps in a frame: one, of explicit methods a power of two of them that holds the motions; 0 where none
 /// does.
 std::int64_t steps_that_hold(const Candidate& candidate, const std::vector<const LoadedBody*>& bodies,
@@ -52,7 +57,7 @@ std::int64_t steps_that_hold(const Candidate& candidate, const std::vector<const
 }
 
 /// What the steps of a frame show; an explicit method takes them in parts.
-void show_material(RealTimeRow& row, const Method& method, const FidelityModel& model, bool ceilings) {
+void show_material(RealTimeRow& row, const Method& method, const FidelityModel& model, bool ceiling) {
   const FidelityQuestion question{.h = 1 / row.rate};
   const Fidelity shown = fidelity(method, model, question);
   row.stiffness_shown = shown.stiffness_shown;
@@ -60,12 +65,12 @@ void show_material(RealTimeRow& row, const Method& method, const FidelityModel& 
     row.damping_added = shown.modes.front().zeta_shown - shown.modes.front().zeta;
     row.frequency_shift = shown.modes.front().omega_shown / shown.modes.front().omega - 1;
   }
-  row.status = shown.status;
+  row.status += (row.status.empty() || shown.status.empty() ? "" : "; ") + shown.status;
   constexpr double exact = 1e-4;  // what is solved shows what is entered
   if (std::abs(row.stiffness_shown - 1) < exact)
     row.stiffness_ceiling = std::numeric_limits<double>::infinity();
-  else if (ceilings && !std::isnan(row.stiffness_shown))
-    row.stiffness_ceiling = stiffness_ceiling(method, model, question);
+  else if (ceiling && !std::isnan(row.stiffness_shown))
+    row.stiffness_ceiling = stiffness_ceiling(method, model, question, row.stiffness_shown);
 }
 
 RealTimeRow measured_row(const RealTimeQuestion& question, const Candidate& candidate, double rate,
@@ -84,15 +89,16 @@ RealTimeRow measured_row(const RealTimeQuestion& question, const Candidate& cand
     return run_motion(candidate, body.motion, body.references.at(rate), 1 / rate, row.steps, its, watcher);
   };
   const MotionRun timed = run(pressed, length);
-  row.error_pressed = timed.error;
+  if (timed.outcome == Outcome::stopped) row.status = "stopped: its frames take ten times their time";
+  row.error_pressed = error_of(timed);
   row.frame_p99 = frame_times(timed.frames_s).p99;
   row.frames = timed.frames_s.size();
   row.missed = timed.missed;
-  row.error_grasped = run(grasped, {.most_per_frame = 10 / rate}).error;
+  row.error_grasped = error_of(run(grasped, {.most_per_frame = 10 / rate}));
   const Method method = row.steps == 1
                             ? candidate.method
                             : find_method(fmt::format("{}:substeps={}", candidate.method.id, row.steps));
-  show_material(row, method, model, question.ceilings);
+  show_material(row, method, model, rate <= question.ceilings_up_to);
   return row;
 }
 

@@ -14,8 +14,8 @@ namespace hmax {
 struct RealTimeQuestion {
   std::string body = "liver", material = "liver:male_normal";  ///< of fem_neo_hookean
   std::vector<double> rates{60, 100, 1000};                    ///< frames a second [Hz]
-  std::size_t frames = 600;                                    ///< that are timed
-  bool ceilings = true;
+  std::size_t frames = 300;                                    ///< that are timed
+  double ceilings_up_to = 100;  ///< they are sought at rates up to this one [Hz]
 };
 
 /// One method at one rate. The body is pressed, held and released, and then pulled, as advise does it.

@@ -45,7 +45,9 @@ std::vector<std::string> simulator_methods() {
           "vbd:iterations=1,substeps=10",
           "xpbd",
           "xpbd:iterations=1,substeps=10",
-          "newton_truncated"};
+          "newton_truncated",
+          "projective_dynamics",
+          "pbd"};
 }
 
 std::string why_no_candidate(const Method& method, const Problem& problem) {

@@ -101,6 +101,7 @@ Method made_with(const Method& method, const Parameters& parameters) {
   Method made = method;
   if (method.with) {
     made = method.with(Parameters(parameters.begin(), parameters.begin() + own));
+    made.family = method.family;
     made.with = method.with;
   }
   made.parameters.assign(parameters.begin(), parameters.begin() + own);

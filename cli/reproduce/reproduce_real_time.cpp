@@ -29,36 +29,31 @@ std::vector<RealTimeRow> rows_at(double rate, const std::vector<RealTimeRow>& ro
   return chosen;
 }
 
-/// The families, each with a colour and a marker of its own.
-class Families {
- public:
-  Style style_of(const std::string& family) {
-    constexpr std::array<int, 6> markers{7, 5, 9, 13, 6, 4};
-    auto at = std::ranges::find(seen_, family);
-    if (at == seen_.end()) at = seen_.insert(seen_.end(), family);
-    const auto k = static_cast<int>(at - seen_.begin());
-    return {.colour = k, .marker = wrapped(markers, k), .width = 1};
-  }
-
- private:
-  std::vector<std::string> seen_;
-};
+/// The families in their first order, each with a colour and a marker of its own.
+Style style_of(const std::string& family, const std::vector<RealTimeRow>& rows) {
+  constexpr std::array<int, 6> markers{7, 5, 9, 13, 6, 4};
+  std::vector<std::string> seen;
+  for (const RealTimeRow& row : rows)
+    if (std::ranges::find(seen, row.family) == seen.end()) seen.push_back(row.family);
+  const auto k = static_cast<int>(std::ranges::find(seen, family) - seen.begin());
+  return {.colour = k, .marker = wrapped(markers, k), .width = 1};
+}
 
 /// Rows as numbered points over the time of a frame, one panel.
+/// @param named  whether a row is far enough from the others to have its number
 Panel panel_of(double rate, const std::vector<RealTimeRow>& rows, const std::string& label,
-               double RealTimeRow::*value, Axis axis) {
+               double RealTimeRow::*value, Axis axis, bool (*named)(const RealTimeRow&)) {
   Panel panel{.title = fmt::format("{:g} Hz: {}", rate, label),
               .x = {.label = "99 % of frames within [ms]", .logarithmic = true},
               .y = std::move(axis)};
-  Families families;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double y = 100 * rows[i].*value;
     if (!(rows[i].frame_p99 > 0) || !(y > 0) || !std::isfinite(y)) continue;
     panel.marks.push_back({.x = 1000 * rows[i].frame_p99,
                            .y = y,
-                           .style = families.style_of(rows[i].family),
+                           .style = style_of(rows[i].family, rows),
                            .label = rows[i].family,
-                           .name = std::to_string(i + 1)});
+                           .name = named(rows[i]) ? std::to_string(i + 1) : ""});
   }
   return panel;
 }
@@ -83,10 +78,12 @@ Figure figure_of(const RealTimeQuestion& question, const std::vector<RealTimeRow
                 .footer = "numbers are those of the tables; one thread, " + machine};
   for (const double rate : question.rates) {
     const std::vector<RealTimeRow> own = rows_at(rate, rows);
-    for (Panel panel : {panel_of(rate, own, "error while it is pressed", &RealTimeRow::error_pressed,
-                                 {.label = "error [%]", .logarithmic = true}),
-                        panel_of(rate, own, "stiffness shown", &RealTimeRow::stiffness_shown,
-                                 {.label = "stiffness shown [%]"})}) {
+    for (Panel panel :
+         {panel_of(rate, own, "error while it is pressed", &RealTimeRow::error_pressed,
+                   {.label = "error [%]", .logarithmic = true}, [](const RealTimeRow&) { return true; }),
+          panel_of(rate, own, "stiffness shown", &RealTimeRow::stiffness_shown,
+                   {.label = "stiffness shown [%]", .range = {{0, 125}}},
+                   [](const RealTimeRow& row) { return std::abs(row.stiffness_shown - 1) > 0.01; })}) {
       add_deadline(panel, rate);
       figure.panels.push_back(std::move(panel));
     }
@@ -156,7 +153,7 @@ ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool qui
     question.body = "phantom";
     question.rates = {60};
     question.frames = 30;
-    question.ceilings = false;
+    question.ceilings_up_to = 0;
   }
   std::vector<RealTimeRow> rows;
   {

@@ -25,10 +25,13 @@ Json to_json(const Fidelity& row) {
   return {
       {"method", row.method.id},
       {"options", parameters_json(row.method.parameters)},
+      {"iterations", number_or_null(row.method.parameter("iterations"))},
+      {"substeps", number_or_null(row.method.parameter("substeps"))},
       {"h", row.h},
       {"stiffness_shown", number_or_word(row.stiffness_shown)},
       {"stiffness_ceiling", number_or_word(row.stiffness_ceiling)},
       {"modulus_to_enter", number_or_word(row.modulus_to_enter)},
+      {"settled_error", number_or_word(row.settled_error)},
       {"rest_moves", row.rest_moves},
       {"volume_kept", number_or_word(row.volume_kept)},
       {"momentum_made",
@@ -46,8 +49,6 @@ Json to_json(const Fidelity& row) {
 Json to_json(const ShownDamping& row) {
   return {{"method", row.method.id},
           {"options", parameters_json(row.method.parameters)},
-          {"iterations", number_or_null(row.method.parameter("iterations"))},
-          {"substeps", number_or_null(row.method.parameter("substeps"))},
           {"h", row.h},
           {"modes", modes_json(row.modes)},
           {"growth", number_or_word(row.growth)},

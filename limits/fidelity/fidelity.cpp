@@ -450,7 +450,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   if (row.stiffness_shown < 0) say(row, "it settles against the load");
   if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
     say(row, fmt::format("without load it moves {} mm from rest", short_number(1000 * row.rest_moves, 3)));
-  if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.01)
+  if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.05)
     say(row,
         fmt::format("its inner forces alone make {} % of momentum in a step", short_number(100 * made, 2)));
   if (!shown.linear)

@@ -94,13 +94,15 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   settings.basis = std::min<Eigen::Index>(80, 2 * n);
   settings.kept = std::min<Eigen::Index>(40, std::max<Eigen::Index>(1, settings.basis / 2));
   settings.most_products = 1200;
-  constexpr double resolved = 1e-3, tolerance = 1e-5;
+  constexpr double resolved = 1e-3, tolerance = 1e-5, barely = 1e-5;
   if (shown.linear)
     visit_ritz_spectra(A, start, settings, 20, [&](const RitzSpectrum& spectrum) {
       const RitzValue& largest = spectrum.values.front();
-      // Beside a residual an excess over 1 is nothing unless it is much larger.
-      if (const double modulus = std::abs(largest.value); largest.residual < 0.05 * std::abs(modulus - 1))
-        shown.largest = largest.value;
+      // Slow and fast motions make the step far from normal: only a residual that is nothing beside the
+      // excess over 1 tells growth.
+      const double excess = std::abs(largest.value) - 1;
+      const bool grows = excess > barely && largest.residual < 1e-3 * excess;
+      shown.largest = grows || excess <= barely ? largest.value : 1.0;
       found = alone;
       for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
         const std::complex<double> value = spectrum.values[i].value;
@@ -112,7 +114,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
                         spectrum.values[i].residual / std::abs(1.0 - value));
       }
       return spectrum.invariant ||
-             (largest.residual < resolved &&
+             ((grows || (excess <= barely && largest.residual < resolved)) &&
               std::ranges::all_of(found, [](const FoundMode& each) { return each.converged(tolerance); }));
     });
   for (std::size_t k = 0; k < modes.size(); ++k) shown.modes.push_back(found[k].shown(modes[k]));

@@ -148,7 +148,7 @@ TEST(SimulatorMethods, HoldThoseOfAFixedNumberOfIterationsOnBodies) {
         candidates(choose_methods(simulator_methods(), {problem}), problem),
         [](const Candidate& each) { return each.method.parameter("iterations").has_value(); });
   };
-  EXPECT_EQ(fixed(damped_body()), 5);
+  EXPECT_EQ(fixed(damped_body()), 6);
   EXPECT_EQ(fixed(make_problem("liver_forced")), 0);
 }
 

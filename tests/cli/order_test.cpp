@@ -15,9 +15,12 @@ TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNon
   for (const Json& method : shell.hmax("list methods --json").json()) {
     const std::string id = method.at("id");
     if (method.at("needs_body")) {
+      // Lengths that are kept whatever the modulus are no approximation of the model.
+      const bool knows_modulus = id != "pbd";
       const Told told =
-          shell.hmax("order --json --mesh cube:n=1 --model fem_neo_hookean --load press --method " + id);
-      EXPECT_EQ(told.exit_code, 0) << id << told.out << told.err;
+          shell.hmax("order --json --mesh cube:n=1 --load press --model " +
+                     std::string(knows_modulus ? "fem_neo_hookean" : "mass_spring") + " --method " + id);
+      EXPECT_EQ(told.exit_code, knows_modulus ? 0 : 1) << id << told.out << told.err;
       continue;
     }
     const double tolerance = method.at("family") == "adams" || method.at("order") >= 6 ? 0.2 : 0.1;

@@ -37,6 +37,13 @@ TEST(Catalogue, FactsOfEveryMethodAgreeWithOneAnother) {
   }
 }
 
+TEST(Catalogue, AMethodOfOtherParametersStaysInItsFamily) {
+  for (const char* name : {"newmark:beta=0.3", "vbd:iterations=3", "rk4:substeps=2"})
+    EXPECT_EQ(find_method(name).family,
+              find_method(std::string_view(name).substr(0, std::string_view(name).find(':'))).family)
+        << name;
+}
+
 TEST(Catalogue, EveryMethodOfFixedStepsTakesThemInParts) {
   const Problem problem = make_problem("liver_forced");
   for (const Method& method : methods()) {
