@@ -16,6 +16,7 @@
 #include "catalogue/models/equilibria/resisting_model.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
@@ -64,7 +65,7 @@ void observe_limit(AdviceRow& row, const AnalysedModel& model, const Watcher& wa
   };
   const auto say = [&](const std::string& why) {
     row.unobserved = why;
-    row.status += (row.status.empty() ? "" : "; ") + why;
+    add_sentence(row.status, why);
   };
   double low = 0, high = 0;
   for (const double share : {1.02, 1.25}) {

@@ -14,6 +14,7 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -21,10 +22,6 @@ namespace hmax {
 namespace {
 
 using Eigen::VectorXd;
-
-void say(AdviceRow& row, const std::string& sentence) {
-  row.status += (row.status.empty() ? "" : "; ") + sentence;
-}
 
 /// Whether a step from rest in the equilibrium stays there, to a millionth of the way that the slowest motion
 /// goes in one.
@@ -61,9 +58,9 @@ class ShownMaterial {
       row.damping_added[k] = mode.zeta_shown - mode.zeta;
       row.frequency_shift[k] = mode.omega_shown / mode.omega - 1;
     }
-    if (!shown.status.empty()) say(row, shown.status);
+    if (!shown.status.empty()) add_sentence(row.status, shown.status);
     if (!shows_other_material(row)) return;
-    say(row, fmt::format("stable, but {} your stiffness", in_words(row.stiffness_shown)));
+    add_sentence(row.status, fmt::format("stable, but {} your stiffness", in_words(row.stiffness_shown)));
     if (row.stiffness_shown < 1)
       row.stiffness_ceiling =
           stiffness_ceiling(row.candidate.method, model_, {.h = row.h, .watch = watch_}, row.stiffness_shown);
@@ -136,7 +133,7 @@ void tell_material(std::span<AdviceRow> rows, const FidelityModel& model, double
   } catch (const OutOfTime&) {
     for (AdviceRow* row : moved)
       if (std::isnan(row->stiffness_shown))
-        say(*row, "what it shows of the stiffness was not sought in time");
+        add_sentence(row->status, "what it shows of the stiffness was not sought in time");
   }
 }
 

@@ -8,6 +8,7 @@
 #include "analysis/spectrum/spectrum.hpp"
 #include "analysis/statics/equilibrium.hpp"
 #include "core/errors.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"
@@ -49,9 +50,7 @@ StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const L
                     .state_kind = std::string(name_of(near.point.kind)),
                     .status = near.point.status};
   if (row.h_max) answer.h_max = *row.h_max;
-  const auto say = [&](const std::string& sentence) {
-    if (!sentence.empty()) answer.status += (answer.status.empty() ? "" : "; ") + sentence;
-  };
+  const auto say = [&](const std::string& sentence) { add_sentence(answer.status, sentence); };
   say(row.note);
   if (!verified) return answer;
   if (row.observed && !std::isnan(row.observed->h_max))

@@ -14,6 +14,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "limits/problem_linearity.hpp"
@@ -174,7 +175,7 @@ void tell_rounded(Linearised& near) {
       "with more digits if it is one",
       near.modes.rounded);
   near.point.state += "; " + words;
-  near.point.status += (near.point.status.empty() ? "" : "; ") + words;
+  add_sentence(near.point.status, words);
 }
 }  // namespace
 

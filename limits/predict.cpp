@@ -13,6 +13,7 @@
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "integrators/structural/structural.hpp"
 #include "limits/modes/mode_curve.hpp"
@@ -417,7 +418,7 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   if (row.growing) {
     std::string words = growth_in_words(*row.growing, point);
     if (row.h_max) words += other_modes;
-    row.note = words + (row.note.empty() ? "" : "; ") + row.note;
+    row.note = joined(words, row.note);
   }
   return row;
 }

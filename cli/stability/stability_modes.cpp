@@ -16,6 +16,7 @@
 #include "cli/stability/operating_point.hpp"
 #include "cli/stability/stability.hpp"
 #include "core/errors.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/modes/fastest_mode.hpp"
 #include "limits/predict.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
@@ -150,8 +151,7 @@ void write_shapes(const std::string& file, const TissueBody& body, const std::ve
 
 Json to_json(const ModesOptions& options, const Problem& problem, const OperatingPoint& point,
              const std::vector<ModeReport>& modes) {
-  const std::string status =
-      point.status + (point.status.empty() || point.missing.empty() ? "" : "; ") + point.missing;
+  const std::string status = joined(point.status, point.missing);
   Json list = Json::array();
   for (const ModeReport& mode : modes) list.push_back(to_json(mode));
   return {{"problem", problem.id},

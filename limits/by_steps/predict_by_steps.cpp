@@ -14,6 +14,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/by_steps/old_jacobian.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
@@ -78,9 +79,7 @@ std::string words_of_jacobian(const StepChoices& options, bool same_state) {
   return "the Jacobian is that of this state";
 }
 
-void say(Prediction& row, const std::string& sentence) {
-  row.note += (row.note.empty() ? "" : "; ") + sentence;
-}
+void say(Prediction& row, const std::string& sentence) { add_sentence(row.note, sentence); }
 
 void put_limit(Prediction& row, const StepMapLimit& limit, const StepMapSettings& settings) {
   row.modes.clear();

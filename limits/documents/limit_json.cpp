@@ -8,6 +8,7 @@
 
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/documents/number_json.hpp"
 
 namespace hmax {
@@ -36,11 +37,6 @@ Json mode_json(const Mode& mode) {
   const auto rates = mode.rates.value_or(std::array{LimitRow::none, LimitRow::none});
   return mode_json(mode.lambda.real(), mode.lambda.imag(), mode.omega.value_or(LimitRow::none),
                    mode.zeta.value_or(LimitRow::none), rates[0], rates[1]);
-}
-
-/// "a; b", or the one of them that says something.
-std::string both(const std::string& a, const std::string& b) {
-  return a + (a.empty() || b.empty() ? "" : "; ") + b;
 }
 
 /// The largest step that runs of the motion showed to be safe.
@@ -121,7 +117,7 @@ Json path_json(const TrajectoryLimit& along, const LimitRow& row, const Problem&
   document["growing_share"] = along.growing;
   if (!of_load && !of_matrices) document["tolerances"] = tolerances_json(along.tolerances);
   document["path"] = std::move(path);
-  const std::string status = both(words_of_growth(row), row.path_note);
+  const std::string status = joined(words_of_growth(row), row.path_note);
   if (!status.empty()) document["status"] = status;
   return document;
 }
@@ -155,7 +151,7 @@ Json to_json(const LimitRow& row, const std::string& state_status,
                                {"is_limit", row.newton == "limit"},
                                {"error_mm", number_or_null(1000 * row.newton_error)},
                                {"error_bound_mm", number_or_null(1000 * row.newton_error_bound)}};
-  const std::string status = both(state_status, row.note);
+  const std::string status = joined(state_status, row.note);
   if (!status.empty()) document["status"] = status;
   if (details.contains("along")) document["along"] = std::move(details["along"]);
   if (row.point.path == "motion") document["safe"] = safe_json(row);

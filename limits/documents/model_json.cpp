@@ -10,6 +10,7 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/size_limits.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/documents/number_json.hpp"
 #include "limits/modes/fastest_mode.hpp"
 #include "limits/problem_linearity.hpp"
@@ -174,7 +175,7 @@ std::string status_of_state(const Json& model, const Problem& problem) {
     missing = fmt::format(
         "the load of {} changes with time, and the limits are those of one state; look at the others with --along motion",
         problem.id);
-  return status + (status.empty() || missing.empty() ? "" : "; ") + missing;
+  return joined(status, missing);
 }
 
 }  // namespace hmax
