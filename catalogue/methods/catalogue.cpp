@@ -45,7 +45,7 @@ Method in_parts(Method method, double parts) {
         "{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for instance {1}:{0}=4",
         substeps, method.id, to_text(parts)));
   const auto part = [parts](RunSpec spec) {
-    if (!spec.adaptive) spec.h /= parts;
+    spec.h /= parts;
     return spec;
   };
   method.bind = [part, parts, whole = method.bind](const Problem& problem) {
@@ -62,6 +62,7 @@ Method in_parts(Method method, double parts) {
       };
     return runner;
   };
+  method.error_order = 0;  // adaptive runs choose their steps themselves
   method.amplification.reset();
   if (!method.needs_second_order) measure_amplification(method);
   return method;

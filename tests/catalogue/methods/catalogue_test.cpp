@@ -56,6 +56,7 @@ TEST(Catalogue, EveryMethodOfFixedStepsTakesThemInParts) {
     const RunRecord whole = parts.bind(problem).run({.t_end = 1, .h = 0.25}, {}),
                     small = method.bind(problem).run({.t_end = 1, .h = 0.0625}, {});
     EXPECT_EQ(whole.y, small.y) << method.id;
+    EXPECT_FALSE(parts.adaptive()) << method.id;
     if (method.parameters.empty()) {
       EXPECT_EQ(find_method(method.id + ":substeps=1").id, method.id);
     }
