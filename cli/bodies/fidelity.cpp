@@ -101,7 +101,7 @@ std::vector<Method> methods_of(const FidelityOptions& options, const Problem& pr
   if (!options.map.empty()) return methods_of_map(options);
   std::vector<Method> methods;
   for (const std::string& name : options.methods) methods.push_back(find_method(name));
-  return methods.empty() ? positional_methods(problem) : methods;
+  return methods.empty() ? methods_of_simulators(problem) : methods;
 }
 
 /// "5000", "5kPa", "0.2 MPa" [Pa]. @throws InputError  for what is none, or not positive

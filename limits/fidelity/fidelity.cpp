@@ -13,6 +13,7 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/fidelity/settled_state.hpp"
 #include "limits/fidelity/steps_stiffness.hpp"
@@ -25,10 +26,6 @@ namespace hmax {
 namespace {
 
 using Eigen::VectorXd;
-
-void say(Fidelity& row, const std::string& sentence) {
-  row.status += (row.status.empty() ? "" : "; ") + sentence;
-}
 
 double volume_of(const TissueBody& body, const VectorXd& q) {
   TetMesh moved = body.mesh();
@@ -290,17 +287,19 @@ double gap_of(const Fidelity& row) {
 void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
   row.stiffness_ceiling = stiffness_ceiling(row.method, model, question, row.stiffness_shown);
   if (std::isnan(row.stiffness_ceiling) && model.problem.body->settings().elastic_supports.empty())
-    say(row, "no ceiling was found: with a larger modulus it does not settle, or against the load");
+    add_sentence(row.status,
+                 "no ceiling was found: with a larger modulus it does not settle, or against the load");
   if (!question.wanted) return;
   if (std::isnan(exact_sag(model, *question.wanted / young_of(model.problem))))
-    return say(row, fmt::format("the model with {} Pa has no equilibrium to compare with",
-                                short_number(*question.wanted, 4)));
+    return add_sentence(row.status, fmt::format("the model with {} Pa has no equilibrium to compare with",
+                                                short_number(*question.wanted, 4)));
   row.modulus_to_enter = modulus_to_enter(row.method, model, question);
   if (!std::isnan(row.modulus_to_enter)) return;
-  say(row, *question.wanted >= row.stiffness_ceiling
-               ? fmt::format("it shows at most {} Pa, however stiff the material that is entered",
-                             short_number(row.stiffness_ceiling, 4))
-               : "no modulus was found with which it settles as the model does with the wanted one");
+  add_sentence(row.status,
+               *question.wanted >= row.stiffness_ceiling
+                   ? fmt::format("it shows at most {} Pa, however stiff the material that is entered",
+                                 short_number(row.stiffness_ceiling, 4))
+                   : "no modulus was found with which it settles as the model does with the wanted one");
 }
 
 /// The slowest modes of the undamped body near `y`, with what its damping makes of each alone, x^T C x = 2
@@ -338,7 +337,7 @@ void add_modes(FidelityModel& model, const VectorXd& y, std::size_t modes) {
 
 }  // namespace
 
-std::vector<Method> positional_methods(const Problem& problem) {
+std::vector<Method> methods_of_simulators(const Problem& problem) {
   std::vector<Method> methods;
   for (const char* name : {"symplectic_euler", "symplectic_euler:substeps=10", "implicit_euler",
                            "newton_truncated", "projective_dynamics", "vbd", "vbd:iterations=1,substeps=10",
@@ -408,17 +407,11 @@ double stiffness_ceiling(const Method& method, const FidelityModel& model, const
   // Springs as supports stay, and sag under the stiffest body; k is no modulus.
   const TissueSettings& settings = model.problem.body->settings();
   if (!settings.elastic_supports.empty() || settings.springs.stiffness > 0) return Fidelity::none;
-  constexpr double stride = 100, most = 1e8;
-  double before = stiffness_shown * young_of(model.problem);
-  for (double factor = stride; factor <= most; factor *= stride) {
-    const double shown = modulus_shown(method, model, factor, question);
-    if (std::isnan(shown) || std::isnan(before)) return Fidelity::none;
-    // Beyond, E_shown = ceiling (1 - c / E): the last of a geometric sequence.
-    if (shown < 1.05 * before) return shown + (shown - before) / (stride - 1);
-    before = shown;
-  }
-  // Of exact equations all that is entered.
-  return infinity;
+  const double E = young_of(model.problem);
+  const auto shown = [&](double factor) {
+    return factor == 1 ? stiffness_shown : modulus_shown(method, model, factor, question) / E;
+  };
+  return E * stiffness_ceiling(shown, 1e8);
 }
 
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
@@ -430,14 +423,16 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   const Settled found = settle(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
-    say(row, found.loaded.settled ? "without load " + unsettled_in_words(found.rest)
-                                  : unsettled_in_words(found.loaded));
+    add_sentence(row.status, found.loaded.settled ? "without load " + unsettled_in_words(found.rest)
+                                                  : unsettled_in_words(found.loaded));
     return row;
   }
   StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
   if (grows(shown)) {
-    say(row, fmt::format("about its settled state its steps grow by {} each, so that it does not stay there",
-                         growth_in_words(std::abs(shown.largest))));
+    add_sentence(
+        row.status,
+        fmt::format("about its settled state its steps grow by {} each, so that it does not stay there",
+                    growth_in_words(std::abs(shown.largest))));
     return row;
   }
   row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
@@ -447,25 +442,26 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   row.rest_moves = largest_displacement(found.rest.q);
   row.momentum = momentum_made(method, model.problem, model.equilibrium, question.h);
   row.modes = std::move(shown.modes);
-  if (row.stiffness_shown < 0) say(row, "it settles against the load");
+  if (row.stiffness_shown < 0) add_sentence(row.status, "it settles against the load");
   if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
-    say(row, fmt::format("without load it moves {} mm from rest", short_number(1000 * row.rest_moves, 3)));
+    add_sentence(row.status, fmt::format("without load it moves {} mm from rest",
+                                         short_number(1000 * row.rest_moves, 3)));
   if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.05)
-    say(row,
-        fmt::format("its inner forces alone make {} % of momentum in a step", short_number(100 * made, 2)));
+    add_sentence(row.status, fmt::format("its inner forces alone make {} % of momentum in a step",
+                                         short_number(100 * made, 2)));
   if (!shown.linear)
-    say(row, fmt::format("{}; runs do", not_linear));
+    add_sentence(row.status, fmt::format("{}; runs do", not_linear));
   else if (row.modes.empty())
-    say(row, std::string(unknown_modes));
+    add_sentence(row.status, std::string(unknown_modes));
   else if (std::isnan(row.modes.front().omega_shown))
-    say(row, "no eigenvalue of its steps is like the slowest mode");
+    add_sentence(row.status, "no eigenvalue of its steps is like the slowest mode");
   if (asks_moduli) find_moduli(row, model, question);
   if (question.verify) {
     row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
     row.contradiction = row.gap > 0.05;
     if (std::isnan(row.observed->stiffness_shown))
-      say(row, fmt::format("a run from rest still moves after {} steps", most_observed));
+      add_sentence(row.status, fmt::format("a run from rest still moves after {} steps", most_observed));
   }
   return row;
 }

@@ -103,7 +103,7 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
                            const std::function<void()>& watch = {});
 
 /// What simulators step soft bodies with, as far as it suits the body.
-std::vector<Method> positional_methods(const Problem& problem);
+std::vector<Method> methods_of_simulators(const Problem& problem);
 
 /// Fidelity::stiffness_ceiling alone: where the modulus shown no longer grows with the modulus entered. NaN
 /// also of springs of a given stiffness.

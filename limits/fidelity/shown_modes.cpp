@@ -98,10 +98,10 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   if (shown.linear)
     visit_ritz_spectra(A, start, settings, 20, [&](const RitzSpectrum& spectrum) {
       const RitzValue& largest = spectrum.values.front();
-      // Slow and fast motions make the step far from normal: only a residual that is nothing beside the
-      // excess over 1 tells growth.
+      // Slow and fast motions make the step far from normal: a residual bounds the error of an eigenvalue by
+      // its condition alone.
       const double excess = std::abs(largest.value) - 1;
-      const bool grows = excess > barely && largest.residual < 1e-3 * excess;
+      const bool grows = excess > barely && largest.condition * largest.residual < 0.05 * excess;
       shown.largest = grows || excess <= barely ? largest.value : 1.0;
       found = alone;
       for (std::size_t i = 0; i < spectrum.values.size(); ++i) {

@@ -262,7 +262,7 @@ py::object fidelity_of_body(const Body& body, double rate, const std::vector<std
         }};
     std::vector<Method> methods;
     for (const std::string& name : names) methods.push_back(find_method(name));
-    if (methods.empty()) methods = positional_methods(problem);
+    if (methods.empty()) methods = methods_of_simulators(problem);
     const FidelityModel model = fidelity_model(problem, question.watch);
     std::vector<Fidelity> rows;
     for (const Method& method : methods) rows.push_back(fidelity(method, model, question));
