@@ -10,6 +10,8 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/families.hpp"
 #include "catalogue/models/problems.hpp"
+#include "core/numbers.hpp"
+#include "core/text/sentences.hpp"
 #include "limits/fidelity/fidelity.hpp"
 
 namespace hmax {
@@ -65,12 +67,13 @@ void show_material(RealTimeRow& row, const Method& method, const FidelityModel& 
     row.damping_added = shown.modes.front().zeta_shown - shown.modes.front().zeta;
     row.frequency_shift = shown.modes.front().omega_shown / shown.modes.front().omega - 1;
   }
-  row.status += (row.status.empty() || shown.status.empty() ? "" : "; ") + shown.status;
-  constexpr double exact = 1e-4;  // what is solved shows what is entered
-  if (std::abs(row.stiffness_shown - 1) < exact)
-    row.stiffness_ceiling = std::numeric_limits<double>::infinity();
-  else if (ceiling && !std::isnan(row.stiffness_shown))
-    row.stiffness_ceiling = stiffness_ceiling(method, model, question, row.stiffness_shown);
+  add_sentence(row.status, shown.status);
+  if (std::isnan(row.stiffness_shown)) return;
+  if (method.parameter("iterations")) {
+    if (ceiling) row.stiffness_ceiling = stiffness_ceiling(method, model, question, row.stiffness_shown);
+  } else if (!method.is_explicit) {
+    row.stiffness_ceiling = infinity;  // its equations are solved; explicit steps grow before
+  }
 }
 
 RealTimeRow measured_row(const RealTimeQuestion& question, const Candidate& candidate, double rate,
