@@ -101,7 +101,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
       // Slow and fast motions make the step far from normal: a residual bounds the error of an eigenvalue by
       // its condition alone.
       const double excess = std::abs(largest.value) - 1;
-      const bool grows = excess > barely && largest.condition * largest.residual < 0.05 * excess;
+      const bool grows = excess > barely && largest.condition * largest.residual < resolved * excess;
       shown.largest = grows || excess <= barely ? largest.value : 1.0;
       found = alone;
       for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
