@@ -385,9 +385,11 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   row.state = point.state;
   if (!method.amplification) {
     if (!method.fixed_step) row.bound = Bound::error_control;
-    row.note = method.fixed_step
-                   ? "its iterations couple all points, so that no mode alone tells what a step makes of it"
-                   : "the method chooses its steps as it runs";
+    row.note =
+        !method.fixed_step ? "the method chooses its steps as it runs"
+        : method.unsuited
+            ? "its iterations couple all points, so that no mode alone tells what a step makes of it"
+            : "its steps are of parts; take the method without substeps, whose limit is that of a part";
     return row;
   }
   row.note = obstacle(method, point.model);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -46,12 +47,18 @@ Method in_parts(Method method, double parts) {
         substeps, method.id, to_text(parts)));
   const auto part = [parts](RunSpec spec) {
     spec.h /= parts;
+    spec.max_steps = static_cast<std::int64_t>(std::min(1e18, static_cast<double>(spec.max_steps) * parts));
     return spec;
   };
   method.bind = [part, parts, whole = method.bind](const Problem& problem) {
     Runner runner = whole(problem);
-    runner.run = [part, run = runner.run](const RunSpec& spec, const Sink& sink) {
-      return run(part(spec), sink);
+    runner.run = [part, parts, run = runner.run](const RunSpec& spec, const Sink& sink) {
+      if (!sink || spec.every > 0) return run(part(spec), sink);
+      // Whole steps are seen, and the end.
+      std::int64_t seen = 0;
+      return run(part(spec), [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        if (seen++ % static_cast<std::int64_t>(parts) == 0 || t >= spec.t_end) sink(t, y);
+      });
     };
     runner.repeat = [ part, repeat = runner.repeat ](const RunSpec& spec, std::int64_t runs) -> const auto& {
       return repeat(part(spec), runs);

@@ -4,6 +4,7 @@
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -57,6 +58,9 @@ TEST(Catalogue, EveryMethodOfFixedStepsTakesThemInParts) {
                     small = method.bind(problem).run({.t_end = 1, .h = 0.0625}, {});
     EXPECT_EQ(whole.y, small.y) << method.id;
     EXPECT_FALSE(parts.adaptive()) << method.id;
+    std::vector<double> times;
+    parts.bind(problem).run({.t_end = 1, .h = 0.25}, [&](double t, const auto&) { times.push_back(t); });
+    EXPECT_EQ(times, (std::vector<double>{0, 0.25, 0.5, 0.75, 1})) << method.id;
     if (method.parameters.empty()) {
       EXPECT_EQ(find_method(method.id + ":substeps=1").id, method.id);
     }
