@@ -103,6 +103,14 @@ Parameters parameters_of(const Method& method, std::string_view text) {
   return parameters;
 }
 
+/// ":beta=0.25,gamma=0.5"; empty of none.
+std::string suffix_of(const Parameters& parameters) {
+  std::string suffix;
+  for (const auto& [name, value] : parameters)
+    suffix += fmt::format("{}{}={}", suffix.empty() ? ":" : ",", name, to_text(value));
+  return suffix;
+}
+
 /// A method of the catalogue with these values of its own parameters, and of substeps behind them.
 Method made_with(const Method& method, const Parameters& parameters) {
   const auto own = static_cast<std::ptrdiff_t>(method.parameters.size());
@@ -117,10 +125,7 @@ Method made_with(const Method& method, const Parameters& parameters) {
     made = in_parts(std::move(made), parameters.back().second);
     made.parameters = parameters;
   }
-  std::string suffix;
-  for (const auto& [name, value] : made.parameters)
-    suffix += fmt::format("{}{}={}", suffix.empty() ? ":" : ",", name, to_text(value));
-  made.id = method.id + suffix;
+  made.id = method.id + suffix_of(made.parameters);
   return made;
 }
 
@@ -239,7 +244,7 @@ Method with_values(const Method& method, const Parameters& changed) {
       at->second = value;
     else
       parameters.emplace_back(name, value);
-  return made_with(find_method(std::string_view(method.id).substr(0, method.id.find(':'))), parameters);
+  return find_method(method.id.substr(0, method.id.find(':')) + suffix_of(parameters));
 }
 
 const Family* family_of(const Method& method) {

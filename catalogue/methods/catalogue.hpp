@@ -18,7 +18,7 @@ const std::vector<Method>& methods();
 Method find_method(std::string_view name);
 
 /// The method with other values of some of its parameters.
-/// @throws InputError  for values that make no method
+/// @throws InputError  for names that it has not, and values that make no method
 Method with_values(const Method& method, const Parameters& changed);
 
 /// The families of methods(), in their order.

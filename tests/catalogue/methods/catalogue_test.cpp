@@ -45,6 +45,13 @@ TEST(Catalogue, AMethodOfOtherParametersStaysInItsFamily) {
         << name;
 }
 
+TEST(Catalogue, ChangesParametersOfAMethodByTheirNames) {
+  const Method vbd = find_method("vbd:iterations=3,rho=0.5");
+  EXPECT_EQ(with_values(vbd, {{"substeps", 4}}).id, "vbd:iterations=3,substeps=4,rho=0.5");
+  EXPECT_EQ(with_values(find_method("rk4"), {{"substeps", 4}}).id, "rk4:substeps=4");
+  EXPECT_THROW(with_values(find_method("rk4"), {{"iterations", 4}}), InputError);
+}
+
 TEST(Catalogue, EveryMethodOfFixedStepsTakesThemInParts) {
   const Problem problem = make_problem("liver_forced");
   for (const Method& method : methods()) {
