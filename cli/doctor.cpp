@@ -10,7 +10,7 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "core/ranks/module.hpp"
 #include "core/ranks/ranks.hpp"
 #include "limits/distributed/distributed_engine.hpp"

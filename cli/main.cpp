@@ -13,7 +13,7 @@
 #include "cli/shared/last_resort.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "core/errors.hpp"
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "core/own_files.hpp"
 #include "core/process/heap.hpp"
 #include "results/build_info.hpp"

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "core/numbers.hpp"
 #include "core/text/digest.hpp"
 #include "results/build_info.hpp"

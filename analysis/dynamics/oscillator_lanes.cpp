@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analysis/dynamics/lane_rk.hpp"
-#include "core/compiled_for.hpp"
-#include "core/cosines.hpp"
+#include "core/instructions/compiled_for.hpp"
+#include "core/instructions/cosines.hpp"
 #include "integrators/control.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/state.hpp"

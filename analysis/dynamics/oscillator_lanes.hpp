@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "integrators/stepper.hpp"
 #include "integrators/tolerances.hpp"
 #include "problems/oscillator/oscillator.hpp"

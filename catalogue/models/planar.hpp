@@ -12,7 +12,7 @@
 #include "analysis/dynamics/differences.hpp"
 #include "analysis/dynamics/phase_plane.hpp"
 #include "catalogue/methods/method.hpp"
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "integrators/tolerances.hpp"
 #include "results/table.hpp"
 

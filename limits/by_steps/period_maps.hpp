@@ -9,7 +9,7 @@
 
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/method.hpp"
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
 

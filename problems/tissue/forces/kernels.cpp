@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
 

@@ -1,7 +1,7 @@
 /// A function compiled for every instruction set, from one source.
 #pragma once
 
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
 

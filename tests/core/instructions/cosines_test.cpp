@@ -1,4 +1,4 @@
-#include "core/cosines.hpp"
+#include "core/instructions/cosines.hpp"
 
 #include <bit>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
 

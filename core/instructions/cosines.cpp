@@ -5,7 +5,7 @@
 // Developed at SunSoft, a Sun Microsystems, Inc. business.
 // Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice
 // is preserved.
-#include "core/cosines.hpp"
+#include "core/instructions/cosines.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/compiled_for.hpp"
+#include "core/instructions/compiled_for.hpp"
 
 namespace hmax {
 

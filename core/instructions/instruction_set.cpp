@@ -1,4 +1,4 @@
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 
 #include <algorithm>
 #include <cstdlib>
