@@ -21,14 +21,20 @@ struct PointForce {
   Eigen::Matrix3d C = Eigen::Matrix3d::Zero();  ///< -dF_i/dv_i [N s/m]
 };
 
-/// C(q) = 0 with the energy C^2 / (2 alpha), at one q.
+/// C(q) = 0 with the energy C^2 / (2 alpha), at one q. What set() and add() do not write has no value.
 struct CompliantConstraint {
-  std::size_t points = 0;                     ///< how many it moves, at most 4
-  std::array<std::int32_t, 4> point{};        ///< their numbers
-  std::array<Eigen::Vector3d, 4> gradient{};  ///< dC/dq_i of each
-  double value = 0;                           ///< C
-  double compliance = 0;                      ///< alpha
+  double value;                             ///< C
+  double compliance;                        ///< alpha
+  std::size_t points;                       ///< how many it moves, at most 4
+  std::array<std::int32_t, 4> point;        ///< their numbers
+  std::array<Eigen::Vector3d, 4> gradient;  ///< dC/dq_i of each
 
+  /// No points yet.
+  void set(double its_value, double its_compliance) {
+    value = its_value;
+    compliance = its_compliance;
+    points = 0;
+  }
   /// One more point; held ones, of a negative number, do not count.
   void add(std::int32_t number, const Eigen::Vector3d& slope) {
     if (number < 0) return;

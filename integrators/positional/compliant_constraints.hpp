@@ -1,10 +1,16 @@
 /// Extended position-based dynamics: implicit Euler by meeting one compliant constraint after the other.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "core/parallel_for.hpp"
 #include "integrators/positional/positional_system.hpp"
 #include "integrators/stats.hpp"
 
@@ -55,30 +61,46 @@ class CompliantConstraints {
   template <ConstrainedSystem Sys>
   void improve(const Sys& system, double, double h, Eigen::VectorXd& q, ImplicitWork&) {
     if (reset_) lambda_.setZero();
-    const double viscous = share_ ? 0 : system.stiffness_damping() / h, share = share_.value_or(1);
-    CompliantConstraint at;
-    for (const std::vector<std::int32_t>& colour : system.constraint_colours())
-      for (const std::int32_t c : colour) {
-        system.constraint(q, c, at);
-        const double compliance = share_ ? 0 : at.compliance / (h * h);
-        double sum = 0, change = 0;  // sum of w |dC|^2, and dC.(q - q_0)
-        for (std::size_t i = 0; i < at.points; ++i) {
-          const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-          sum += at.gradient[i].squaredNorm() * w_[first];
-          if (viscous > 0) change += at.gradient[i].dot(q.segment<3>(first) - start_.segment<3>(first));
+    const double viscous = share_ ? 0 : system.stiffness_damping() / h;
+    for (const std::vector<std::int32_t>& colour : system.constraint_colours()) {
+      const auto meet_some = [&](std::size_t begin, std::size_t end) {
+        std::array<CompliantConstraint, at_once> at;
+        for (std::size_t first = begin; first < end; first += at_once) {
+          const auto some = std::span(colour).subspan(first, std::min(at_once, end - first));
+          system.constraints(q, some, std::span(at).first(some.size()));
+          for (std::size_t i = 0; i < some.size(); ++i) meet(at[i], h, viscous, lambda_[some[i]], q);
         }
-        const double divisor = (1 + viscous) * sum + compliance;
-        if (!(divisor > 0)) continue;  // nothing that it moves
-        const double step = share * (-at.value - compliance * lambda_[c] - viscous * change) / divisor;
-        lambda_[c] += step;
-        for (std::size_t i = 0; i < at.points; ++i) {
-          const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-          q.segment<3>(first) += step * w_[first] * at.gradient[i];
-        }
-      }
+      };
+      parallel_rows(colour.size(), entries_of_a_constraint * colour.size(), meet_some);
+    }
   }
 
  private:
+  /// Constraints that are evaluated before they are met.
+  static constexpr std::size_t at_once = 16;
+  /// The work of one in entries of a matrix product, for parallel_rows().
+  static constexpr std::size_t entries_of_a_constraint = 40;
+
+  /// @param viscous  g
+  void meet(const CompliantConstraint& at, double h, double viscous, double& lambda,
+            Eigen::VectorXd& q) const {
+    const double compliance = share_ ? 0 : at.compliance / (h * h);
+    double sum = 0, change = 0;  // sum of w |dC|^2, and dC.(q - q_0)
+    for (std::size_t i = 0; i < at.points; ++i) {
+      const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
+      sum += at.gradient[i].squaredNorm() * w_[first];
+      if (viscous > 0) change += at.gradient[i].dot(q.segment<3>(first) - start_.segment<3>(first));
+    }
+    const double divisor = (1 + viscous) * sum + compliance;
+    if (!(divisor > 0)) return;  // nothing that it moves
+    const double step = share_.value_or(1) * (-at.value - compliance * lambda - viscous * change) / divisor;
+    lambda += step;
+    for (std::size_t i = 0; i < at.points; ++i) {
+      const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
+      q.segment<3>(first) += step * w_[first] * at.gradient[i];
+    }
+  }
+
   bool reset_;
   std::optional<double> share_;
   Eigen::VectorXd lambda_;            ///< of each constraint, times h^2

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -47,11 +48,13 @@ concept WeightedSystem = PositionalSystem<S> && requires(const S& system) {
 /// the stiffness of the constraints, J^T compliance^-1 J.
 template <class S>
 concept ConstrainedSystem = PositionalSystem<S> &&
-    requires(const S& system, const Eigen::VectorXd& q, std::int32_t constraint, CompliantConstraint& at) {
+    requires(const S& system, const Eigen::VectorXd& q, std::span<const std::int32_t> constraints,
+             std::span<CompliantConstraint> at) {
   // constraints of one colour have no point in common
   { system.constraint_colours() } -> std::convertible_to<const Colours&>;
   { system.stiffness_damping() } -> std::convertible_to<double>;  // beta [s]
-  system.constraint(q, constraint, at);
+  // at[i] = constraint number constraints[i]
+  system.constraints(q, constraints, at);
 };
 
 /// q + (h v + h^2 M^-1 loads) / (1 + alpha h): where a step of implicit Euler to t ends without elastic

@@ -98,7 +98,7 @@ Eigen::Matrix<double, 10, 3> integrated_gradients(const TenPlaces& X) {
   // dN/dX det J = dN/d(x, y, z) (cofactors of J)^T: of degree three.
   return integrated<Eigen::Matrix<double, 10, 3>>([&](const UnitPlace& at) {
     const Eigen::Matrix<double, 10, 3> slopes = ten_node_slopes(at);
-    return Eigen::Matrix<double, 10, 3>(slopes * cofactors(X * slopes).transpose());
+    return Eigen::Matrix<double, 10, 3>(slopes * cofactors(Eigen::Matrix3d(X * slopes)).transpose());
   });
 }
 

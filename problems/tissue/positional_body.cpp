@@ -175,7 +175,7 @@ struct PositionalBody::Parts {
     for_each_anchor(body, [&](Index point, double stiffness) {
       constraints.add(TissueConstraints::Anchor{point, stiffness});
     });
-    constraint_colours = colours_by_points(constraints.points());
+    constraint_colours = constraints.colours();
   }
 };
 
@@ -253,8 +253,9 @@ void PositionalBody::point_force(double t, const Dofs& q, const Dofs& v, std::in
     }
 }
 
-void PositionalBody::constraint(const Dofs& q, std::int32_t number, CompliantConstraint& at_q) const {
-  parts_->constraints.evaluate(q, number, at_q);
+void PositionalBody::constraints(const Dofs& q, std::span<const std::int32_t> numbers,
+                                 std::span<CompliantConstraint> at_q) const {
+  parts_->constraints.evaluate(q, numbers, at_q);
 }
 
 }  // namespace hmax

@@ -17,7 +17,7 @@ namespace hmax {
 enum class PositionalVerbs {
   forces,       ///< as any method: the body itself
   points,       ///< point_force() and point_colours()
-  constraints,  ///< constraint() and constraint_colours()
+  constraints,  ///< constraints() and constraint_colours()
   weights,      ///< weights()
 };
 
@@ -58,7 +58,8 @@ class PositionalBody {
   void point_force(double t, const Dofs& q, const Dofs& v, std::int32_t point, PointForce& at) const;
 
   [[nodiscard]] const Colours& constraint_colours() const;
-  void constraint(const Dofs& q, std::int32_t number, CompliantConstraint& at) const;
+  void constraints(const Dofs& q, std::span<const std::int32_t> numbers,
+                   std::span<CompliantConstraint> at) const;
 
   /// W with q^T (W (x) I) q = sum k |q_a - q_b|^2 of springs of stiffness k, k |q_a|^2 of those that hold a
   /// point, and w V |dF|^2 of tetrahedra, w = 2 mu + 3/2 lambda: the mean of what they have against shear, 2

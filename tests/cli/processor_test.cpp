@@ -1,5 +1,5 @@
 /// The processor decides how fast hmax is, not what it computes.
-#include "core/instruction_set.hpp"
+#include "core/instructions/instruction_set.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -43,13 +43,16 @@ TEST(Processor, DoesNotChangeABitOfFormulas) {
 
 TEST(Processor, DoesNotChangeABitOfTissue) {
   const Shell shell;
-  const std::string body = "--mesh phantom --model fem_green --material liver:male_normal";
+  const std::string body = "--mesh phantom --material liver:male_normal --model ";
   const auto end_of = [&](const std::string& line) {
     const Json run = shell.line(line).json();
     return Json{run.at("y"), run.at("stats")};
   };
-  for (const char* method : {"newmark --h 0.01", "rodas_4 --rtol 1e-4 --atol 1e-6"}) {
-    const std::string run = "hmax run " + body + " --method " + method + " --t-end 0.1 --full --json";
+  for (const char* method :
+       {"fem_green --method newmark --h 0.01", "fem_green --method rodas_4 --rtol 1e-4 --atol 1e-6",
+        "fem_neo_hookean --method vbd --h 0.01", "fem_corotational --method vbd --h 0.01",
+        "fem_neo_hookean --method xpbd --h 0.01"}) {
+    const std::string run = "hmax run " + body + method + " --t-end 0.1 --full --json";
     const Json here = end_of(run);
     for (const InstructionSet set : instruction_sets())
       EXPECT_EQ(here, end_of("export HMAX_KERNELS=" + std::string(to_string(set)) + "; " + run))

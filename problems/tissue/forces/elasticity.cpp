@@ -141,22 +141,4 @@ Matrix3d StableNeoHookean::differential(const Matrix3d& dF) const {
          lambda_ * (dot(cofactors_, dF) * cofactors_ + excess * cofactor_differential(F_, dF));
 }
 
-AlongSlope StableNeoHookean::along(const Matrix3d& H, const Lame& lame, const Vector3d& g) {
-  const double mu = 4 * lame.mu / 3, lambda = lame.lambda + 5 * lame.mu / 6;
-  const Matrix3d K = cofactors(H);
-  const double trace = H.trace(), square = 2 * trace + H.squaredNorm(), n = square + 4,
-               volume = trace + K.trace() + H.col(0).dot(K.col(0));
-  // C = (1 + tr H) I - H^T + K. Products without a call each: the hot loop of vertex block descent.
-  const Vector3d Hg = H.lazyProduct(g),
-                 Cg_less_g = trace * g - H.transpose().lazyProduct(g) + K.lazyProduct(g);
-  const Vector3d Fg = g + Hg, Cg = g + Cg_less_g;
-  const Vector3d stretched = 2 * mu / (n * n) * Fg, squeezed = lambda * Cg;
-  AlongSlope answer;
-  answer.stress = 0.75 * mu * (Hg - Cg_less_g) + mu * square / (4 * n) * Fg + volume * squeezed;
-  answer.block = stretched.lazyProduct(Fg.transpose());
-  answer.block += squeezed.lazyProduct(Cg.transpose());
-  answer.block.diagonal().array() += mu * (1 - 1 / n) * g.squaredNorm();
-  return answer;
-}
-
 }  // namespace hmax

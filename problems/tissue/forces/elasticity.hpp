@@ -25,9 +25,10 @@ struct Lame {
 Lame lame(double young, double poisson);
 
 /// What a point with the gradient g of its shape function feels of a law, per volume.
+template <class Real>
 struct AlongSlope {
-  Eigen::Vector3d stress;  ///< P g
-  Eigen::Matrix3d block;   ///< d(P g)/du, its own displacement being u
+  Eigen::Matrix<Real, 3, 1> stress;  ///< P g
+  Eigen::Matrix<Real, 3, 3> block;   ///< d(P g)/du, its own displacement being u
 };
 
 /// The differential of cofactors(F) along dF.
@@ -92,12 +93,35 @@ class StableNeoHookean {
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
   /// The same at one point in one piece: J is linear along changes that g^T has on the right.
-  [[nodiscard]] static AlongSlope along(const Eigen::Matrix3d& H, const Lame& lame, const Eigen::Vector3d& g);
+  /// @tparam Real  double, or Lanes
+  template <class Real>
+  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& first_lame,
+                                              const Real& second_lame, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   double mu_, lambda_;
   double square_, volume_;             // |F|^2 - 3, J - 1
   Eigen::Matrix3d H_, F_, cofactors_;  // cofactors_: dJ/dF
 };
+
+template <class Real>
+AlongSlope<Real> StableNeoHookean::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& first_lame,
+                                         const Real& second_lame, const Eigen::Matrix<Real, 3, 1>& g) {
+  using Vector = Eigen::Matrix<Real, 3, 1>;
+  const Real mu = second_lame * Real(4.0 / 3), lambda = first_lame + second_lame * Real(5.0 / 6);
+  const Eigen::Matrix<Real, 3, 3> K = cofactors(H);
+  const Real trace = H.trace(), square = Real(2) * trace + H.colwise().squaredNorm().sum(),
+             n = square + Real(4), volume = trace + K.trace() + H.col(0).dot(K.col(0));
+  // C = (1 + tr H) I - H^T + K. Products without a call each: the hot loop of vertex block descent.
+  const Vector Hg = H.lazyProduct(g), Cg_less_g = g * trace - H.transpose().lazyProduct(g) + K.lazyProduct(g);
+  const Vector Fg = g + Hg, Cg = g + Cg_less_g;
+  const Vector stretched = Fg * (Real(2) * mu / (n * n)), squeezed = Cg * lambda;
+  AlongSlope<Real> answer;
+  answer.stress =
+      (Hg - Cg_less_g) * (Real(0.75) * mu) + Fg * (mu * square / (Real(4) * n)) + squeezed * volume;
+  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = stretched * Fg[j] + squeezed * Cg[j];
+  answer.block.diagonal().array() += mu * (Real(1) - Real(1) / n) * g.squaredNorm();
+  return answer;
+}
 
 }  // namespace hmax

@@ -161,8 +161,8 @@ void NodalPressure::gather_gradients(Scratch& now) const {
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
     // dJ/du of point b is C g_b.
-    const Matrix3d inner =
-        e.rest.volume / 4 * cofactors(Matrix3d::Identity() + now.H[i]) * e.rest.gradients.transpose();
+    const Matrix3d inner = e.rest.volume / 4 * cofactors(Matrix3d(Matrix3d::Identity() + now.H[i])) *
+                           e.rest.gradients.transpose();
     for (std::size_t a = 0; a < 4; ++a) {
       Vector3d* const G = now.G.data() + averages_[at(e.averages[a])].first;
       G[e.place[4 * a]] -= inner.rowwise().sum();

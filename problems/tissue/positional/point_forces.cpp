@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/instructions/compiled_for.hpp"
+#include "core/instructions/lanes.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/positional/free_points.hpp"
@@ -50,16 +52,98 @@ class PiecesAtPoints {
 
 Index count_of(std::span<const Index> free) { return free.empty() ? 0 : *std::ranges::max_element(free) + 1; }
 
+using Vector = Eigen::Matrix<Lanes, 3, 1>;
+using Matrix = Eigen::Matrix<Lanes, 3, 3>;
+
 template <class Law>
-AlongSlope along(const Matrix3d& H, const Lame& lame, const Vector3d& g) {
-  if constexpr (requires { Law::along(H, lame, g); }) {
-    return Law::along(H, lame, g);
+[[gnu::always_inline]] inline AlongSlope<Lanes> along(const Matrix& H, const Lanes& lambda, const Lanes& mu,
+                                                      const Vector& g) {
+  if constexpr (requires { Law::along(H, lambda, mu, g); }) {
+    return Law::along(H, lambda, mu, g);
   } else {
-    const Law law(H, lame);
-    AlongSlope answer{law.stress() * g, {}};
-    for (Eigen::Index c = 0; c < 3; ++c)
-      answer.block.col(c) = law.differential(Vector3d::Unit(c) * g.transpose()) * g;
+    std::array<AlongSlope<double>, Lanes::count> of_lane;
+    for (std::size_t lane = 0; lane < Lanes::count; ++lane) {
+      const auto own = [lane](const Lanes& all) { return all[lane]; };
+      const Law law(H.unaryExpr(own), {lambda[lane], mu[lane]});
+      const Vector3d slope = g.unaryExpr(own);
+      of_lane[lane].stress = law.stress() * slope;
+      for (Eigen::Index c = 0; c < 3; ++c)
+        of_lane[lane].block.col(c) = law.differential(Vector3d::Unit(c) * slope.transpose()) * slope;
+    }
+    AlongSlope<Lanes> answer;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      answer.stress[i] = Lanes([&](std::size_t lane) { return of_lane[lane].stress[i]; });
+      for (Eigen::Index j = 0; j < 3; ++j)
+        answer.block(i, j) = Lanes([&](std::size_t lane) { return of_lane[lane].block(i, j); });
+    }
     return answer;
+  }
+}
+
+/// A linear tetrahedron.
+struct Element {
+  std::array<Index, 4> points;         ///< free ones
+  Lame scaled;                         ///< times the volume
+  Eigen::Matrix<double, 3, 4> slopes;  ///< gradients of the shape functions [1/m]
+};
+
+/// What pieces do to one of their points, four at a time.
+template <class Law>
+struct Pull {
+  const Element* elements;
+  std::span<const Place> places;
+  const double* q;  ///< shape (3 free points)
+  const double* own;
+  Vector3d f = Vector3d::Zero();
+  Matrix3d K = Matrix3d::Zero();
+};
+
+template <class Law>
+[[gnu::always_inline]] inline void add_pieces(Pull<Law>& pull) {
+  AlongSlope<Lanes> sum{Vector::Constant(0.0), Matrix::Constant(0.0)};
+  for (std::size_t first = 0; first < pull.places.size(); first += Lanes::count) {
+    // Of each lane: displacements and slopes of the other three corners, and the slope of the own one. Lanes
+    // that are left over repeat a piece without stiffness.
+    std::array<std::array<const double*, Lanes::count>, 3> displacement, slope;
+    std::array<const double*, Lanes::count> own_slope;
+    std::array<Lame, Lanes::count> lame{};
+    for (std::size_t lane = 0; lane < Lanes::count; ++lane) {
+      const bool used = first + lane < pull.places.size();
+      const auto [piece, corner] = pull.places[used ? first + lane : first];
+      const Element& e = pull.elements[piece];
+      for (std::uint32_t other = 0; other < 3; ++other) {
+        const std::uint32_t c = (corner + other + 1) % 4;
+        displacement[other][lane] = displacement_at(pull.q, e.points[c]);
+        slope[other][lane] = e.slopes.data() + 3 * c;
+      }
+      own_slope[lane] = e.slopes.data() + 3 * corner;
+      if (used) lame[lane] = e.scaled;
+    }
+    const auto gathered = [](const std::array<const double*, Lanes::count>& from, std::size_t axis)
+        __attribute__((always_inline)) {
+      return Lanes([&](std::size_t lane) __attribute__((always_inline)) { return from[lane][axis]; });
+    };
+    Matrix U, G;
+    Vector g;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto row = static_cast<Eigen::Index>(axis);
+      for (std::size_t other = 0; other < 3; ++other) {
+        U(row, static_cast<Eigen::Index>(other)) =
+            gathered(displacement[other], axis) - Lanes(pull.own[axis]);
+        G(row, static_cast<Eigen::Index>(other)) = gathered(slope[other], axis);
+      }
+      g[row] = gathered(own_slope, axis);
+    }
+    Matrix H;
+    for (Eigen::Index j = 0; j < 3; ++j) H.col(j) = U.lazyProduct(G.row(j).transpose());
+    const AlongSlope<Lanes> felt = along<Law>(H, Lanes([&](std::size_t lane) { return lame[lane].lambda; }),
+                                              Lanes([&](std::size_t lane) { return lame[lane].mu; }), g);
+    sum.stress += felt.stress;
+    for (Eigen::Index j = 0; j < 3; ++j) sum.block.col(j) += felt.block.col(j);
+  }
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    pull.f[i] = -sum.stress[i].sum();
+    for (Eigen::Index j = 0; j < 3; ++j) pull.K(i, j) = sum.block(i, j).sum();
   }
 }
 
@@ -70,13 +154,10 @@ class PointForcesOfLaw final : public PointForces {
       : elements_(elements_of(mesh, lame, free)), at_points_(pieces(), count_of(free)) {}
 
   void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
-    for (const auto& [piece, corner] : at_points_[i]) {
-      const Element& e = elements_[piece];
-      const Matrix3d H = edge_vectors_of(q, e.points).lazyProduct(e.rest.gradients);
-      const AlongSlope felt = along<Law>(H, e.scaled, e.slopes.col(corner));
-      f -= felt.stress;
-      K += felt.block;
-    }
+    Pull<Law> pull{elements_.data(), at_points_[i], q.data(), q.data() + 3 * static_cast<Eigen::Index>(i)};
+    add_pieces_(pull);
+    f += pull.f;
+    K += pull.K;
   }
 
   [[nodiscard]] std::vector<std::vector<Index>> pieces() const override {
@@ -86,12 +167,6 @@ class PointForcesOfLaw final : public PointForces {
   }
 
  private:
-  struct Element {
-    std::array<Index, 4> points;  ///< free ones
-    RestShape rest;
-    Lame scaled;                         ///< times the volume
-    Eigen::Matrix<double, 3, 4> slopes;  ///< gradients of the shape functions [1/m]
-  };
   static std::vector<Element> elements_of(const TetMesh& mesh, std::span<const Lame> lame,
                                           std::span<const Index> free) {
     std::vector<Element> all;
@@ -103,7 +178,7 @@ class PointForcesOfLaw final : public PointForces {
       }
       const RestShape rest(mesh, corners);
       const Lame& own = lame[at(mesh.region(t))];
-      Element element{points, rest, {own.lambda * rest.volume, own.mu * rest.volume}, {}};
+      Element element{points, {own.lambda * rest.volume, own.mu * rest.volume}, {}};
       element.slopes << -rest.gradients.colwise().sum().transpose(), rest.gradients.transpose();
       all.push_back(element);
     }
@@ -112,6 +187,7 @@ class PointForcesOfLaw final : public PointForces {
 
   std::vector<Element> elements_;
   PiecesAtPoints at_points_;
+  void (*add_pieces_)(Pull<Law>&) = CompiledFor<add_pieces<Law>>::of(instruction_sets().front());
 };
 
 template <class Law>

@@ -5,13 +5,25 @@
 
 #include <Eigen/Dense>
 
+#include "core/instructions/compiled_for.hpp"
+#include "core/instructions/lanes.hpp"
 #include "problems/cofactors.hpp"
+#include "problems/tissue/positional/colouring.hpp"
 #include "problems/tissue/positional/free_points.hpp"
 
 namespace hmax {
+
+/// The same constraint of some tetrahedra.
+struct TissueConstraints::SideBySide {
+  const double* q;
+  bool volumetric;
+  std::array<const Tetrahedron*, Lanes::count> of_lane;
+  Lanes value;
+  Eigen::Matrix<Lanes, 3, 4> gradients;  ///< dC/dq_i in columns
+};
+
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 void evaluate_spring(const Eigen::VectorXd& q, const TissueConstraints::Spring& spring,
@@ -19,37 +31,54 @@ void evaluate_spring(const Eigen::VectorXd& q, const TissueConstraints::Spring& 
   const Vector3d d =
       spring.rest + displacement_of(q, spring.points[1]) - displacement_of(q, spring.points[0]);
   const double l = std::max(d.norm(), std::numeric_limits<double>::min());
-  at.value = l - spring.length;
-  at.compliance = 1 / spring.stiffness;
+  at.set(l - spring.length, 1 / spring.stiffness);
   at.add(spring.points[0], -d / l);
   at.add(spring.points[1], d / l);
 }
 
-/// dC/dq_i = P g_i with P = dC/dF and the gradients g_i of the shape functions.
-void evaluate_tetrahedron(const Eigen::VectorXd& q, const TissueConstraints::Tetrahedron& element,
-                          bool volumetric, CompliantConstraint& at) {
-  const Matrix3d H = edge_vectors_of(q, element.points).lazyProduct(element.gradients);
-  Matrix3d P;
-  if (volumetric) {
-    const Matrix3d K = cofactors(H);
-    const double trace = H.trace();
-    at.value = trace + K.trace() + H.col(0).dot(K.col(0)) - element.excess;  // det F - a
-    at.compliance = element.volumetric;
-    P = K - H.transpose();  // the cofactors of F
-    P.diagonal().array() += 1 + trace;
-  } else {
-    P = H;
-    P.diagonal().array() += 1;
-    at.value = P.norm();
-    at.compliance = element.deviatoric;
-    P *= 1 / std::max(at.value, std::numeric_limits<double>::min());
-  }
-  const Matrix3d pull = P.lazyProduct(element.gradients.transpose());
-  at.add(element.points[0], -pull.rowwise().sum());
-  for (std::size_t a = 1; a < 4; ++a) at.add(element.points[a], pull.col(static_cast<Eigen::Index>(a) - 1));
+void evaluate_anchor(const Eigen::VectorXd& q, const TissueConstraints::Anchor& anchor, Eigen::Index axis,
+                     CompliantConstraint& at) {
+  at.set(q[3 * static_cast<Eigen::Index>(anchor.point) + axis], 1 / anchor.stiffness);
+  at.add(anchor.point, Vector3d::Unit(axis));
 }
 
 }  // namespace
+
+/// dC/dq_i = P g_i with P = dC/dF and the gradients g_i of the shape functions.
+[[gnu::always_inline]] inline void TissueConstraints::evaluate_tetrahedra(SideBySide& all) {
+  using Matrix = Eigen::Matrix<Lanes, 3, 3>;
+  std::array<std::array<const double*, Lanes::count>, 4> u;
+  for (std::size_t corner = 0; corner < 4; ++corner)
+    for (std::size_t lane = 0; lane < Lanes::count; ++lane)
+      u[corner][lane] = displacement_at(all.q, all.of_lane[lane]->points[corner]);
+  Matrix U, B;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const Lanes origin([&](std::size_t lane) { return u[0][lane][axis]; });
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      const auto& corner = u[static_cast<std::size_t>(a) + 1];
+      U(axis, a) = Lanes([&](std::size_t lane) { return corner[lane][axis]; }) - origin;
+      B(axis, a) = Lanes([&](std::size_t lane) { return all.of_lane[lane]->gradients(axis, a); });
+    }
+  }
+  const Matrix H = U.lazyProduct(B);
+  const Lanes trace = H.trace();
+  Matrix P;
+  if (all.volumetric) {
+    const Matrix K = cofactors(H);
+    const Lanes excess([&](std::size_t lane) { return all.of_lane[lane]->excess; });
+    all.value = trace + K.trace() + H.col(0).dot(K.col(0)) - excess;  // det F - a
+    P = K - H.transpose();                                            // the cofactors of F
+    P.diagonal().array() += Lanes(1) + trace;
+  } else {
+    P = H;
+    P.diagonal().array() += Lanes(1);
+    all.value = sqrt(P.col(0).squaredNorm() + P.col(1).squaredNorm() + P.col(2).squaredNorm());
+    const Lanes unit = Lanes(1) / (all.value + Lanes(std::numeric_limits<double>::min()));
+    for (Eigen::Index j = 0; j < 3; ++j) P.col(j) = P.col(j) * unit;
+  }
+  all.gradients.rightCols<3>() = P.lazyProduct(B.transpose());
+  all.gradients.col(0) = -all.gradients.rightCols<3>().rowwise().sum();
+}
 
 TissueConstraints::Tetrahedron::Tetrahedron(const std::array<Index, 4>& its_points, const RestShape& rest,
                                             const Lame& lame)
@@ -59,9 +88,8 @@ TissueConstraints::Tetrahedron::Tetrahedron(const std::array<Index, 4>& its_poin
       volumetric(1 / ((lame.lambda + lame.mu) * rest.volume)),
       excess(lame.mu / (lame.lambda + lame.mu)) {}
 
-std::int32_t TissueConstraints::size() const {
-  return static_cast<std::int32_t>(springs_.size() + 2 * elements_.size() + 3 * anchors_.size());
-}
+TissueConstraints::TissueConstraints()
+    : evaluate_tetrahedra_(CompiledFor<evaluate_tetrahedra>::of(instruction_sets().front())) {}
 
 std::vector<std::vector<TissueConstraints::Index>> TissueConstraints::points() const {
   std::vector<std::vector<Index>> all;
@@ -72,19 +100,54 @@ std::vector<std::vector<TissueConstraints::Index>> TissueConstraints::points() c
   return all;
 }
 
-void TissueConstraints::evaluate(const Eigen::VectorXd& q, std::int32_t constraint,
-                                 CompliantConstraint& at) const {
-  at.points = 0;
+Colours TissueConstraints::colours() const {
+  Colours colours = colours_by_points(points());
+  for (std::vector<std::int32_t>& colour : colours)
+    std::ranges::stable_sort(colour, {}, [&](std::int32_t c) { return place(c).kind; });
+  return colours;
+}
+
+TissueConstraints::Place TissueConstraints::place(std::int32_t constraint) const {
   std::size_t i = static_cast<std::size_t>(constraint);
-  if (i < springs_.size()) return evaluate_spring(q, springs_[i], at);
+  if (i < springs_.size()) return {Kind::spring, i};
   i -= springs_.size();
-  if (i < 2 * elements_.size()) return evaluate_tetrahedron(q, elements_[i / 2], i % 2 == 1, at);
-  i -= 2 * elements_.size();
-  const Anchor& anchor = anchors_[i / 3];
-  const auto axis = static_cast<Eigen::Index>(i % 3);
-  at.value = q[3 * static_cast<Eigen::Index>(anchor.point) + axis];
-  at.compliance = 1 / anchor.stiffness;
-  at.add(anchor.point, Vector3d::Unit(axis));
+  if (i < 2 * elements_.size()) return {i % 2 == 1 ? Kind::volumetric : Kind::deviatoric, i / 2};
+  return {Kind::anchor, i - 2 * elements_.size()};
+}
+
+void TissueConstraints::evaluate(const Eigen::VectorXd& q, std::span<const std::int32_t> constraints,
+                                 std::span<CompliantConstraint> at) const {
+  for (std::size_t i = 0; i < constraints.size();) {
+    const auto [kind, number] = place(constraints[i]);
+    if (kind == Kind::spring) {
+      evaluate_spring(q, springs_[number], at[i++]);
+      continue;
+    }
+    if (kind == Kind::anchor) {
+      evaluate_anchor(q, anchors_[number / 3], static_cast<Eigen::Index>(number % 3), at[i++]);
+      continue;
+    }
+    // The next of the same kind, side by side; lanes that are left over repeat the first.
+    SideBySide some;
+    some.q = q.data();
+    some.volumetric = kind == Kind::volumetric;
+    some.of_lane.fill(&elements_[number]);
+    std::size_t used = 1;
+    for (; used < Lanes::count && i + used < constraints.size(); ++used) {
+      const Place next = place(constraints[i + used]);
+      if (next.kind != kind) break;
+      some.of_lane[used] = &elements_[next.number];
+    }
+    evaluate_tetrahedra_(some);
+    for (std::size_t lane = 0; lane < used; ++lane, ++i) {
+      const Tetrahedron& element = *some.of_lane[lane];
+      at[i].set(some.value[lane], some.volumetric ? element.volumetric : element.deviatoric);
+      for (std::size_t a = 0; a < 4; ++a) {
+        const auto column = some.gradients.col(static_cast<Eigen::Index>(a));
+        at[i].add(element.points[a], {column[0][lane], column[1][lane], column[2][lane]});
+      }
+    }
+  }
 }
 
 }  // namespace hmax

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,23 +45,36 @@ class TissueConstraints {
     double stiffness;  ///< [N/m]
   };
 
+  TissueConstraints();
   void add(const Spring& spring) { springs_.push_back(spring); }
   void add(const Tetrahedron& element) { elements_.push_back(element); }
   void add(const Anchor& anchor) { anchors_.push_back(anchor); }
 
-  /// Numbers of constraints: springs, then two of each tetrahedron, deviatoric first, then three of each
-  /// anchor.
-  [[nodiscard]] std::int32_t size() const;
+  /// In groups that have no point in common, those of a kind after each other. Numbers of constraints:
+  /// springs, then two of each tetrahedron, deviatoric first, then three of each anchor.
+  [[nodiscard]] Colours colours() const;
+
+  /// @param constraints  fastest where those of a kind follow each other
+  /// @param at           written, of the same size
+  void evaluate(const Eigen::VectorXd& q, std::span<const std::int32_t> constraints,
+                std::span<CompliantConstraint> at) const;
+
+ private:
+  enum class Kind { spring, deviatoric, volumetric, anchor };
+  struct Place {
+    Kind kind;
+    std::size_t number;  ///< of the spring, the tetrahedron, or the axis of an anchor, three each
+  };
+  struct SideBySide;
+  static void evaluate_tetrahedra(SideBySide& all);
+  [[nodiscard]] Place place(std::int32_t constraint) const;
   /// The free points of each.
   [[nodiscard]] std::vector<std::vector<Index>> points() const;
 
-  /// @param at  written
-  void evaluate(const Eigen::VectorXd& q, std::int32_t constraint, CompliantConstraint& at) const;
-
- private:
   std::vector<Spring> springs_;
   std::vector<Tetrahedron> elements_;
   std::vector<Anchor> anchors_;
+  void (*evaluate_tetrahedra_)(SideBySide&);  ///< compiled for this processor
 };
 
 }  // namespace hmax

@@ -3,7 +3,8 @@
 
 #include <cmath>
 #include <cstddef>
-#include <numeric>
+#include <cstdint>
+#include <span>
 
 #include <Eigen/Dense>
 
@@ -26,8 +27,7 @@ class HangingBar {
     mass_.tail<3>() /= 2;
     loads_.setZero(dofs());
     for (Eigen::Index i = 0; i < n; ++i) loads_[3 * i] = gravity * mass_[3 * i];
-    points_.emplace_back(n);
-    std::iota(points_.front().begin(), points_.front().end(), 0);
+    for (std::int32_t i = 0; i < n; ++i) points_.push_back({i});
   }
 
   static constexpr int n = 20;
@@ -84,12 +84,14 @@ class HangingBar {
     at.C = (beta_ * own + alpha_ * m) * Eigen::Matrix3d::Identity();
   }
   [[nodiscard]] const Colours& constraint_colours() const { return points_; }
-  void constraint(const Dofs& q, std::int32_t number, CompliantConstraint& at) const {
-    at.points = 0;
-    at.value = q[3 * number] - (number > 0 ? q[3 * number - 3] : 0.0);
-    at.compliance = 1 / k_;
-    at.add(number - 1, -Eigen::Vector3d::UnitX());
-    at.add(number, Eigen::Vector3d::UnitX());
+  void constraints(const Dofs& q, std::span<const std::int32_t> numbers,
+                   std::span<CompliantConstraint> at) const {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const std::int32_t number = numbers[i];
+      at[i].set(q[3 * number] - (number > 0 ? q[3 * number - 3] : 0.0), 1 / k_);
+      at[i].add(number - 1, -Eigen::Vector3d::UnitX());
+      at[i].add(number, Eigen::Vector3d::UnitX());
+    }
   }
 
  private:

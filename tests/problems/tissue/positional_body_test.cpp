@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -123,6 +124,38 @@ TissueSettings constrained(std::string_view model) {
   return settings;
 }
 
+std::vector<CompliantConstraint> constraints_of(const PositionalBody& system, const Eigen::VectorXd& q,
+                                                std::span<const std::int32_t> numbers) {
+  std::vector<CompliantConstraint> at(numbers.size());
+  system.constraints(q, numbers, at);
+  return at;
+}
+
+CompliantConstraint constraint_of(const PositionalBody& system, const Eigen::VectorXd& q, std::int32_t c) {
+  return constraints_of(system, q, {&c, 1}).front();
+}
+
+TEST(PositionalBody, ConstraintsSideBySideAreThoseOneByOne) {
+  for (const char* model : {"mass_spring", "fem_neo_hookean"}) {
+    const auto body = make_body(constrained(model));
+    const PositionalBody system(body, PositionalVerbs::constraints);
+    const Eigen::VectorXd q = random_vector(body->dofs(), 4e-3, 1);
+    for (const std::vector<std::int32_t>& colour : system.constraint_colours()) {
+      const std::vector<CompliantConstraint> all = constraints_of(system, q, colour);
+      for (std::size_t i = 0; i < colour.size(); ++i) {
+        const CompliantConstraint alone = constraint_of(system, q, colour[i]);
+        EXPECT_EQ(all[i].value, alone.value);
+        EXPECT_EQ(all[i].compliance, alone.compliance);
+        ASSERT_EQ(all[i].points, alone.points);
+        for (std::size_t a = 0; a < alone.points; ++a) {
+          EXPECT_EQ(all[i].point[a], alone.point[a]);
+          EXPECT_EQ(all[i].gradient[a], alone.gradient[a]);
+        }
+      }
+    }
+  }
+}
+
 TEST(PositionalBody, ConstraintsHaveTheGradientsOfTheirValues) {
   for (const char* model : {"mass_spring", "fem_neo_hookean"}) {
     const auto body = make_body(constrained(model));
@@ -130,16 +163,11 @@ TEST(PositionalBody, ConstraintsHaveTheGradientsOfTheirValues) {
     const Eigen::VectorXd q = random_vector(body->dofs(), 4e-3, 1);
     for (const std::vector<std::int32_t>& colour : system.constraint_colours())
       for (const std::int32_t c : colour) {
-        CompliantConstraint at;
-        system.constraint(q, c, at);
+        const CompliantConstraint at = constraint_of(system, q, c);
         Eigen::VectorXd gradient = Eigen::VectorXd::Zero(q.size());
         for (std::size_t i = 0; i < at.points; ++i) gradient.segment<3>(3 * at.point[i]) += at.gradient[i];
         const Eigen::VectorXd along = random_vector(q.size(), 1, 100 + static_cast<unsigned>(c));
-        const auto value = [&](double s) {
-          CompliantConstraint moved;
-          system.constraint(q + s * along, c, moved);
-          return moved.value;
-        };
+        const auto value = [&](double s) { return constraint_of(system, q + s * along, c).value; };
         const double d = 1e-6;
         EXPECT_NEAR((value(d) - value(-d)) / (2 * d), gradient.dot(along), 1e-6 * (1 + gradient.norm()))
             << model << ", " << c;
@@ -156,12 +184,9 @@ TEST(PositionalBody, ConstraintsHaveTheForcesOfTheBody) {
       const Eigen::VectorXd q = random_vector(body->dofs(), size, 1), still = Eigen::VectorXd::Zero(q.size());
       Eigen::VectorXd f = still;
       for (const std::vector<std::int32_t>& colour : system.constraint_colours())
-        for (const std::int32_t c : colour) {
-          CompliantConstraint at;
-          system.constraint(q, c, at);
+        for (const CompliantConstraint& at : constraints_of(system, q, colour))
           for (std::size_t i = 0; i < at.points; ++i)
             f.segment<3>(3 * at.point[i]) -= at.value / at.compliance * at.gradient[i];
-        }
       const Eigen::VectorXd wanted = force(*body, 0, q, still);
       const double share = body->settings().model.is_of_springs() ? 1e-9 : 40 * size / 0.03;
       EXPECT_LT((f - wanted).norm(), share * wanted.norm()) << model << ", " << size;
@@ -176,8 +201,7 @@ TEST(PositionalBody, ConstraintsOfOneColourShareNoPoint) {
     std::size_t count = 0;
     for (const std::vector<std::int32_t>& colour : system.constraint_colours()) count += colour.size();
     const auto points = [&](std::int32_t c) {
-      CompliantConstraint at;
-      system.constraint(q, c, at);
+      const CompliantConstraint at = constraint_of(system, q, c);
       return std::set<std::int32_t>(at.point.begin(),
                                     at.point.begin() + static_cast<std::ptrdiff_t>(at.points));
     };
