@@ -7,26 +7,27 @@ set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/hmax")
 set_target_properties(hmax_flags PROPERTIES EXPORT_NAME flags)
 install(TARGETS hmax_flags hmax_core hmax_integrators hmax_problems hmax_results hmax_analysis hmax_catalogue hmax_limits hmax_bench hmax_advice hmax_studies hmax_plots hmax_umbrella hmax_plugin
         EXPORT hmax_targets
-        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax"
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development
+        FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax" COMPONENT development
         INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(FILES "${PROJECT_SOURCE_DIR}/limits/hmax.hpp" "${PROJECT_SOURCE_DIR}/catalogue/plugin/plugin.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+install(FILES "${PROJECT_SOURCE_DIR}/limits/hmax.hpp" "${PROJECT_SOURCE_DIR}/catalogue/plugin/plugin.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax"
+        COMPONENT development)
 foreach(optional elementary integrators_sundials integrators_odeint)
   if(TARGET hmax_${optional})
     install(TARGETS hmax_${optional} EXPORT hmax_targets
-            ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
-            FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax")
+            ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT development
+            FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/hmax" COMPONENT development)
   endif()
 endforeach()
 get_target_property(modules hmax_addons MANUALLY_ADDED_DEPENDENCIES)
 if(modules)
-  install(TARGETS ${modules} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/hmax")
+  install(TARGETS ${modules} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/hmax" COMPONENT modules)
 endif()
-install(TARGETS hmax RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-install(EXPORT hmax_targets NAMESPACE hmax:: FILE hmaxTargets.cmake DESTINATION "${package_dir}")
+install(TARGETS hmax RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+install(EXPORT hmax_targets NAMESPACE hmax:: FILE hmaxTargets.cmake DESTINATION "${package_dir}" COMPONENT development)
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/hmaxConfig.cmake.in" "${PROJECT_BINARY_DIR}/hmaxConfig.cmake"
                               INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/hmaxConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/hmaxConfig.cmake" "${PROJECT_BINARY_DIR}/hmaxConfigVersion.cmake"
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" COMPONENT development)

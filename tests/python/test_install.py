@@ -6,6 +6,7 @@ import importlib.util
 import os
 import pathlib
 import shutil
+import stat
 import subprocess
 import sys
 import zipfile
@@ -80,3 +81,26 @@ def test_a_wheel_is_installed_and_imported(wheel, tmp_path):
     else:
         zipfile.ZipFile(wheel).extractall(tmp_path)
     assert imported_from(tmp_path) == [str(tmp_path / "hmax" / "__init__.py"), "stability"]
+
+
+def test_a_wheel_alone_needs_the_c_library_only(build, tmp_path):
+    if not shutil.which("patchelf"):
+        pytest.skip("patchelf is not installed")
+    made = subprocess.run(
+        [sys.executable, SOURCE / "scripts/wheel", "--build", build, "--output", tmp_path, "--alone"], check=True, capture_output=True, text=True
+    )
+    package = tmp_path / "package"
+    with zipfile.ZipFile(made.stdout.strip()) as archive:
+        archive.extractall(package)
+        program = package / "hmax_program/hmax"
+        assert archive.getinfo("hmax_program/hmax").external_attr >> 16 == stat.S_IFREG | 0o755
+    program.chmod(0o755)
+    for binary in [program, *package.glob("hmax/*.so"), *package.glob("hmax.libs/*")]:
+        told = subprocess.run(["ldd", binary], check=True, capture_output=True, text=True).stdout
+        outside = {line.split()[0].split(".so")[0] for line in told.splitlines() if "=>" in line and str(package) not in line}
+        assert outside <= {"libc", "libm", "libdl", "librt", "libpthread"}, told
+    run = subprocess.run(
+        [sys.executable, "-c", "import hmax_program; hmax_program.main()", "doctor"], check=True, capture_output=True, text=True, cwd=package
+    )
+    assert "fingerprint" in run.stdout or "kernels" in run.stdout
+    assert imported_from(package) == [str(package / "hmax" / "__init__.py"), "stability"]
