@@ -139,9 +139,37 @@ std::string words_of_frozen(const AdviceRow& row, const Problem& problem) {
       problem.body ? ", by default the body without loads" : "");
 }
 
+/// Why it is the recommended row: beside the next of those that suit, and the most accurate of those that are
+/// cheaper and do not.
+std::string words_of_choice(const AdviceRow& best, const Advice& advice) {
+  const AdviceRow *next = nullptr, *cheaper = nullptr;
+  std::size_t suitable = 1;
+  for (const AdviceRow& row : advice.rows) {
+    if (&row == &best || std::isnan(row.frame.p50)) continue;
+    if (row.verdict == AdviceVerdict::tie) ++suitable;
+    if (row.verdict == AdviceVerdict::suitable) {
+      ++suitable;
+      if (!next || row.frame.p50 < next->frame.p50) next = &row;
+    }
+    if (row.verdict == AdviceVerdict::inaccurate && row.frame.p50 < best.frame.p50 &&
+        (!cheaper || row.error < cheaper->error))
+      cheaper = &row;
+  }
+  const auto times = [&](const AdviceRow& row) { return short_number(row.frame.p50 / best.frame.p50, 2); };
+  std::string words = suitable == 1 ? "the only row that suits"
+                                    : fmt::format("the least CPU time of {} rows that suit", suitable);
+  if (next) words += fmt::format("; {} takes {} times as much", next->candidate.words(), times(*next));
+  if (cheaper)
+    words += fmt::format("; {} takes {} of it, and is off by {}", cheaper->candidate.words(), times(*cheaper),
+                         percent(cheaper->error));
+  return words;
+}
+
 /// What was measured of the recommended row.
 void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice,
                   const AdviceQuestion& question) {
+  if (!question.least_error && advice.rows.size() > 1)
+    facts.emplace_back("chosen as", words_of_choice(row, advice));
   facts.emplace_back("stability", words_of_limit(row));
   facts.emplace_back("limited by", sentence_of_bound(row, question.least_error));
   if (const std::string frozen = words_of_frozen(row, problem); !frozen.empty())

@@ -135,6 +135,31 @@ TEST(AdviceWords, SetWhatIsShownOfTheMaterialBesideTheFastestThatShowsAnother) {
   EXPECT_EQ(fact(cube("press"), advice, "material"), "shows 90 % of the stiffness");
 }
 
+TEST(AdviceWords, SayWhyTheBestIsTheBest) {
+  const Problem problem = make_problem("liver_forced");
+  Advice advice = advice_of({find_method("rk4"), {}, {}});
+  advice.rows.front().frame.p50 = 2e-3;
+  EXPECT_EQ(fact(problem, advice, "chosen as"), "");  // nothing else was asked about
+  const auto add = [&](const char* method, AdviceVerdict verdict, double frame, double error) {
+    AdviceRow& row = advice.rows.emplace_back();
+    row.candidate = {find_method(method), {}, {}};
+    row.verdict = verdict;
+    row.frame.p50 = frame;
+    row.error = error;
+  };
+  add("explicit_euler", AdviceVerdict::unstable, 1e-4, 1e9);
+  EXPECT_EQ(fact(problem, advice, "chosen as"), "the only row that suits");
+  add("newmark", AdviceVerdict::suitable, 8e-3, 1e-3);
+  add("hht_alpha", AdviceVerdict::suitable, 3e-3, 1e-3);
+  add("implicit_euler", AdviceVerdict::inaccurate, 1e-3, 0.23);
+  add("imex_euler", AdviceVerdict::inaccurate, 5e-4, 0.4);
+  add("trapezoidal", AdviceVerdict::inaccurate, 3e-3, 0.02);  // dearer: no reason
+  EXPECT_EQ(
+      fact(problem, advice, "chosen as"),
+      "the least CPU time of 3 rows that suit; hht_alpha takes 1.5 times as much; implicit_euler takes 0.5 of "
+      "it, and is off by 23 %");
+}
+
 TEST(AdviceWords, NameTheModelThatInvertsNoElement) {
   const Problem problem = cube("press");
   Advice advice = advice_of({find_method("symplectic_euler"), {}, {}});
