@@ -43,6 +43,10 @@ class SmallStrain {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
+  /// The same at one point in one piece.
+  template <class Real>
+  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
+                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   Lame lame_;
@@ -58,6 +62,10 @@ class GreenStrain {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
+  /// The same at one point in one piece.
+  template <class Real>
+  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
+                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   Lame lame_;
@@ -95,14 +103,45 @@ class StableNeoHookean {
   /// The same at one point in one piece: J is linear along changes that g^T has on the right.
   /// @tparam Real  double, or Lanes
   template <class Real>
-  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& first_lame,
-                                              const Real& second_lame, const Eigen::Matrix<Real, 3, 1>& g);
+  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
+                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   double mu_, lambda_;
   double square_, volume_;             // |F|^2 - 3, J - 1
   Eigen::Matrix3d H_, F_, cofactors_;  // cofactors_: dJ/dF
 };
+
+template <class Real>
+AlongSlope<Real> SmallStrain::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda, const Real& mu,
+                                    const Eigen::Matrix<Real, 3, 1>& g) {
+  AlongSlope<Real> answer;
+  answer.stress = g * (lambda * H.trace()) + (H.lazyProduct(g) + H.transpose().lazyProduct(g)) * mu;
+  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = g * ((lambda + mu) * g[j]);
+  answer.block.diagonal().array() += mu * g.squaredNorm();
+  return answer;
+}
+
+template <class Real>
+AlongSlope<Real> GreenStrain::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda, const Real& mu,
+                                    const Eigen::Matrix<Real, 3, 1>& g) {
+  using Vector = Eigen::Matrix<Real, 3, 1>;
+  Eigen::Matrix<Real, 3, 3> F = H, B;
+  F.diagonal().array() += Real(1);
+  for (Eigen::Index j = 0; j < 3; ++j) B.col(j) = F.lazyProduct(F.row(j).transpose());  // F F^T
+  const Vector Hg = H.lazyProduct(g), h = g + Hg;
+  // 2 E g = (H + H^T F) g, and S g
+  const Vector strained = Hg + H.transpose().lazyProduct(h);
+  const Real trace =
+      H.trace() + Real(0.5) * (H.col(0).squaredNorm() + H.col(1).squaredNorm() + H.col(2).squaredNorm());
+  const Vector stressed = g * (lambda * trace) + strained * mu;
+  AlongSlope<Real> answer;
+  answer.stress = F.lazyProduct(stressed);
+  const Real shear = mu * g.squaredNorm();
+  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = h * ((lambda + mu) * h[j]) + B.col(j) * shear;
+  answer.block.diagonal().array() += g.dot(stressed);
+  return answer;
+}
 
 template <class Real>
 AlongSlope<Real> StableNeoHookean::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& first_lame,

@@ -57,12 +57,13 @@ using Matrix = Eigen::Matrix<Lanes, 3, 3>;
 
 template <class Law>
 [[gnu::always_inline]] inline AlongSlope<Lanes> along(const Matrix& H, const Lanes& lambda, const Lanes& mu,
-                                                      const Vector& g) {
+                                                      const Vector& g, std::size_t used) {
   if constexpr (requires { Law::along(H, lambda, mu, g); }) {
     return Law::along(H, lambda, mu, g);
   } else {
     std::array<AlongSlope<double>, Lanes::count> of_lane;
-    for (std::size_t lane = 0; lane < Lanes::count; ++lane) {
+    for (AlongSlope<double>& each : of_lane) each = {Vector3d::Zero(), Matrix3d::Zero()};
+    for (std::size_t lane = 0; lane < used; ++lane) {
       const auto own = [lane](const Lanes& all) { return all[lane]; };
       const Law law(H.unaryExpr(own), {lambda[lane], mu[lane]});
       const Vector3d slope = g.unaryExpr(own);
@@ -136,8 +137,10 @@ template <class Law>
     }
     Matrix H;
     for (Eigen::Index j = 0; j < 3; ++j) H.col(j) = U.lazyProduct(G.row(j).transpose());
-    const AlongSlope<Lanes> felt = along<Law>(H, Lanes([&](std::size_t lane) { return lame[lane].lambda; }),
-                                              Lanes([&](std::size_t lane) { return lame[lane].mu; }), g);
+    const Lanes lambda([&](std::size_t lane) { return lame[lane].lambda; }),
+        mu([&](std::size_t lane) { return lame[lane].mu; });
+    const AlongSlope<Lanes> felt =
+        along<Law>(H, lambda, mu, g, std::min(Lanes::count, pull.places.size() - first));
     sum.stress += felt.stress;
     for (Eigen::Index j = 0; j < 3; ++j) sum.block.col(j) += felt.block.col(j);
   }
