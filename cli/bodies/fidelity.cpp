@@ -171,8 +171,10 @@ std::string words_of(const std::vector<Fidelity>& rows, const FidelityOptions& o
 void print_rows(const std::vector<Fidelity>& rows, const Problem& problem, const FidelityOptions& options,
                 const FidelityQuestion& question, Console& console) {
   if (console.json) return console.print_json(fidelity_json(problem, *options.rate, rows));
-  console.print(fmt::format("{} with {}\n{}\nframes of {} s\n\n{}", problem.id, describe_acting(problem),
-                            body_in_words(problem), short_number(question.h, 4),
+  std::string what = fmt::format("{} with {}\n", problem.id, describe_acting(problem));
+  if (const std::string words = body_in_words(problem); !words.empty()) what += words + "\n";
+  if (!problem.body) what += "the load is the force that acts on it at rest in its start\n";
+  console.print(fmt::format("{}frames of {} s\n\n{}", what, short_number(question.h, 4),
                             words_of(rows, options, console)));
 }
 
@@ -217,9 +219,10 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
 
 void add_fidelity(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "fidelity", "Show what the steps of a method make of a material",
+      app, console, "fidelity", "Show what the steps of a method make of stiffness and damping",
       {"hmax fidelity --mesh cube:n=2 --model mass_spring --load press --rate 100",
        "hmax fidelity --mesh cube:n=2 --model fem_neo_hookean --load gravity --rate 60 --method vbd:iterations=5 --verify",
+       "hmax fidelity --problem liver_cubic --rate 10 --method implicit_euler --method newmark",
        "hmax fidelity --mesh phantom --load press --rate 60 --method vbd --map iterations,substeps --output vbd.svg"});
   const auto options = std::make_shared<FidelityOptions>();
   options->problem.add_to(command);

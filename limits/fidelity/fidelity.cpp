@@ -17,8 +17,6 @@
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/fidelity/settled_state.hpp"
 #include "limits/fidelity/steps_stiffness.hpp"
-#include "limits/modes/mode_start.hpp"
-#include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -26,14 +24,6 @@ namespace hmax {
 namespace {
 
 using Eigen::VectorXd;
-
-double volume_of(const TissueBody& body, const VectorXd& q) {
-  TetMesh moved = body.mesh();
-  moved.points = body.positions(0, q);
-  double sum = 0;
-  for (Eigen::Index e = 0; e < moved.element_count(); ++e) sum += element_volume(moved, e);
-  return sum;
-}
 
 Problem stiffened(const FidelityModel& model, double factor) {
   return factor == 1 ? model.problem : with_stiffness(model.problem, factor);
@@ -80,7 +70,7 @@ struct Settled {
   [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest.q); }
 };
 
-/// Where steps of a body that nothing loads come to rest: where it is, but for methods that move it.
+/// Where steps of a model that nothing loads come to rest: where it is, but for methods that move it.
 /// @param size  of displacements that count, as a norm [m]
 SettledState settled_without_load(const VectorFunction& step, Eigen::Index n, double size, double share,
                                   const std::function<void()>& watch) {
@@ -90,16 +80,26 @@ SettledState settled_without_load(const VectorFunction& step, Eigen::Index n, do
   return settled_state(step, moved, share, watch, size);
 }
 
+/// @param start  near it; zero where nothing loads the model
+SettledState settled_from(const VectorFunction& step, const VectorXd& start, const FidelityModel& model,
+                          double share, const std::function<void()>& watch) {
+  return start.isZero(0) ? settled_without_load(step, start.size(), model.sizes.norm(), share, watch)
+                         : settled_state(step, start, share, watch);
+}
+
 Settled settle(const Method& method, const FidelityModel& model, double factor,
                const FidelityQuestion& question) {
   const Problem problem = stiffened(model, factor);
   const double share = share_of_step(model, factor, question.h);
   const VectorXd start = model.equilibrium / std::max(1.0, factor);
   Settled found;
-  found.loaded = settled_state(one_step_map(method, problem, question.h), start, share, question.watch);
-  if (!found.loaded.settled) return found;
-  found.rest = settled_without_load(one_step_map(method, without_load(problem), question.h), start.size(),
-                                    start.norm(), share, question.watch);
+  found.loaded =
+      settled_from(step_of_model(method, model, problem, question.h), start, model, share, question.watch);
+  found.rest = {.q = VectorXd::Zero(start.size()), .settled = true};
+  // Methods of other models keep an equilibrium.
+  if (found.loaded.settled && problem.body)
+    found.rest = settled_without_load(one_step_map(method, without_load(problem), question.h), start.size(),
+                                      start.norm(), share, question.watch);
   return found;
 }
 
@@ -107,7 +107,8 @@ StepModes modes_of(const Method& method, const FidelityModel& model, double fact
                    const FidelityQuestion& question, const VectorXd& q) {
   const Problem problem = stiffened(model, factor);
   const bool compares = factor == 1;  // of other stiffnesses growth alone is asked
-  return shown_modes(one_step_map(method, problem, question.h), q, q, question.h, problem.body->mass(),
+  return shown_modes(step_of_model(method, model, problem, question.h), q,
+                     model.is_loaded() ? q : model.sizes, question.h, model.mass,
                      compares ? model.shapes : Eigen::MatrixXd(q.size(), 0),
                      compares ? model.modes : std::vector<ShownMode>{}, question.watch);
 }
@@ -115,13 +116,19 @@ StepModes modes_of(const Method& method, const FidelityModel& model, double fact
 /// Growth beyond what differences resolve.
 bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; }
 
-std::string unsettled_in_words(const SettledState& found) {
-  return !std::isfinite(found.residual)
-             ? "its steps leave the range of numbers"
-             : fmt::format(
-                   "its steps do not settle near the equilibrium of the model: {} of them leave a "
-                   "residual of {:.1e}",
-                   found.steps, found.residual);
+/// Why steps do not settle.
+std::string unsettled_in_words(const SettledState& found, const Method& method, const FidelityModel& model,
+                               double h) {
+  if (std::isfinite(found.residual))
+    return fmt::format(
+        "its steps do not settle near the equilibrium of the model: {} of them leave a residual of {:.1e}",
+        found.steps, found.residual);
+  Problem problem = model.problem;
+  problem.y0.setZero();
+  problem.y0.head(model.start.size()) = model.start + model.equilibrium;
+  const RunRecord run = method.bind(problem).run({.t_end = h, .h = h, .jacobian = {1}}, {});
+  return run.note.empty() ? "its steps leave the range of numbers"
+                          : fmt::format("a step of it from the equilibrium of the model fails: {}", run.note);
 }
 
 /// "a factor of 1.4", "0.003 %".
@@ -132,8 +139,6 @@ std::string growth_in_words(double modulus) {
 
 constexpr std::string_view not_linear =
     "its iterations are not linear in the state, so that no eigenvalue tells what they make of a mode";
-constexpr std::string_view unknown_modes =
-    "of so many modes the slow ones are not known, and none is compared";
 
 /// The modulus that is shown where `factor` times that of the model is entered [Pa]; NaN where nothing
 /// settles, or against the load.
@@ -229,8 +234,9 @@ VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelit
 
 /// A mode as a run from its shape about the settled state shows it: two periods, after half of one in which
 /// what the step does not continue dies away. NaN where it decays within a few steps.
-ShownMode observed_mode(const VectorFunction& step, const VectorXd& mass, const VectorXd& settled,
-                        const VectorXd& shape, ShownMode mode, double h) {
+/// @param size  of displacements that matter, in the norm of M
+ShownMode observed_mode(const VectorFunction& step, const MassMatrix<double>& mass, const VectorXd& settled,
+                        double size, const VectorXd& shape, ShownMode mode, double h) {
   constexpr double least_steps = 12, least_left = 1e-3;
   const auto [turn, decay] = rates_of(mode, h);
   const double visible = decay > 0 ? -std::log(least_left) / decay : most_observed;
@@ -239,11 +245,12 @@ ShownMode observed_mode(const VectorFunction& step, const VectorXd& mass, const 
   if (wanted < least_steps) return mode;
   const Eigen::Index n = settled.size();
   VectorXd y = VectorXd::Zero(2 * n);
-  y.head(n) = settled + 1e-3 * std::sqrt(settled.dot(mass.cwiseProduct(settled))) * shape;
+  y.head(n) = settled + 1e-3 * size * shape;
+  const VectorXd seen = mass.times(shape);
   std::vector<double> amplitude;
   const auto steps = static_cast<std::int64_t>(wanted);
   for (std::int64_t i = 0; i <= steps; ++i, y = step(y))
-    if (i >= steps / 5) amplitude.push_back(shape.dot(mass.cwiseProduct(y.head(n) - settled)));
+    if (i >= steps / 5) amplitude.push_back(seen.dot(y.head(n) - settled));
   std::tie(mode.omega_shown, mode.zeta_shown) = oscillation_in(amplitude, h);
   return mode;
 }
@@ -251,7 +258,7 @@ ShownMode observed_mode(const VectorFunction& step, const VectorXd& mass, const 
 Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, const FidelityQuestion& question,
                            const Settled& settled) {
   const auto watched = [&](const Problem& problem) -> VectorFunction {
-    return [map = one_step_map(row.method, problem, row.h), &question](const VectorXd& y) {
+    return [map = step_of_model(row.method, model, problem, row.h), &question](const VectorXd& y) {
       if (question.watch) question.watch();
       return map(y);
     };
@@ -259,13 +266,18 @@ Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, cons
   const VectorFunction step = watched(model.problem);
   const Eigen::Index n = model.load.size();
   Fidelity::Observed seen;
-  const VectorXd loaded = observed_rest(step, n, row);
-  const VectorXd rest =
-      settled.rest.q.isZero(0) ? settled.rest.q : observed_rest(watched(without_load(model.problem)), n, row);
-  if (loaded.size() > 0 && rest.size() > 0)
-    seen.stiffness_shown = model.load.dot(model.equilibrium) / model.load.dot(loaded - rest);
+  if (model.is_loaded()) {
+    const VectorXd loaded = observed_rest(step, n, row);
+    const VectorXd rest = settled.rest.q.isZero(0)
+                              ? settled.rest.q
+                              : observed_rest(watched(without_load(model.problem)), n, row);
+    if (loaded.size() > 0 && rest.size() > 0)
+      seen.stiffness_shown = model.load.dot(model.equilibrium) / model.load.dot(loaded - rest);
+  }
+  const VectorXd& sizes = model.is_loaded() ? settled.loaded.q : model.sizes;
+  const double size = std::sqrt(sizes.dot(model.mass.times(sizes)));
   for (std::size_t k = 0; k < row.modes.size(); ++k)
-    seen.modes.push_back(observed_mode(step, model.problem.body->mass(), settled.loaded.q,
+    seen.modes.push_back(observed_mode(step, model.mass, settled.loaded.q, size,
                                        model.shapes.col(static_cast<Eigen::Index>(k)), row.modes[k], row.h));
   return seen;
 }
@@ -281,6 +293,23 @@ double gap_of(const Fidelity& row) {
                                 std::abs(seen.zeta_shown - row.modes[k].zeta_shown)})
         gap = std::fmax(gap, each);
   return gap;
+}
+
+double largest_of(const FidelityModel& model, const VectorXd& q) {
+  return model.problem.body ? largest_displacement(q) : q.cwiseAbs().maxCoeff();
+}
+
+/// Volume, momentum, and what is left without load.
+void tell_of_body(Fidelity& row, const FidelityModel& model, const Settled& found) {
+  row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
+  row.rest_moves = largest_displacement(found.rest.q);
+  row.momentum = momentum_made(row.method, model.problem, model.equilibrium, row.h);
+  if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
+    add_sentence(row.status, fmt::format("without load it moves {} mm from rest",
+                                         short_number(1000 * row.rest_moves, 3)));
+  if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.05)
+    add_sentence(row.status, fmt::format("its inner forces alone make {} % of momentum in a step",
+                                         short_number(100 * made, 2)));
 }
 
 /// Ceiling and modulus to enter.
@@ -302,39 +331,6 @@ void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuesti
                    : "no modulus was found with which it settles as the model does with the wanted one");
 }
 
-/// The slowest modes of the undamped body near `y`, with what its damping makes of each alone, x^T C x = 2
-/// zeta omega: beta K at rest couples them a little where the body is deformed.
-void add_modes(FidelityModel& model, const VectorXd& y, std::size_t modes) {
-  TissueSettings settings = model.problem.body->settings();
-  settings.alpha = settings.beta = settings.springs.damper = settings.springs.damper_time = 0;
-  const Linearised near = linearised(with_settings(model.problem, std::move(settings)), 0, y);
-  std::vector<MechanicalMode> slow = near.modes.spectrum.mechanical;
-  std::erase_if(slow, [](const MechanicalMode& each) { return !(each.kappa > 0); });
-  std::ranges::sort(slow, {}, &MechanicalMode::kappa);
-  if (near.modes.range || !near.point.model.mechanical) slow.clear();
-  const TissueBody& body = *model.problem.body;
-  const Eigen::Index n = body.dofs();
-  TissueBody::DofMatrix C;
-  body.damping(0, y.head(n), VectorXd::Zero(n), C);
-  const auto damped = [&](const MechanicalMode& mode, const VectorXd& x) {
-    const double omega = std::sqrt(mode.kappa);
-    return ShownMode{.omega = omega, .zeta = x.dot(C * x) / (2 * omega)};
-  };
-  if (!slow.empty()) {
-    const ShownMode fastest = damped(slow.back(), shape_of_mode(near, slow.back()));
-    model.fastest = fastest.omega;
-    model.fastest_zeta = std::min(fastest.zeta, 0.999);
-  }
-  // Of large bodies the ends are known alone.
-  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
-  model.shapes.resize(n, static_cast<Eigen::Index>(slow.size()));
-  for (std::size_t k = 0; k < slow.size(); ++k) {
-    const VectorXd x = shape_of_mode(near, slow[k]);
-    model.modes.push_back(damped(slow[k], x));
-    model.shapes.col(static_cast<Eigen::Index>(k)) = x;
-  }
-}
-
 }  // namespace
 
 std::vector<Method> methods_of_simulators(const Problem& problem) {
@@ -344,62 +340,6 @@ std::vector<Method> methods_of_simulators(const Problem& problem) {
                            "xpbd", "xpbd:iterations=1,substeps=10", "pbd"})
     if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
   return methods;
-}
-
-double young_of(const Problem& problem) { return problem.body->settings().materials.front().young; }
-
-Problem with_stiffness(const Problem& problem, double factor) {
-  TissueSettings settings = problem.body->settings();
-  for (TissueMaterial& material : settings.materials) {
-    material.young *= factor;
-    material.fibre_young *= factor;
-  }
-  settings.springs.stiffness *= factor;
-  settings.skin.young *= factor;
-  // Damping is that of the material: beta K would grow with it.
-  settings.beta /= factor;
-  settings.springs.damper_time /= factor;
-  return with_settings(problem, std::move(settings));
-}
-
-FidelityModel settled_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
-  if (std::isinf(equilibrium_time(*problem.body)) ||
-      (equilibrium_time(*problem.body) == 0 && !problem.body->is_autonomous()))
-    throw InputError(
-        "the load changes with time and never settles, so that nothing comes to rest; take gravity or press");
-  FidelityModel model{
-      .problem = after_ramps(problem), .load = {}, .equilibrium = {}, .modes = {}, .shapes = {}};
-  const TissueBody& body = *model.problem.body;
-  model.equilibrium = VectorXd::Zero(body.dofs());
-  model.load.resize(body.dofs());
-  body.force(0, model.equilibrium, model.equilibrium, model.load);
-  if (!is_at_rest(body)) {
-    StaticSettings settings;
-    if (watch) settings.seen = [&](const StaticIterate&) { watch(); };
-    const StaticSolution solution = found_equilibrium(model.problem, 1, settings, [] { return 0.0; });
-    if (!solution.converged)
-      throw InputError("no static equilibrium to compare with: " + status_of(model.problem, solution));
-    model.equilibrium = solution.q;
-  }
-  model.volume = volume_of(body, model.equilibrium);
-
-  VectorXd y = VectorXd::Zero(body.dim());
-  y.head(body.dofs()) = model.equilibrium;
-  add_modes(model, y, modes);
-  return model;
-}
-
-FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
-  if (!problem.body)
-    throw InputError(fmt::format("{} is no body, and its stiffness is no material's; take a mesh with --mesh",
-                                 problem.id));
-  if (!problem.body->settings().tools.empty())
-    throw InputError(
-        "the force of a tool depends on the body where a tool meets it, and measures no stiffness; take gravity or press");
-  FidelityModel model = settled_model(problem, watch, modes);
-  if (model.equilibrium.isZero(0))
-    throw InputError("nothing loads the body, so that no sag shows its stiffness; take a load with --load");
-  return model;
 }
 
 double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question,
@@ -416,6 +356,9 @@ double stiffness_ceiling(const Method& method, const FidelityModel& model, const
 
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
   const bool asks_moduli = question.ceiling || question.wanted;
+  if (asks_moduli && !model.problem.body)
+    throw InputError(fmt::format(
+        "{} is no body, and has no modulus to enter; leave out --ceiling and --enter", model.problem.id));
   if (asks_moduli && model.problem.body->settings().springs.stiffness > 0)
     throw InputError(
         "k gives the springs their stiffness whatever the modulus is; leave k out, or --ceiling and --enter");
@@ -423,8 +366,9 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   const Settled found = settle(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
-    add_sentence(row.status, found.loaded.settled ? "without load " + unsettled_in_words(found.rest)
-                                                  : unsettled_in_words(found.loaded));
+    add_sentence(row.status, found.loaded.settled
+                                 ? "without load " + unsettled_in_words(found.rest, method, model, row.h)
+                                 : unsettled_in_words(found.loaded, method, model, row.h));
     return row;
   }
   StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
@@ -435,24 +379,22 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
                     growth_in_words(std::abs(shown.largest))));
     return row;
   }
-  row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
-  row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
-  row.settled_error =
-      largest_displacement(found.loaded.q - model.equilibrium) / largest_displacement(model.equilibrium);
-  row.rest_moves = largest_displacement(found.rest.q);
-  row.momentum = momentum_made(method, model.problem, model.equilibrium, question.h);
+  if (model.is_loaded()) {
+    row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
+    row.settled_error =
+        largest_of(model, found.loaded.q - model.equilibrium) / largest_of(model, model.equilibrium);
+  } else {
+    add_sentence(
+        row.status,
+        "nothing loads the model in its start, so that no stiffness is shown; give another with --y0");
+  }
+  if (model.problem.body) tell_of_body(row, model, found);
   row.modes = std::move(shown.modes);
   if (row.stiffness_shown < 0) add_sentence(row.status, "it settles against the load");
-  if (row.rest_moves > 0.01 * largest_displacement(model.equilibrium))
-    add_sentence(row.status, fmt::format("without load it moves {} mm from rest",
-                                         short_number(1000 * row.rest_moves, 3)));
-  if (const double made = std::max(row.momentum.linear, row.momentum.angular); made > 0.05)
-    add_sentence(row.status, fmt::format("its inner forces alone make {} % of momentum in a step",
-                                         short_number(100 * made, 2)));
   if (!shown.linear)
     add_sentence(row.status, fmt::format("{}; runs do", not_linear));
   else if (row.modes.empty())
-    add_sentence(row.status, std::string(unknown_modes));
+    add_sentence(row.status, model.why_no_modes);
   else if (std::isnan(row.modes.front().omega_shown))
     add_sentence(row.status, "no eigenvalue of its steps is like the slowest mode");
   if (asks_moduli) find_moduli(row, model, question);
@@ -460,7 +402,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
     row.observed = observe(model, row, question, found);
     row.gap = gap_of(row);
     row.contradiction = row.gap > 0.05;
-    if (std::isnan(row.observed->stiffness_shown))
+    if (model.is_loaded() && std::isnan(row.observed->stiffness_shown))
       add_sentence(row.status, fmt::format("a run from rest still moves after {} steps", most_observed));
   }
   return row;
@@ -499,24 +441,13 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
   if (method.amplification && (!method.bind || depends_on_past(method, model.problem)))
     return damping_by_formula(method, model, h);
   ShownDamping row{.method = method, .h = h, .modes = {}, .status = {}};
-  const VectorFunction step = one_step_map(method, model.problem, h);
-  const TissueBody& body = *model.problem.body;
-  const double share = share_of_step(model, 1, h);
-  const Eigen::Index n = body.dofs();
-  VectorXd sizes = model.equilibrium;
-  SettledState found;
-  if (!sizes.isZero(0)) {
-    found = settled_state(step, model.equilibrium, share, watch);
-  } else {
-    const auto& points = body.mesh().points;
-    sizes.setConstant(0.01 * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
-    found = settled_without_load(step, n, sizes.norm(), share, watch);
-  }
+  const VectorFunction step = step_of_model(method, model, model.problem, h);
+  const SettledState found = settled_from(step, model.equilibrium, model, share_of_step(model, 1, h), watch);
   if (!found.settled) {
-    row.status = unsettled_in_words(found);
+    row.status = unsettled_in_words(found, method, model, h);
     return row;
   }
-  StepModes shown = shown_modes(step, found.q, sizes, h, body.mass(), model.shapes, model.modes, watch);
+  StepModes shown = shown_modes(step, found.q, model.sizes, h, model.mass, model.shapes, model.modes, watch);
   row.modes = std::move(shown.modes);
   if (grows(shown)) {
     row.growth = std::abs(shown.largest);
@@ -525,7 +456,7 @@ ShownDamping shown_damping(const Method& method, const FidelityModel& model, dou
   } else if (!shown.linear) {
     row.status = not_linear;
   } else if (model.modes.empty()) {
-    row.status = unknown_modes;
+    row.status = model.why_no_modes;
   }
   return row;
 }

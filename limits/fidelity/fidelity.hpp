@@ -1,4 +1,4 @@
-/// What the steps of a method show of the material of a body.
+/// What the steps of a method show of a model: its stiffness, damping and frequencies.
 #pragma once
 
 #include <functional>
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "limits/fidelity/fidelity_model.hpp"
 #include "limits/fidelity/momentum_made.hpp"
 #include "limits/fidelity/shown_modes.hpp"
-#include "limits/linearised_problem.hpp"
 
 namespace hmax {
 
@@ -23,24 +23,12 @@ struct FidelityQuestion {
   std::function<void()> watch{};
 };
 
-/// A body in its static equilibrium under a load that does not change with time: what steps are compared
-/// with.
-struct FidelityModel {
-  Problem problem;
-  Eigen::VectorXd load;          ///< f, the weight and the dead loads [N], shape (dofs)
-  Eigen::VectorXd equilibrium;   ///< q [m], shape (dofs); zero where nothing loads the body
-  double volume = 0;             ///< of the body there [m^3]
-  std::vector<ShownMode> modes;  ///< the slowest ones near it, not yet shown by anything
-  Eigen::MatrixXd shapes;        ///< of these, columns, shape (dofs, modes)
-  double fastest = 0;            ///< omega of the fastest mode [rad/s]; 0 where damping couples the modes
-  double fastest_zeta = 0;       ///< its damping ratio, as far as it oscillates
-};
-
 /// What steps of size h show.
 ///   stiffness_shown = (f . q_exact) / (f . (q_settled - q_rest)),
-/// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest, and
-/// q_rest where they do without the load: 0 but for methods that do not keep an unloaded body as it is. Of a
-/// linear body loaded at one point it is the stiffness that is felt there over that of the model.
+/// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest, all
+/// displacements from the initial position, and q_rest where they do without the load: 0 but for methods that
+/// do not keep an unloaded body as it is. Of a linear body loaded at one point it is the stiffness that is
+/// felt there over that of the model.
 struct Fidelity {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
@@ -48,15 +36,15 @@ struct Fidelity {
   double h = 0;
   double stiffness_shown = none;  ///< 1 is exact; NaN where nothing settles
   /// The largest modulus that the steps can show, its limit as the modulus entered grows [Pa]; infinity where
-  /// there is none. A modulus is shown where the model with it sags as much.
+  /// there is none; of bodies. A modulus is shown where the model with it sags as much.
   double stiffness_ceiling = none;
   /// E [Pa] with which the steps sag as the model does with the wanted one; NaN where none is found.
   double modulus_to_enter = none;
   /// The largest distance of a point of q_settled from q_exact, relative to the largest displacement of it.
   double settled_error = none;
-  double rest_moves = 0;      ///< the largest displacement of q_rest [m]
-  double volume_kept = none;  ///< settled over that in the equilibrium of the model
-  MomentumMade momentum{};    ///< in a step from that equilibrium without all that acts from outside
+  double rest_moves = 0;      ///< the largest displacement of q_rest [m]; 0 of what is no body
+  double volume_kept = none;  ///< of a body: settled over that in the equilibrium of the model
+  MomentumMade momentum{};  ///< of a body: in a step from that equilibrium without all that acts from outside
   std::vector<ShownMode> modes;
   struct Observed {
     double stiffness_shown = none;
@@ -80,17 +68,6 @@ struct ShownDamping {
   std::string status;              ///< a sentence: what the numbers do not tell
 };
 
-/// @param problem  of a body
-/// @param watch  called now and then; may throw
-/// @param modes  how many of the slowest; fewer where damping couples them or only the ends are known
-/// @throws InputError  for a load that never settles, and where no equilibrium is found
-FidelityModel settled_model(const Problem& problem, const std::function<void()>& watch = {},
-                            std::size_t modes = 3);
-/// The same of a load that measures stiffness.
-/// @throws InputError  also for what is no body, a body that nothing loads, and a tool
-FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch = {},
-                             std::size_t modes = 3);
-
 /// @throws InputError  for a method that does not suit the body, or has no map of steps, and for moduli of
 ///                     springs of a given stiffness
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question);
@@ -110,12 +87,5 @@ std::vector<Method> methods_of_simulators(const Problem& problem);
 /// @param stiffness_shown  of the model itself
 double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question,
                          double stiffness_shown);
-
-/// E of the first region [Pa]: what ceilings and moduli are given in.
-double young_of(const Problem& problem);
-
-/// The same body with all stiffnesses of tissue, springs, fibres and skin times `factor`. Supports and
-/// damping stay.
-Problem with_stiffness(const Problem& problem, double factor);
 
 }  // namespace hmax

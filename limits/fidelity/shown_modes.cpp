@@ -17,34 +17,44 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-/// States in units in which |x|^2 is the energy of a mode of frequency `omega`: (omega sqrt(M) q, sqrt(M) v).
+/// States in units in which |x|^2 is the energy of a mode of frequency `omega`: x = (omega R q, R v), M = R^T
+/// R.
 struct EnergyUnits {
-  VectorXd scale;  ///< shape (2 dofs)
-  EnergyUnits(const VectorXd& mass, double omega) : scale(2 * mass.size()) {
-    scale << omega * mass.cwiseSqrt(), mass.cwiseSqrt();
+  const MassMatrix<double>& mass;
+  double omega;
+
+  [[nodiscard]] VectorXd of(const VectorXd& y) const {
+    const Eigen::Index n = mass.size();
+    VectorXd x(2 * n);
+    x << omega * mass.root_times(VectorXd(y.head(n))), mass.root_times(VectorXd(y.tail(n)));
+    return x;
+  }
+  [[nodiscard]] VectorXd back(const VectorXd& x) const {
+    const Eigen::Index n = mass.size();
+    VectorXd y(2 * n);
+    y << mass.root_solve(VectorXd(x.head(n))) / omega, mass.root_solve(VectorXd(x.tail(n)));
+    return y;
   }
 };
 
 /// What a Ritz vector in energy units has of a shape, relative to all of its displacement.
-double likeness(const VectorXcd& x, const VectorXd& shape, const VectorXd& mass) {
-  const VectorXcd q = x.head(mass.size());
-  return std::abs(q.cwiseProduct(mass.cwiseSqrt().cast<std::complex<double>>())
-                      .dot(shape.cast<std::complex<double>>())) /
-         q.norm();
+/// @param scaled  R u, shape (dofs)
+double likeness(const VectorXcd& x, const VectorXd& scaled) {
+  const VectorXcd q = x.head(scaled.size());
+  return std::abs(q.dot(scaled.cast<std::complex<double>>())) / q.norm();
 }
 
 /// Modes that steps do not mix with others, as methods with linear equations do not: eigenvalues of the step
 /// on the plane of displacements and velocities along one.
-/// @param A  the derivative of a step in energy units
-std::vector<FoundMode> modes_alone(const LinearOperator& A, const EnergyUnits& units, const MatrixXd& shapes,
-                                   double h) {
+/// @param A       the derivative of a step in energy units
+/// @param shapes  R u, columns of length 1
+std::vector<FoundMode> modes_alone(const LinearOperator& A, const MatrixXd& shapes, double h) {
   constexpr double most_mixed = 1e-4;  // of 1 - lambda
   const Eigen::Index n = shapes.rows();
   std::vector<FoundMode> found(static_cast<std::size_t>(shapes.cols()));
   for (Eigen::Index k = 0; k < shapes.cols(); ++k) {
     MatrixXd plane = MatrixXd::Zero(2 * n, 2);
-    plane.col(0).head(n) = shapes.col(k).cwiseProduct(units.scale.head(n)).normalized();
-    plane.col(1).tail(n) = shapes.col(k).cwiseProduct(units.scale.tail(n)).normalized();
+    plane.col(0).head(n) = plane.col(1).tail(n) = shapes.col(k);
     MatrixXd image(2 * n, 2);
     for (Eigen::Index i = 0; i < 2; ++i) image.col(i) = A(plane.col(i));
     const Eigen::Matrix2d own = plane.transpose() * image;
@@ -61,25 +71,25 @@ std::vector<FoundMode> modes_alone(const LinearOperator& A, const EnergyUnits& u
 }  // namespace
 
 StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const VectorXd& sizes, double h,
-                      const VectorXd& mass, const MatrixXd& shapes, const std::vector<ShownMode>& modes,
-                      const std::function<void()>& watch) {
+                      const MassMatrix<double>& mass, const MatrixXd& shapes,
+                      const std::vector<ShownMode>& modes, const std::function<void()>& watch) {
   const Eigen::Index n = q.size();
-  const EnergyUnits units(mass, modes.empty() ? 0.1 / h : modes.front().omega);
+  const EnergyUnits units{mass, modes.empty() ? 0.1 / h : modes.front().omega};
+  const MatrixXd scaled = mass.root_times(shapes);
   VectorXd y = VectorXd::Zero(2 * n);
   y.head(n) = q;
   // A ten-thousandth: large beside rounding, small beside curvature.
-  const double size = 1e-4 * units.scale.head(n).cwiseProduct(sizes).norm();
+  const double size = 1e-4 * units.omega * mass.root_times(sizes).norm();
   const LinearOperator A = [&](const VectorXd& x) -> VectorXd {
     if (watch) watch();
     const double length = x.norm();
     if (!(length > 0)) return VectorXd::Zero(2 * n);
-    const VectorXd d = size / length * x.cwiseQuotient(units.scale);
-    return length / (2 * size) * (step(y + d) - step(y - d)).cwiseProduct(units.scale);
+    const VectorXd d = size / length * units.back(x);
+    return length / (2 * size) * units.of(step(y + d) - step(y - d));
   };
   // The modes, and a little of everything else: what grows may be none of them.
   VectorXd start = VectorXd::Zero(2 * n);
-  for (Eigen::Index k = 0; k < shapes.cols(); ++k)
-    start.head(n) += units.scale.head(n).cwiseProduct(shapes.col(k));
+  for (Eigen::Index k = 0; k < shapes.cols(); ++k) start.head(n) += units.omega * scaled.col(k);
   const VectorXd others = start_vector(2 * n);
   start += (modes.empty() ? 1 : 0.02 * start.norm()) / others.norm() * others;
 
@@ -88,7 +98,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   const VectorXd other = start.reverse(), together = A(start + other), sum = A(start) + A(other);
   shown.linear = (together - sum).norm() <= most_curved * together.norm();
   const std::vector<FoundMode> alone =
-      shown.linear ? modes_alone(A, units, shapes, h) : std::vector<FoundMode>(modes.size());
+      shown.linear ? modes_alone(A, scaled, h) : std::vector<FoundMode>(modes.size());
   std::vector<FoundMode> found = alone;
   ArnoldiSettings settings;
   settings.basis = std::min<Eigen::Index>(80, 2 * n);
@@ -110,7 +120,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
         if (value.imag() < 0 || (value.imag() == 0 && value.real() <= 0)) continue;
         const VectorXcd x = spectrum.vector(i);
         for (std::size_t k = 0; k < modes.size(); ++k)
-          found[k].look(std::log(value) / h, likeness(x, shapes.col(static_cast<Eigen::Index>(k)), mass),
+          found[k].look(std::log(value) / h, likeness(x, scaled.col(static_cast<Eigen::Index>(k))),
                         spectrum.values[i].residual / std::abs(1.0 - value));
       }
       return spectrum.invariant ||

@@ -9,6 +9,7 @@
 
 #include "analysis/dynamics/differences.hpp"
 #include "analysis/dynamics/shown_mode.hpp"
+#include "core/mass_matrix.hpp"
 
 namespace hmax {
 
@@ -28,12 +29,12 @@ struct StepModes {
 /// @param sizes  displacements as large as those that matter, shape (dofs), not zero: q itself, where it is
 /// not
 /// @param h      [s]
-/// @param mass   lumped, shape (dofs) [kg]
+/// @param mass   M, shape (dofs, dofs) [kg]
 /// @param shapes of the modes, columns of length 1 in the norm of M, shape (dofs, modes)
 /// @param modes  their omega and zeta
 /// @param watch  called before each step; may throw
 StepModes shown_modes(const VectorFunction& step, const Eigen::VectorXd& q, const Eigen::VectorXd& sizes,
-                      double h, const Eigen::VectorXd& mass, const Eigen::MatrixXd& shapes,
+                      double h, const MassMatrix<double>& mass, const Eigen::MatrixXd& shapes,
                       const std::vector<ShownMode>& modes, const std::function<void()>& watch = {});
 
 }  // namespace hmax

@@ -252,9 +252,9 @@ py::object predict_body(const Body& body, std::vector<std::string> methods, std:
 }
 
 /// What `hmax fidelity --json` computes.
-py::object fidelity_of_body(const Body& body, double rate, const std::vector<std::string>& names, bool verify,
-                            bool ceiling, std::optional<double> enter) {
-  return to_python(in_background([=, recipe = body.recipe](const Stop& stop) {
+py::object fidelity_of_recipe(const Recipe& recipe, double rate, const std::vector<std::string>& names,
+                              bool verify, bool ceiling, std::optional<double> enter) {
+  return to_python(in_background([=](const Stop& stop) {
     const Problem problem = recipe.make();
     const FidelityQuestion question{
         .h = 1 / rate, .verify = verify, .ceiling = ceiling, .wanted = enter, .watch = [&stop] {
@@ -268,6 +268,18 @@ py::object fidelity_of_body(const Body& body, double rate, const std::vector<std
     for (const Method& method : methods) rows.push_back(fidelity(method, model, question));
     return fidelity_json(problem, rate, rows);
   }));
+}
+
+py::object fidelity_of_body(const Body& body, double rate, const std::vector<std::string>& names, bool verify,
+                            bool ceiling, std::optional<double> enter) {
+  return fidelity_of_recipe(body.recipe, rate, names, verify, ceiling, enter);
+}
+
+py::object fidelity_named(const std::string& id, const std::string& material, const Values& parameters,
+                          const std::vector<double>& y0, double rate, const std::vector<std::string>& names,
+                          bool verify, bool ceiling, std::optional<double> enter) {
+  return fidelity_of_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+                            rate, names, verify, ceiling, enter);
 }
 
 }  // namespace
@@ -294,6 +306,7 @@ void add_models(py::module_& module) {
   module.def("advise", &advise_named);
   module.def("advise_structure", &advise_structure);
   module.def("predict", &predict_named);
+  module.def("fidelity", &fidelity_named);
 }
 
 }  // namespace hmax::python

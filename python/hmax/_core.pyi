@@ -60,6 +60,9 @@ def advise_structure(
     frames: int,
     within: float,
 ) -> Dict[str, Any]: ...
+def fidelity(
+    id: str, material: str, parameters: Any, y0: Any, rate: float, methods: List[str], verify: bool, ceiling: bool, enter: Any
+) -> Dict[str, Any]: ...
 def predict(
     id: str, material: str, parameters: Any, y0: Any, methods: List[str], at: str, along: str, verify: bool, t_end: Any
 ) -> Dict[str, Any]: ...

@@ -6,14 +6,14 @@ from typing import Any, Callable, Optional, Sequence, Union
 
 from . import _core
 from ._answer import Answer, answer
-from ._arguments import number
-from ._models import Body, between
+from ._arguments import number, vector
+from ._models import Body, _values, between
 from ._probe import steps_fidelity
 from ._runs import method_name
 
 
 def fidelity(
-    model: Union[Body, Callable[[Any, float], Any]],
+    model: Union[Body, str, Callable[[Any, float], Any]],
     rate: Optional[float] = None,
     methods: Union[str, Sequence[str]] = (),
     verify: bool = False,
@@ -23,24 +23,28 @@ def fidelity(
     h: Optional[float] = None,
     h0: Optional[float] = None,
     load: Any = None,
+    material: str = "",
+    **parameters: float,
 ) -> Answer:
-    """What steps make of stiffness, damping and frequencies: of methods on a Body, as `hmax fidelity --json`, or of a step function.
+    """What steps make of stiffness, damping and frequencies: of methods on a model, as `hmax fidelity --json`, or of a step function.
 
     Parameters
     ----------
-    model : a Body under a load, or a function `step(y, h)` that returns the state after a step of h [s], shape (n), n up to 300
-    rate : of a Body: frames a second, each one step [Hz]
-    methods : of a Body: with their parameters, such as "vbd:iterations=5"; those that simulators use by default
-    verify : of a Body: also observe runs from rest, and from each mode
+    model : a Body under a load, what --problem of the program takes: the id of a problem, or a file of formulas, or a function
+        `step(y, h)` that returns the state after a step of h [s], shape (n), n up to 300
+    rate : of a model: frames a second, each one step [Hz]
+    methods : of a model: with their parameters, such as "vbd:iterations=5"; those that simulators use by default
+    verify : of a model: also observe runs from rest, and from each mode
     ceiling : of a Body: also the largest modulus that the steps can show
     enter : of a Body: a modulus that is to be shown [Pa]: also which one to enter for it
-    y0 : of a step function: the state that it begins with, shape (n)
+    y0 : of a step function: the state that it begins with, shape (n); of a problem by id instead of its own
     h : of a step function: the step size [s]
     h0 : of a step function: a small step size that stands for the model [s]; a hundredth of h by default
     load : of a step function: f, shape (n): also `stiffness_shown`, f . y(h0) / f . y(h) of the states of rest y, measured from
         where the model rests without load
+    material, parameters : of a problem by id, as of `hmax list problems`
 
-    Of a Body the answer has `rows`, one for each method. Of a step function: `settles` (there is a state of rest near which nothing
+    Of a model the answer has `rows`, one for each method. Of a step function: `settles` (there is a state of rest near which nothing
     grows), `settled_moves` (|y(h) - y(h0)| / |y(h0)|), `stiffness_shown`, `modes` (`omega`, `zeta` of steps of h0 and `omega_shown`,
     `zeta_shown` of steps of h [rad/s, 1]), `grows`, `spectral_radius`, `status`. What is not found is None.
 
@@ -58,15 +62,25 @@ def fidelity(
     >>> print(f"{shown.stiffness_shown:.3f}, damping ratio {shown.modes[0].zeta_shown:.2f}")
     1.000, damping ratio 0.23
     """
-    of_body = {"rate": rate, "methods": methods or None, "verify": verify or None, "ceiling": ceiling or None, "enter": enter}
-    of_step = {"y0": y0, "h": h, "h0": h0, "load": load}
-    strange, kind = (of_step, "a Body") if isinstance(model, Body) else (of_body, "a step function")
+    of_model = {"rate": rate, "methods": methods or None, "verify": verify or None, "ceiling": ceiling or None, "enter": enter}
+    of_problem = {"material": material or None, **parameters}
+    of_step = {"h": h, "h0": h0, "load": load}
+    if isinstance(model, Body):
+        strange, kind = {"y0": y0, **of_step, **of_problem}, "a Body"
+    elif isinstance(model, str):
+        strange, kind = of_step, "a problem by id"
+    else:
+        strange, kind = {**of_model, **of_problem}, "a step function"
     for name, given in strange.items():
         if given is not None:
             raise ValueError(f"{name} does not belong to {kind}; leave it out")
-    if not isinstance(model, Body):
+    if not isinstance(model, (Body, str)):
         return steps_fidelity(model, y0, h, h0, load)
     hertz = between("rate", rate, 1e-3, 1e9)
     wanted = None if enter is None else between("enter", number("enter", enter), 1e-3, 1e15)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
-    return answer(model._core.fidelity(hertz, names, bool(verify), bool(ceiling), wanted))
+    question = (hertz, names, bool(verify), bool(ceiling), wanted)
+    if isinstance(model, Body):
+        return answer(model._core.fidelity(*question))
+    start = [] if y0 is None else vector("y0", y0).tolist()
+    return answer(_core.fidelity(model, str(material), _values(parameters), start, *question))

@@ -62,6 +62,20 @@ def test_a_body_has_the_rows_of_the_program(program):
     assert len(hmax.fidelity(body, rate=100).rows) >= 4
 
 
+def test_a_problem_by_id_shows_its_closed_form():
+    # x = 1 at rest, where k1 + 3 k3 x^2 = 3.5; implicit Euler makes 1 / (1 - lambda h) of a mode.
+    row = hmax.fidelity(
+        "liver_forced", rate=10, methods="implicit_euler", y0=[0, 0], m=1.4, c=0.7, k1=1.25, k3=0.75, P=2, w=0
+    ).rows[0]
+    omega, zeta = np.sqrt(2.5), 0.7 / (2 * 1.4 * np.sqrt(2.5))
+    shown = -np.log(1 - 0.1 * omega * (-zeta + 1j * np.sqrt(1 - zeta**2))) / 0.1
+    assert row.stiffness_shown == pytest.approx(1, rel=1e-9)
+    assert row.modes[0].omega == pytest.approx(omega) and row.modes[0].zeta == pytest.approx(zeta)
+    assert row.modes[0].omega_shown == pytest.approx(abs(shown), rel=1e-4)
+    assert row.modes[0].zeta_shown == pytest.approx(-shown.real / abs(shown), rel=1e-4)
+    assert row.volume_kept is None
+
+
 @pytest.mark.parametrize(
     "call, words",
     [
@@ -78,6 +92,10 @@ def test_a_body_has_the_rows_of_the_program(program):
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press"), rate=100, h=1), "h does not belong to a Body"),
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press"), rate=100, methods=["vbd:iteration=3"]), "iterations"),
         (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="breathing"), rate=100), "never settles"),
+        (lambda: hmax.fidelity(hmax.Body("cube:n=2", load="press"), rate=100, E=5e3), "E does not belong to a Body"),
+        (lambda: hmax.fidelity("liver_linear", rate=10, h=1), "h does not belong to a problem by id"),
+        (lambda: hmax.fidelity("robertson", rate=10), "no positions and velocities"),
+        (lambda: hmax.fidelity("liver_linear", rate=10, ceiling=True), "has no modulus"),
     ],
 )
 def test_wrong_input_is_told(call, words):

@@ -1,4 +1,5 @@
 /// hmax fidelity: its document, its table and its errors.
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -62,6 +63,42 @@ TEST(FidelityCommand, MapsOneMethodOverItsWork) {
     EXPECT_TRUE(says(svg, words));
 }
 
+TEST(FidelityCommand, TakesEveryModelWithPositionsAndVelocities) {
+  const Shell shell;
+  const nlohmann::json oscillator =
+      shell.hmax("fidelity --problem liver_cubic --rate 10 --method implicit_euler --verify --json").json();
+  EXPECT_EQ(oscillator["model"], "liver_cubic");
+  const nlohmann::json& row = oscillator["rows"][0];
+  EXPECT_NEAR(row["stiffness_shown"].get<double>(), 1, 1e-9);
+  EXPECT_LT(row["gap"], 1e-3);
+  for (const char* of_bodies : {"stiffness_ceiling", "modulus_to_enter", "volume_kept"})
+    EXPECT_TRUE(row[of_bodies].is_null()) << of_bodies;
+  EXPECT_TRUE(row["momentum_made"]["linear"].is_null());
+  // Those of simulators that take it.
+  const nlohmann::json all = shell.hmax("fidelity --problem spring_chain --rate 1000 --json").json()["rows"];
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_TRUE(all[0]["stiffness_shown"].is_null());
+  EXPECT_TRUE(says(all[0]["status"].get<std::string>(), "nothing loads the model in its start"));
+  EXPECT_EQ(all[0]["modes"].size(), 3U);
+
+  // Small motions of the pendulum of the example in C, about its rest: the load is the force where it is
+  // held.
+  const Told plugin = shell.hmax("fidelity --plugin " EXAMPLE_MODEL " --rate 100 --method rk4 --verify");
+  ASSERT_EQ(plugin.exit_code, 0) << plugin.err;
+  EXPECT_TRUE(says(plugin.out, "the load is the force that acts on it at rest in its start"));
+  EXPECT_TRUE(says(plugin.out, "5.34 for 5.34 rad/s"));
+  EXPECT_TRUE(says(plugin.out, "100 %"));
+
+  write_text(shell / "K.mtx",
+             "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 30\n2 2 20\n2 1 -10\n");
+  write_text(shell / "M.mtx", "%%MatrixMarket matrix array real general\n2 1\n1\n2\n");
+  const Told matrices = shell.hmax("fidelity --matrices stiffness=K.mtx,mass=M.mtx --rate 30 --json");
+  ASSERT_EQ(matrices.exit_code, 0) << matrices.err;
+  // 2 kappa^2 - 80 kappa + 500 = 0
+  EXPECT_NEAR(matrices.json()["rows"][0]["modes"][0]["omega"].get<double>(), std::sqrt(20 - std::sqrt(150.0)),
+              1e-9);
+}
+
 TEST(FidelityCommand, SaysWhatIsWrong) {
   const std::string body = "fidelity --mesh cube:n=2 ";
   expect_refusal(body + "--load press", "--rate");
@@ -81,7 +118,13 @@ TEST(FidelityCommand, SaysWhatIsWrong) {
   expect_refusal(map + "iterations,substeps --method vbd --output map.png",
                  "would not be what its name says");
   expect_refusal(body + "--load breathing --rate 60", "never settles");
-  expect_refusal("fidelity --problem liver_linear --rate 60", "is no body");
+  expect_refusal(body + "--load press --set force=0 --rate 60", "nothing loads the body");
+  expect_refusal("fidelity --problem van_der_pol --rate 60", "van_der_pol has no positions and velocities");
+  expect_refusal("fidelity --problem liver_forced --rate 60", "never settles");
+  expect_refusal("fidelity --problem liver_linear --set k1=0 --rate 60",
+                 "has no stiffness in its equilibrium");
+  expect_refusal("fidelity --problem liver_linear --rate 60 --ceiling", "leave out --ceiling and --enter");
+  expect_refusal("fidelity --problem liver_linear --rate 60 --method vbd", "take a mesh with --mesh");
 }
 
 }  // namespace
