@@ -15,6 +15,7 @@
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/by_steps/one_step_map.hpp"
+#include "limits/fidelity/run_to_rest.hpp"
 #include "limits/fidelity/settled_state.hpp"
 #include "limits/fidelity/steps_stiffness.hpp"
 #include "problems/tissue/body.hpp"
@@ -62,10 +63,16 @@ Problem without_load(const Problem& problem) {
   return with_settings(problem, std::move(settings));
 }
 
+/// Growth beyond what differences resolve.
+bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; }
+
 /// Where the steps come to rest with the load and without.
 struct Settled {
   SettledState loaded;
   SettledState rest;
+  StepModes modes = {};  ///< about `loaded`, where they were asked for
+  bool by_run = false;   ///< `loaded` was sought from where a run came to rest
+  [[nodiscard]] bool stays() const { return found() && !grows(modes); }
   [[nodiscard]] bool found() const { return loaded.settled && rest.settled; }
   [[nodiscard]] double sag(const FidelityModel& model) const { return model.load.dot(loaded.q - rest.q); }
 };
@@ -87,20 +94,25 @@ SettledState settled_from(const VectorFunction& step, const VectorXd& start, con
                          : settled_state(step, start, share, watch);
 }
 
+/// @param near  a displacement near which they may rest
 Settled settle(const Method& method, const FidelityModel& model, double factor,
-               const FidelityQuestion& question) {
+               const FidelityQuestion& question, const VectorXd& near) {
   const Problem problem = stiffened(model, factor);
   const double share = share_of_step(model, factor, question.h);
-  const VectorXd start = model.equilibrium / std::max(1.0, factor);
   Settled found;
   found.loaded =
-      settled_from(step_of_model(method, model, problem, question.h), start, model, share, question.watch);
-  found.rest = {.q = VectorXd::Zero(start.size()), .settled = true};
+      settled_from(step_of_model(method, model, problem, question.h), near, model, share, question.watch);
+  found.rest = {.q = VectorXd::Zero(near.size()), .settled = true};
   // Methods of other models keep an equilibrium.
   if (found.loaded.settled && problem.body)
-    found.rest = settled_without_load(one_step_map(method, without_load(problem), question.h), start.size(),
-                                      start.norm(), share, question.watch);
+    found.rest = settled_without_load(one_step_map(method, without_load(problem), question.h), near.size(),
+                                      near.norm(), share, question.watch);
   return found;
+}
+
+Settled settle(const Method& method, const FidelityModel& model, double factor,
+               const FidelityQuestion& question) {
+  return settle(method, model, factor, question, model.equilibrium / std::max(1.0, factor));
 }
 
 StepModes modes_of(const Method& method, const FidelityModel& model, double factor,
@@ -113,8 +125,26 @@ StepModes modes_of(const Method& method, const FidelityModel& model, double fact
                      compares ? model.modes : std::vector<ShownMode>{}, question.watch);
 }
 
-/// Growth beyond what differences resolve.
-bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; }
+/// The same with the modes there; where nothing settles near the equilibrium of the model, or nothing stays,
+/// of where a run from rest comes, if it stays there.
+Settled settle_to_stay(const Method& method, const FidelityModel& model, double factor,
+                       const FidelityQuestion& question) {
+  const auto with_modes = [&](Settled found) {
+    if (found.found()) found.modes = modes_of(method, model, factor, question, found.loaded.q);
+    return found;
+  };
+  Settled found = with_modes(settle(method, model, factor, question));
+  if (found.stays() || !model.is_loaded()) return found;
+  const RunToRest run = run_to_rest(step_of_model(method, model, stiffened(model, factor), question.h),
+                                    model.mass, share_of_step(model, factor, question.h), question.watch);
+  found.loaded.steps += run.steps;
+  if (run.q.size() == 0) return found;
+  Settled other = with_modes(settle(method, model, factor, question, run.q));
+  if (!other.stays() || !other.modes.linear) return found;  // else growth is not known
+  other.loaded.steps += found.loaded.steps;
+  other.by_run = true;
+  return other;
+}
 
 /// Why steps do not settle.
 std::string unsettled_in_words(const SettledState& found, const Method& method, const FidelityModel& model,
@@ -144,9 +174,8 @@ constexpr std::string_view not_linear =
 /// settles, or against the load.
 double modulus_shown(const Method& method, const FidelityModel& model, double factor,
                      const FidelityQuestion& question) {
-  const Settled found = settle(method, model, factor, question);
-  if (!found.found() || grows(modes_of(method, model, factor, question, found.loaded.q)))
-    return Fidelity::none;
+  const Settled found = settle_to_stay(method, model, factor, question);
+  if (!found.stays()) return Fidelity::none;
   const double sag = found.sag(model);
   return sag > 0 ? young_of(model.problem) * factor_of_sag(model, sag) : Fidelity::none;
 }
@@ -282,13 +311,15 @@ Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, cons
   return seen;
 }
 
-/// The largest relative difference; of damping ratios the difference itself.
+/// The largest relative difference; of damping ratios the difference itself. A run from the shape of a mode
+/// that the steps have not shows a mixture, and tells nothing.
 double gap_of(const Fidelity& row) {
+  constexpr double alike = 0.75;
   double gap =
       std::abs(row.observed->stiffness_shown / row.stiffness_shown - 1);  // NaN where it was not seen
   for (std::size_t k = 0; k < row.observed->modes.size(); ++k)
     if (const ShownMode& seen = row.observed->modes[k];
-        !std::isnan(seen.omega_shown) && !std::isnan(row.modes[k].omega_shown))
+        !std::isnan(seen.omega_shown) && !std::isnan(row.modes[k].omega_shown) && seen.likeness >= alike)
       for (const double each : {std::abs(seen.omega_shown / row.modes[k].omega_shown - 1),
                                 std::abs(seen.zeta_shown - row.modes[k].zeta_shown)})
         gap = std::fmax(gap, each);
@@ -363,7 +394,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
     throw InputError(
         "k gives the springs their stiffness whatever the modulus is; leave k out, or --ceiling and --enter");
   Fidelity row{.method = method, .h = question.h, .modes = {}, .status = {}};
-  const Settled found = settle(method, model, 1, question);
+  Settled found = settle_to_stay(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
     add_sentence(row.status, found.loaded.settled
@@ -371,7 +402,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
                                  : unsettled_in_words(found.loaded, method, model, row.h));
     return row;
   }
-  StepModes shown = modes_of(method, model, 1, question, found.loaded.q);
+  StepModes& shown = found.modes;
   if (grows(shown)) {
     add_sentence(
         row.status,
@@ -390,6 +421,11 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   }
   if (model.problem.body) tell_of_body(row, model, found);
   row.modes = std::move(shown.modes);
+  if (found.by_run)
+    add_sentence(
+        row.status,
+        "nothing stays near the equilibrium of the model; this is where a run from rest comes whose kinetic "
+        "energy is taken out");
   if (row.stiffness_shown < 0) add_sentence(row.status, "it settles against the load");
   if (!shown.linear)
     add_sentence(row.status, fmt::format("{}; runs do", not_linear));

@@ -27,7 +27,8 @@ struct FidelityQuestion {
 ///   stiffness_shown = (f . q_exact) / (f . (q_settled - q_rest)),
 /// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest, all
 /// displacements from the initial position, and q_rest where they do without the load: 0 but for methods that
-/// do not keep an unloaded body as it is. Of a linear body loaded at one point it is the stiffness that is
+/// do not keep an unloaded body as it is. Where nothing stays near q_exact, q_settled is sought from where
+/// run_to_rest() comes. Of a linear body loaded at one point it is the stiffness that is
 /// felt there over that of the model.
 struct Fidelity {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -51,7 +52,8 @@ struct Fidelity {
     std::vector<ShownMode> modes;
   };
   std::optional<Observed> observed{};  ///< of runs from rest, and from each mode
-  double gap = none;  ///< the largest relative difference of what was observed from what was predicted
+  /// The largest relative difference of what was observed from what was predicted, of modes alike to 0.75.
+  double gap = none;
   bool contradiction =
       false;           ///< runs are off by more than 5 %: one of them is wrong, or the runs are too short
   int steps = 0;       ///< that were made to find the settled state

@@ -14,7 +14,9 @@
 #include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
+#include "limits/fidelity/run_to_rest.hpp"
 #include "limits/fidelity/settled_state.hpp"
+#include "limits/linearised_problem.hpp"
 
 namespace hmax {
 namespace {
@@ -46,6 +48,39 @@ TEST(SettledState, SaysThatNothingSettles) {
     return next;
   };
   EXPECT_FALSE(settled_state(turns, VectorXd::Constant(2, 30)).settled);
+}
+
+/// x'' = 1 - omega^2 x of each number by symplectic Euler, h = 1.
+VectorFunction oscillators(const VectorXd& omega) {
+  return [omega](const VectorXd& y) {
+    const Eigen::Index n = omega.size();
+    VectorXd next = y;
+    next.tail(n) += VectorXd::Ones(n) - omega.cwiseAbs2().cwiseProduct(y.head(n));
+    next.head(n) += next.tail(n);
+    return next;
+  };
+}
+
+TEST(RunToRest, EndsWhereAFreeRunOscillates) {
+  const VectorXd omega = VectorXd::LinSpaced(10, 0.05, 0.5);
+  const RunToRest run = run_to_rest(oscillators(omega), VectorXd::Ones(10), 0.0025);
+  ASSERT_EQ(run.q.size(), 10);
+  EXPECT_LT(run.steps, 500);
+  const VectorXd exact = omega.cwiseAbs2().cwiseInverse();
+  EXPECT_LT((run.q - exact).norm(), 1e-3 * exact.norm());
+}
+
+TEST(RunToRest, SaysWhereItDoesNot) {
+  // Beyond omega h = 2 the steps grow; and here is no rest at all.
+  EXPECT_EQ(run_to_rest(oscillators(VectorXd::Constant(3, 2.5)), VectorXd::Ones(3), 1).q.size(), 0);
+  const auto turns = [](const VectorXd& y) {
+    VectorXd next(4);
+    next << 1 - y[1], y[0], 1, 1;
+    return next;
+  };
+  const RunToRest run = run_to_rest(turns, VectorXd::Ones(2), 1);
+  EXPECT_EQ(run.q.size(), 0);
+  EXPECT_EQ(run.steps, 1000);
 }
 
 TEST(MomentumMade, IsNoneWhereForcesComeInPairs) {
@@ -106,6 +141,18 @@ TEST(Fidelity, IsWhatRunsShow) {
           << id << ' ' << name;
     }
   }
+}
+
+TEST(Fidelity, SettlesWhereARunDoesWhereNothingStaysNearTheEquilibrium) {
+  const FidelityModel model = fidelity_model(body("fem_corotational/gravity@cube:n=2", {{"E", 2000}}));
+  const Fidelity row = fidelity(find_method("vbd:iterations=1"), model, {.h = 1.0 / 60, .verify = true});
+  EXPECT_NE(row.status.find("nothing stays near the equilibrium of the model; this is where a run from rest"),
+            std::string::npos)
+      << row.status;
+  EXPECT_LT(row.stiffness_shown, 0.2);
+  EXPECT_GT(row.settled_error, 5);
+  EXPECT_NEAR(row.observed->stiffness_shown, row.stiffness_shown, 1e-4 * row.stiffness_shown);
+  EXPECT_FALSE(row.contradiction);
 }
 
 /// f . q of a row: where its steps settle.
