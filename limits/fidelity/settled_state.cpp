@@ -15,7 +15,7 @@ SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& st
   /// Equations that are solved to a tolerance of their own leave more: it counts as settled where it no
   /// longer falls, to a thousandth.
   const double tolerable = 1e-3 * left;
-  constexpr int most = 4000, patience = 200;
+  constexpr int most = 4000, patience = 200, most_idle = 1000;
   /// Beyond so many times the least residual the memory misleads.
   constexpr double lost = 1e4;
   const Eigen::Index n = start.size();
@@ -39,6 +39,7 @@ SettledState settled_state(const VectorFunction& step, const Eigen::VectorXd& st
       best.settled = true;
       return best;
     }
+    if (i >= best_at + most_idle) break;
     if (!std::isfinite(residual) || residual > lost * best.residual) {
       if (!std::isfinite(best.residual)) return best;
       mixing.forget();
