@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/methods/choice/simulators.hpp"
 #include "catalogue/methods/unsuited.hpp"
 
 namespace hmax {
@@ -26,28 +27,23 @@ std::string Candidate::words() const {
 }
 
 std::vector<std::string> simulator_methods() {
-  return {"explicit_euler",
-          "rk2_heun",
-          "rk4",
-          "symplectic_euler",
-          "explicit_newmark",
-          "central_difference",
-          "adams_bashforth_2",
-          "rkc_2",
-          "linearly_implicit_euler",
-          "implicit_euler",
-          "trapezoidal",
-          "newmark",
-          "hht_alpha",
-          "sdirk_4",
-          "imex_euler",
-          "vbd",
-          "vbd:iterations=1,substeps=10",
-          "xpbd",
-          "xpbd:iterations=1,substeps=10",
-          "newton_truncated",
-          "projective_dynamics",
-          "pbd"};
+  std::vector<std::string> names{"explicit_euler",
+                                 "rk2_heun",
+                                 "rk4",
+                                 "symplectic_euler",
+                                 "explicit_newmark",
+                                 "central_difference",
+                                 "adams_bashforth_2",
+                                 "rkc_2",
+                                 "linearly_implicit_euler",
+                                 "implicit_euler",
+                                 "trapezoidal",
+                                 "newmark",
+                                 "hht_alpha",
+                                 "sdirk_4",
+                                 "imex_euler"};
+  names.insert(names.end(), iterated_by_simulators.begin(), iterated_by_simulators.end());
+  return names;
 }
 
 std::string why_no_candidate(const Method& method, const Problem& problem) {

@@ -9,6 +9,7 @@
 #include "analysis/amplification/numerical_damping.hpp"
 #include "analysis/dynamics/growth.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/methods/choice/simulators.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -365,10 +366,10 @@ void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuesti
 }  // namespace
 
 std::vector<Method> methods_of_simulators(const Problem& problem) {
+  std::vector<std::string> names{"symplectic_euler", "symplectic_euler:substeps=10", "implicit_euler"};
+  names.insert(names.end(), iterated_by_simulators.begin(), iterated_by_simulators.end());
   std::vector<Method> methods;
-  for (const char* name : {"symplectic_euler", "symplectic_euler:substeps=10", "implicit_euler",
-                           "newton_truncated", "projective_dynamics", "vbd", "vbd:iterations=1,substeps=10",
-                           "xpbd", "xpbd:iterations=1,substeps=10", "pbd"})
+  for (const std::string& name : names)
     if (Method method = find_method(name); suits(method, problem)) methods.push_back(std::move(method));
   return methods;
 }
