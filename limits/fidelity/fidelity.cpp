@@ -244,8 +244,10 @@ std::pair<double, double> rates_of(const ShownMode& mode, double h) {
 /// The mean displacement of a run from rest over two periods of the slowest mode, once a thousandth of its
 /// motion is left; empty where it still moves then.
 VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelity& row) {
-  const auto [turn, decay] =
+  auto [turn, decay] =
       rates_of(row.modes.empty() ? ShownMode{.omega = 0.1 / row.h} : row.modes.front(), row.h);
+  if (decay > turn)
+    decay = turn * turn / (decay + std::sqrt(decay * decay - turn * turn));  // the slower of two
   const auto settling =
       static_cast<std::int64_t>(decay > 0 ? std::min(most_observed, 7 / decay + 100) : most_observed);
   const auto averaged =
@@ -255,7 +257,9 @@ VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelit
   for (std::int64_t i = 0; i < settling + averaged; ++i) {
     const VectorXd next = step(y);
     if (!next.allFinite()) return {};
-    if ((next - y).head(n).norm() <= still * next.head(n).norm()) return next.head(n);
+    // Where it turns back displacements rest for a step, and velocities change.
+    if (std::max((next - y).head(n).norm(), row.h * (next - y).tail(n).norm()) <= still * next.head(n).norm())
+      return next.head(n);
     y = next;
     if (i >= settling) mean += y.head(n) / static_cast<double>(averaged);
   }

@@ -159,7 +159,8 @@ void add_modes(FidelityModel& model, std::size_t modes) {
   std::erase_if(slow, [&](const MechanicalMode& each) { return !(each.kappa > rounding); });
   if (slow.empty() && !near.modes.curve)
     throw InputError(fmt::format(
-        "{} has no stiffness in its equilibrium, so that there is neither stiffness nor a mode to show",
+        "{} has no positive stiffness in its equilibrium, and neither stiffness nor a mode to show; start it near another "
+        "one, or change its parameters",
         model.problem.id));
   const auto damped = [&](const MechanicalMode& mode, const VectorXd& x) {
     const double omega = std::sqrt(mode.kappa);

@@ -122,7 +122,7 @@ TEST(FidelityCommand, SaysWhatIsWrong) {
   expect_refusal("fidelity --problem van_der_pol --rate 60", "van_der_pol has no positions and velocities");
   expect_refusal("fidelity --problem liver_forced --rate 60", "never settles");
   expect_refusal("fidelity --problem liver_linear --set k1=0 --rate 60",
-                 "has no stiffness in its equilibrium");
+                 "has no positive stiffness in its equilibrium");
   expect_refusal("fidelity --problem liver_linear --rate 60 --ceiling", "leave out --ceiling and --enter");
   expect_refusal("fidelity --problem liver_linear --rate 60 --method vbd", "take a mesh with --mesh");
 }

@@ -93,6 +93,22 @@ TEST(ModelFidelity, ShowsModesOfWhatNothingLoads) {
   }
 }
 
+TEST(ModelFidelity, VerifiesOverdampedMotionsAndThoseThatTurnBack) {
+  const Fidelity slow =
+      fidelity(find_method("implicit_euler"), fidelity_model(made("liver_linear", {{"c", 50}})),
+               {.h = 0.1, .verify = true});
+  ASSERT_GT(slow.modes[0].zeta, 9);
+  EXPECT_NEAR(slow.observed->stiffness_shown, 1, 0.01) << slow.status;
+  EXPECT_FALSE(slow.contradiction);
+  // omega h = 1: the third step ends where it began, and turns back.
+  const Fidelity turning =
+      fidelity(find_method("symplectic_euler"),
+               fidelity_model(made("liver_linear", {{"m", 1}, {"c", 0}, {"k1", 1}}, {1, 0})),
+               {.h = 1, .verify = true});
+  EXPECT_TRUE(std::isnan(turning.observed->stiffness_shown));
+  EXPECT_FALSE(turning.contradiction);
+}
+
 /// Tridiagonal with d on the diagonal and e beside it.
 std::string matrix_market(int n, double d, double e) {
   std::string text =
@@ -161,7 +177,9 @@ TEST(ModelFidelity, RefusesWhatHasNothingToShow) {
   expect(refusal(made("robertson")), "robertson has no positions and velocities");
   expect(refusal(made("liver_forced")), "never settles");
   expect(refusal(made("kepler")), "no static equilibrium");
-  expect(refusal(made("liver_linear", {{"k1", 0}})), "has no stiffness in its equilibrium");
+  expect(refusal(made("liver_cubic", {{"k1", -1}})), "has no positive stiffness in its equilibrium");
+  EXPECT_EQ(refusal(made("liver_cubic", {{"k1", -1}}, {1, 0})), "taken");  // in the well of x = sqrt(1.25)
+  expect(refusal(made("liver_linear", {{"k1", 0}})), "has no positive stiffness in its equilibrium");
   expect(refusal(made("liver_linear"), {.h = 0.1, .ceiling = true}), "leave out --ceiling and --enter");
   expect(refusal(made("liver_linear"), {.h = 0.1, .wanted = 5}), "leave out --ceiling and --enter");
 }
