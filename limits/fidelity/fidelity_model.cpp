@@ -16,6 +16,7 @@
 #include "core/errors.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/linearised_problem.hpp"
+#include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_start.hpp"
 #include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
@@ -157,7 +158,8 @@ void add_modes(FidelityModel& model, std::size_t modes) {
                                              static_cast<double>(model.start.size()) *
                                              std::max(0.0, slow.back().kappa);
   std::erase_if(slow, [&](const MechanicalMode& each) { return !(each.kappa > rounding); });
-  if (slow.empty() && !near.modes.curve)
+  const auto& curve = near.modes.curve;
+  if (slow.empty() && !curve)
     throw InputError(fmt::format(
         "{} has no positive stiffness in its equilibrium, and neither stiffness nor a mode to show; start it near another "
         "one, or change its parameters",
@@ -167,15 +169,18 @@ void add_modes(FidelityModel& model, std::size_t modes) {
     const VectorXd Cx = std::visit([&](const auto& held) -> VectorXd { return held * x; }, C);
     return ShownMode{.omega = omega, .zeta = x.dot(Cx) / (2 * omega)};
   };
-  if (slow.empty()) {
-    model.why_no_modes = "of so many modes the slow ones are not known, and none is compared";
-  } else {
+  if (!slow.empty()) {
     const ShownMode fastest = damped(slow.back(), shape_of_mode(near, slow.back()));
     model.fastest = fastest.omega;
     model.fastest_zeta = std::min(fastest.zeta, 0.999);
   }
-  // Of large models the ends are known alone.
-  slow.resize(std::min({slow.size(), modes, near.modes.curve ? std::size_t{1} : modes}));
+  if (curve) {  // of large models the ends are known alone
+    const double least = near.modes.slow_end ? near.modes.slow_end->of(part, *curve) : curve->kappa_min;
+    slow.clear();
+    if (least > rounding) slow.push_back(curve->at(least));
+  }
+  if (slow.empty()) model.why_no_modes = "of so many modes the slow ones are not known, and none is compared";
+  slow.resize(std::min(slow.size(), modes));
   model.shapes.resize(model.start.size(), static_cast<Eigen::Index>(slow.size()));
   for (std::size_t k = 0; k < slow.size(); ++k) {
     const VectorXd x = shape_of_mode(near, slow[k]);
