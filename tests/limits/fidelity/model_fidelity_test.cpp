@@ -109,12 +109,12 @@ TEST(ModelFidelity, VerifiesOverdampedMotionsAndThoseThatTurnBack) {
   EXPECT_FALSE(turning.contradiction);
 }
 
-/// Tridiagonal with d on the diagonal and e beside it.
-std::string matrix_market(int n, double d, double e) {
+/// Tridiagonal with d on the diagonal, `end` at both ends of it, and e beside it.
+std::string matrix_market(int n, double d, double e, double end) {
   std::string text =
       fmt::format("%%MatrixMarket matrix coordinate real symmetric\n{0} {0} {1}\n", n, 2 * n - 1);
   for (int i = 1; i <= n; ++i) {
-    text += fmt::format("{0} {0} {1}\n", i, d);
+    text += fmt::format("{0} {0} {1}\n", i, i == 1 || i == n ? end : d);
     if (i < n) text += fmt::format("{} {} {}\n", i + 1, i, e);
   }
   return text;
@@ -126,8 +126,8 @@ TEST(ModelFidelity, OfMatricesIsThatOfEachMode) {
   const Scratch folder;
   const int n = 6;
   const double k0 = 100, m0 = 0.1 / 6, alpha = 1.5;
-  write_text(folder / "K.mtx", matrix_market(n, 2 * k0, -k0));
-  write_text(folder / "M.mtx", matrix_market(n, 4 * m0, m0));
+  write_text(folder / "K.mtx", matrix_market(n, 2 * k0, -k0, 2 * k0));
+  write_text(folder / "M.mtx", matrix_market(n, 4 * m0, m0, 4 * m0));
   const FidelityModel model = fidelity_model(made(
       fmt::format("matrices:stiffness={},mass={}", (folder / "K.mtx").string(), (folder / "M.mtx").string()),
       {{"alpha", alpha}}));
@@ -143,6 +143,26 @@ TEST(ModelFidelity, OfMatricesIsThatOfEachMode) {
   EXPECT_NEAR(row.stiffness_shown, 1, 1e-9) << row.status;
   EXPECT_LT(row.gap, 1e-3);
   expect_modes(row, by_implicit_euler, 1e-5);
+}
+
+TEST(ModelFidelity, OfManyUnknownsKnowsTheSlowestModeOrNone) {
+  // Unit masses in a row, omega^2 = k (2 - 2 cos(pi / (n + 1))) between two walls; free ones also drift.
+  const Scratch folder;
+  const int n = 1600;
+  const double k = 1000, omega = std::sqrt(k * (2 - 2 * std::cos(std::numbers::pi / (n + 1))));
+  write_text(folder / "M.mtx", matrix_market(n, 1, 0, 1));
+  const auto model_of = [&](const char* name, double end) {
+    write_text(folder / name, matrix_market(n, 2 * k, -k, end));
+    return fidelity_model(made(
+        fmt::format("matrices:stiffness={},mass={}", (folder / name).string(), (folder / "M.mtx").string())));
+  };
+  const FidelityModel held = model_of("held.mtx", 2 * k), free = model_of("free.mtx", k);
+  EXPECT_NEAR(held.fastest, std::sqrt(4 * k), 1e-3);
+  EXPECT_NEAR(free.fastest, std::sqrt(4 * k), 1e-3);
+  ASSERT_EQ(held.modes.size(), 1U);
+  EXPECT_NEAR(held.modes[0].omega, omega, 1e-6 * omega);
+  EXPECT_TRUE(free.modes.empty());
+  EXPECT_NE(free.why_no_modes.find("slow ones are not known"), std::string::npos);
 }
 
 TEST(ModelFidelity, OfFormulasFindsTheirMasses) {
