@@ -26,6 +26,9 @@ class FoundMode {
   /// Whether the eigenvalue that is most like the mode has converged.
   [[nodiscard]] bool converged(double tolerance) const { return best().error <= tolerance; }
 
+  /// Whether that eigenvalue is one of a complex pair.
+  [[nodiscard]] bool oscillates() const { return oscillation_.like > 0 && &best() == &oscillation_; }
+
   /// @returns `mode` with what is shown; NaN where nothing is like it, or has not converged
   [[nodiscard]] ShownMode shown(ShownMode mode) const;
 

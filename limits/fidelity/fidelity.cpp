@@ -266,11 +266,12 @@ VectorXd observed_rest(const VectorFunction& step, Eigen::Index n, const Fidelit
   return (y.head(n) - mean).norm() <= 0.02 * mean.norm() ? mean : VectorXd();
 }
 
-/// A mode as a run from its shape about the settled state shows it: two periods, after half of one in which
-/// what the step does not continue dies away. NaN where it decays within a few steps.
-/// @param size  of displacements that matter, in the norm of M
+/// A mode as a run about the settled state shows it: two periods, after half of one in which what the step
+/// does not continue dies away. NaN where it decays within a few steps.
+/// @param size   of displacements that matter, in the norm of M
+/// @param start  as StepModes has it
 ShownMode observed_mode(const VectorFunction& step, const MassMatrix<double>& mass, const VectorXd& settled,
-                        double size, const VectorXd& shape, ShownMode mode, double h) {
+                        double size, const VectorXd& shape, const VectorXd& start, ShownMode mode, double h) {
   constexpr double least_steps = 12, least_left = 1e-3;
   const auto [turn, decay] = rates_of(mode, h);
   const double visible = decay > 0 ? -std::log(least_left) / decay : most_observed;
@@ -278,8 +279,8 @@ ShownMode observed_mode(const VectorFunction& step, const MassMatrix<double>& ma
   mode.omega_shown = mode.zeta_shown = Fidelity::none;
   if (wanted < least_steps) return mode;
   const Eigen::Index n = settled.size();
-  VectorXd y = VectorXd::Zero(2 * n);
-  y.head(n) = settled + 1e-3 * size * shape;
+  VectorXd y = 1e-3 * size * start;
+  y.head(n) += settled;
   const VectorXd seen = mass.times(shape);
   std::vector<double> amplitude;
   const auto steps = static_cast<std::int64_t>(wanted);
@@ -311,20 +312,19 @@ Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, cons
   const VectorXd& sizes = model.is_loaded() ? settled.loaded.q : model.sizes;
   const double size = std::sqrt(sizes.dot(model.mass.times(sizes)));
   for (std::size_t k = 0; k < row.modes.size(); ++k)
-    seen.modes.push_back(observed_mode(step, model.mass, settled.loaded.q, size,
-                                       model.shapes.col(static_cast<Eigen::Index>(k)), row.modes[k], row.h));
+    seen.modes.push_back(observed_mode(
+        step, model.mass, settled.loaded.q, size, model.shapes.col(static_cast<Eigen::Index>(k)),
+        settled.modes.starts.col(static_cast<Eigen::Index>(k)), row.modes[k], row.h));
   return seen;
 }
 
-/// The largest relative difference; of damping ratios the difference itself. A run from the shape of a mode
-/// that the steps have not shows a mixture, and tells nothing.
+/// The largest relative difference; of damping ratios the difference itself.
 double gap_of(const Fidelity& row) {
-  constexpr double alike = 0.75;
   double gap =
       std::abs(row.observed->stiffness_shown / row.stiffness_shown - 1);  // NaN where it was not seen
   for (std::size_t k = 0; k < row.observed->modes.size(); ++k)
     if (const ShownMode& seen = row.observed->modes[k];
-        !std::isnan(seen.omega_shown) && !std::isnan(row.modes[k].omega_shown) && seen.likeness >= alike)
+        !std::isnan(seen.omega_shown) && !std::isnan(row.modes[k].omega_shown))
       for (const double each : {std::abs(seen.omega_shown / row.modes[k].omega_shown - 1),
                                 std::abs(seen.zeta_shown - row.modes[k].zeta_shown)})
         gap = std::fmax(gap, each);

@@ -51,9 +51,8 @@ struct Fidelity {
     double stiffness_shown = none;
     std::vector<ShownMode> modes;
   };
-  std::optional<Observed> observed{};  ///< of runs from rest, and from each mode
-  /// The largest relative difference of what was observed from what was predicted, of modes alike to 0.75.
-  double gap = none;
+  std::optional<Observed> observed{};  ///< of runs from rest, and from a motion of each mode
+  double gap = none;  ///< the largest relative difference of what was observed from what was predicted
   bool contradiction =
       false;           ///< runs are off by more than 5 %: one of them is wrong, or the runs are too short
   int steps = 0;       ///< that were made to find the settled state

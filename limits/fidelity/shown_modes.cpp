@@ -44,6 +44,14 @@ double likeness(const VectorXcd& x, const VectorXd& scaled) {
   return std::abs(q.dot(scaled.cast<std::complex<double>>())) / q.norm();
 }
 
+/// The real motion x e^(i a) that is most like a shape, with displacements of length 1.
+/// @param x  a Ritz vector in energy units
+VectorXd real_motion(const VectorXcd& x, const VectorXd& scaled) {
+  const std::complex<double> along = x.head(scaled.size()).dot(scaled.cast<std::complex<double>>());
+  const VectorXd motion = (x * (along / std::abs(along))).real();
+  return motion / motion.head(scaled.size()).norm();
+}
+
 /// Modes that steps do not mix with others, as methods with linear equations do not: eigenvalues of the step
 /// on the plane of displacements and velocities along one.
 /// @param A       the derivative of a step in energy units
@@ -66,6 +74,27 @@ std::vector<FoundMode> modes_alone(const LinearOperator& A, const MatrixXd& shap
           found[static_cast<std::size_t>(k)].look(std::log(value) / h, 1, 0);
   }
   return found;
+}
+
+/// Looks in a spectrum for each mode, and keeps the oscillation that is most like it.
+/// @param scaled  R u, columns of length 1
+void look_through(const RitzSpectrum& spectrum, const MatrixXd& scaled, double h,
+                  std::vector<FoundMode>& found, std::vector<VectorXd>& oscillations) {
+  std::vector<double> likest(found.size(), 0);
+  for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
+    const std::complex<double> value = spectrum.values[i].value;
+    // Of a pair the upper one; a negative number turns about in every step.
+    if (value.imag() < 0 || (value.imag() == 0 && value.real() <= 0)) continue;
+    const VectorXcd x = spectrum.vector(i);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const VectorXd shape = scaled.col(static_cast<Eigen::Index>(k));
+      const double like = likeness(x, shape);
+      found[k].look(std::log(value) / h, like, spectrum.values[i].residual / std::abs(1.0 - value));
+      if (value.imag() == 0 || like <= likest[k]) continue;
+      likest[k] = like;
+      oscillations[k] = real_motion(x, shape);
+    }
+  }
 }
 
 }  // namespace
@@ -100,6 +129,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
   const std::vector<FoundMode> alone =
       shown.linear ? modes_alone(A, scaled, h) : std::vector<FoundMode>(modes.size());
   std::vector<FoundMode> found = alone;
+  std::vector<VectorXd> oscillations(modes.size());
   ArnoldiSettings settings;
   settings.basis = std::min<Eigen::Index>(80, 2 * n);
   settings.kept = std::min<Eigen::Index>(40, std::max<Eigen::Index>(1, settings.basis / 2));
@@ -114,20 +144,18 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
       const bool grows = excess > barely && largest.condition * largest.residual < resolved * excess;
       shown.largest = grows || excess <= barely ? largest.value : 1.0;
       found = alone;
-      for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
-        const std::complex<double> value = spectrum.values[i].value;
-        // Of a pair the upper one; a negative number turns about in every step.
-        if (value.imag() < 0 || (value.imag() == 0 && value.real() <= 0)) continue;
-        const VectorXcd x = spectrum.vector(i);
-        for (std::size_t k = 0; k < modes.size(); ++k)
-          found[k].look(std::log(value) / h, likeness(x, scaled.col(static_cast<Eigen::Index>(k))),
-                        spectrum.values[i].residual / std::abs(1.0 - value));
-      }
+      look_through(spectrum, scaled, h, found, oscillations);
       return spectrum.invariant ||
              ((grows || (excess <= barely && largest.residual < resolved)) &&
               std::ranges::all_of(found, [](const FoundMode& each) { return each.converged(tolerance); }));
     });
   for (std::size_t k = 0; k < modes.size(); ++k) shown.modes.push_back(found[k].shown(modes[k]));
+  shown.starts = MatrixXd::Zero(2 * n, shapes.cols());
+  shown.starts.topRows(n) = shapes;
+  constexpr double kept = 0.9999;  // the shape itself has no rounding
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    if (found[k].oscillates() && oscillations[k].size() > 0 && shown.modes[k].likeness < kept)
+      shown.starts.col(static_cast<Eigen::Index>(k)) = units.omega * units.back(oscillations[k]);
   return shown;
 }
 

@@ -16,6 +16,10 @@ namespace hmax {
 /// What the derivative of a step has of modes.
 struct StepModes {
   std::vector<ShownMode> modes;
+  /// A state from which steps oscillate as each mode shows, (q, v) from where they settle, with q of length 1
+  /// in the norm of M; the shape of the model at rest where they keep it, or do not oscillate. Shape (2 dofs,
+  /// modes).
+  Eigen::MatrixXd starts;
   bool linear =
       true;  ///< false: what two small disturbances become together is not the sum, and no mode is found
   /// The eigenvalue of largest modulus, as far as it was found: above 1 motions grow.

@@ -135,12 +135,22 @@ TEST(Fidelity, IsWhatRunsShow) {
       ASSERT_TRUE(row.observed) << id << ' ' << name << ": " << row.status;
       EXPECT_NEAR(row.observed->stiffness_shown, row.stiffness_shown, 0.02 * row.stiffness_shown)
           << id << ' ' << name;
-      EXPECT_LT(row.gap, 0.02) << id << ' ' << name << ": " << row.status;
+      EXPECT_LT(row.gap, 1e-3) << id << ' ' << name << ": " << row.status;
       EXPECT_NEAR(row.observed->modes.front().omega_shown, row.modes.front().omega_shown,
                   0.02 * row.modes.front().omega_shown)
           << id << ' ' << name;
     }
   }
+}
+
+TEST(Fidelity, RunsBeginInTheMotionsThatStepsHave) {
+  // From the shapes of the model the slower modes of these steps show mixtures, 1 % off.
+  const Fidelity row =
+      fidelity(find_method("vbd:iterations=5"), fidelity_model(body("fem_neo_hookean/press@phantom")),
+               {.h = 1.0 / 60, .verify = true});
+  ASSERT_EQ(row.modes.size(), 3u);
+  EXPECT_LT(row.modes[1].likeness, 0.85);
+  EXPECT_LT(row.gap, 1e-4) << row.status;
 }
 
 TEST(Fidelity, SettlesWhereARunDoesWhereNothingStaysNearTheEquilibrium) {
