@@ -139,29 +139,30 @@ std::string words_of_frozen(const AdviceRow& row, const Problem& problem) {
       problem.body ? ", by default the body without loads" : "");
 }
 
-/// Why it is the recommended row: beside the next of those that suit, and the most accurate of those that are
-/// cheaper and do not.
+/// Why it is the recommended row: beside the next of those that suit and are no ties, and the most accurate
+/// of those that are cheaper and do not suit.
 std::string words_of_choice(const AdviceRow& best, const Advice& advice) {
   const AdviceRow *next = nullptr, *cheaper = nullptr;
-  std::size_t suitable = 1;
+  std::size_t suitable = 0;
   for (const AdviceRow& row : advice.rows) {
-    if (&row == &best || std::isnan(row.frame.p50)) continue;
-    if (row.verdict == AdviceVerdict::tie) ++suitable;
-    if (row.verdict == AdviceVerdict::suitable) {
-      ++suitable;
-      if (!next || row.frame.p50 < next->frame.p50) next = &row;
-    }
+    if (is_suitable(row)) ++suitable;
+    if (row.verdict == AdviceVerdict::suitable && !std::isnan(row.frame.p50) &&
+        (!next || row.frame.p50 < next->frame.p50))
+      next = &row;
     if (row.verdict == AdviceVerdict::inaccurate && row.frame.p50 < best.frame.p50 &&
         (!cheaper || row.error < cheaper->error))
       cheaper = &row;
   }
-  const auto times = [&](const AdviceRow& row) { return short_number(row.frame.p50 / best.frame.p50, 2); };
+  const auto takes = [&](const AdviceRow& row) {
+    return fmt::format("; {} takes {} times as much", row.candidate.words(),
+                       short_number(row.frame.p50 / best.frame.p50, 2));
+  };
   std::string words = suitable == 1 ? "the only row that suits"
                                     : fmt::format("the least CPU time of {} rows that suit", suitable);
-  if (next) words += fmt::format("; {} takes {} times as much", next->candidate.words(), times(*next));
-  if (cheaper)
-    words += fmt::format("; {} takes {} of it, and is off by {}", cheaper->candidate.words(), times(*cheaper),
-                         percent(cheaper->error));
+  if (std::ranges::find(advice.rows, AdviceVerdict::predicted, &AdviceRow::verdict) != advice.rows.end())
+    words += ", of those that were run";
+  if (next) words += takes(*next);
+  if (cheaper) words += fmt::format("{}, and is off by {}", takes(*cheaper), percent(cheaper->error));
   return words;
 }
 

@@ -156,8 +156,11 @@ TEST(AdviceWords, SayWhyTheBestIsTheBest) {
   add("trapezoidal", AdviceVerdict::inaccurate, 3e-3, 0.02);  // dearer: no reason
   EXPECT_EQ(
       fact(problem, advice, "chosen as"),
-      "the least CPU time of 3 rows that suit; hht_alpha takes 1.5 times as much; implicit_euler takes 0.5 of "
-      "it, and is off by 23 %");
+      "the least CPU time of 3 rows that suit; hht_alpha takes 1.5 times as much; implicit_euler takes 0.5 times "
+      "as much, and is off by 23 %");
+  add("sdirk_4", AdviceVerdict::predicted, AdviceRow::none, AdviceRow::none);
+  EXPECT_TRUE(
+      says(fact(problem, advice, "chosen as"), "of 3 rows that suit, of those that were run; hht_alpha"));
 }
 
 TEST(AdviceWords, NameTheModelThatInvertsNoElement) {
