@@ -173,7 +173,7 @@ void print_rows(const std::vector<Fidelity>& rows, const Problem& problem, const
   if (console.json) return console.print_json(fidelity_json(problem, *options.rate, rows));
   std::string what = fmt::format("{} with {}\n", problem.id, describe_acting(problem));
   if (const std::string words = body_in_words(problem); !words.empty()) what += words + "\n";
-  if (!problem.body) what += "the load is the force that acts on it at rest in its start\n";
+  if (!problem.body) what += "the load is the force on it at rest in its initial state\n";
   console.print(fmt::format("{}frames of {} s\n\n{}", what, short_number(question.h, 4),
                             words_of(rows, options, console)));
 }

@@ -429,8 +429,8 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   if (found.by_run)
     add_sentence(
         row.status,
-        "nothing stays near the equilibrium of the model; this is where a run from rest comes whose kinetic "
-        "energy is taken out");
+        "steps do not stay near the equilibrium of the model; this state was reached by a run from rest with "
+        "kinetic damping");
   if (row.stiffness_shown < 0) add_sentence(row.status, "it settles against the load");
   if (!shown.linear)
     add_sentence(row.status, fmt::format("{}; runs do", not_linear));

@@ -27,9 +27,9 @@ struct FidelityQuestion {
 ///   stiffness_shown = (f . q_exact) / (f . (q_settled - q_rest)),
 /// f the load, q_exact the static equilibrium of the model, q_settled where the steps come to rest, all
 /// displacements from the initial position, and q_rest where they do without the load: 0 but for methods that
-/// do not keep an unloaded body as it is. Where nothing stays near q_exact, q_settled is sought from where
-/// run_to_rest() comes. Of a linear body loaded at one point it is the stiffness that is
-/// felt there over that of the model.
+/// do not keep an unloaded body as it is. Where steps do not stay near q_exact, q_settled is sought from
+/// where run_to_rest() comes. Of a linear body loaded at one point it is the stiffness that is felt there
+/// over that of the model.
 struct Fidelity {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 

@@ -179,7 +179,8 @@ void add_modes(FidelityModel& model, std::size_t modes) {
     slow.clear();
     if (least > rounding) slow.push_back(curve->at(least));
   }
-  if (slow.empty()) model.why_no_modes = "of so many modes the slow ones are not known, and none is compared";
+  if (slow.empty())
+    model.why_no_modes = "the slow modes of a model of this size are not computed, and none is compared";
   slow.resize(std::min(slow.size(), modes));
   model.shapes.resize(model.start.size(), static_cast<Eigen::Index>(slow.size()));
   for (std::size_t k = 0; k < slow.size(); ++k) {

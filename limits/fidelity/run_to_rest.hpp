@@ -16,9 +16,9 @@ struct RunToRest {
   int steps = 0;
 };
 
-/// A run from q = 0 at rest. Where a step would lower its kinetic energy, the run goes on from rest instead,
-/// so that it ends in the dip of energy that it comes to without the oscillations of a free run: dynamic
-/// relaxation with kinetic damping [barnes1999form].
+/// A run from q = 0 at rest whose velocities are set to zero whenever a step lowers its kinetic energy, so
+/// that it comes to rest without oscillations: dynamic relaxation with kinetic damping.
+/// @source [barnes1999form]
 /// @param step   (q, v) -> Phi(q, v), shape (2 dofs)
 /// @param mass   M, shape (dofs, dofs) [kg]
 /// @param left   as of settled_state(): it ends where a step from rest goes a thousandth of that share of q

@@ -85,7 +85,7 @@ TEST(FidelityCommand, TakesEveryModelWithPositionsAndVelocities) {
   // held.
   const Told plugin = shell.hmax("fidelity --plugin " EXAMPLE_MODEL " --rate 100 --method rk4 --verify");
   ASSERT_EQ(plugin.exit_code, 0) << plugin.err;
-  EXPECT_TRUE(says(plugin.out, "the load is the force that acts on it at rest in its start"));
+  EXPECT_TRUE(says(plugin.out, "the load is the force on it at rest in its initial state"));
   EXPECT_TRUE(says(plugin.out, "5.34 for 5.34 rad/s"));
   EXPECT_TRUE(says(plugin.out, "100 %"));
 
