@@ -309,7 +309,8 @@ class Writer {
   void plot(const Fill& fill, const Panel& panel);
   void plot(const Arrows& arrows);
   void plot(const Curve& curve, const Panel& panel, const Place& place, const Extent& extent);
-  void plot(const Mark& mark, const Panel& panel, const Extent& extent);
+  void plot(const Mark& mark, const Panel& panel);
+  void name(const std::vector<Mark>& marks, const Panel& panel, const Place& place, const Extent& extent);
   std::vector<std::array<double, 4>> rows_of(const Curve& curve, const Panel& panel, const Place& place,
                                              const Extent& extent) const;
   void key();
@@ -363,7 +364,8 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   for (const Fill& fill : panel.fills) plot(fill, panel);
   if (!panel.arrows.x.empty()) plot(panel.arrows);
   for (const Curve& curve : panel.curves) plot(curve, panel, place, extent);
-  for (const Mark& mark : panel.marks) plot(mark, panel, extent);
+  for (const Mark& mark : panel.marks) plot(mark, panel);
+  name(panel.marks, panel, place, extent);
   if (index + 1 == figure_.panels.size()) key();
   script_ += "plot ";
   if (plots_.empty()) plots_.emplace_back("NaN");
@@ -509,23 +511,65 @@ void Writer::plot(const Curve& curve, const Panel& panel, const Place& place, co
   if (curve.style.marker != 0) plots_.push_back(from + " using 1:2 with points " + point_of(curve.style));
 }
 
-void Writer::plot(const Mark& mark, const Panel& panel, const Extent& extent) {
+void Writer::plot(const Mark& mark, const Panel& panel) {
   if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) return;
   const std::string from = source(block(mark.label, {{mark.x, mark.y, 0, 0}}, 2));
   // A white rim keeps the mark apart from the curves under it.
   plots_.push_back(from + " using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff'");
   plots_.push_back(from + " using 1:2 with points lw 1.6 " + point_of(mark.style, 1.15));
-  if (mark.name.empty()) return;
-  // Towards the middle of the panel, where there is room.
-  const double x = fraction(mark.x, panel.x, extent.x), y = fraction(mark.y, panel.y, extent.y);
-  const bool left = x > 0.5 && !mark.ends;
-  script_ += fmt::format(
-      "set label {} at graph {:.5f},{:.5f} {} offset {},{} font 'sans-serif,12' noenhanced front\n",
-      gnuplot_string(shortened(one_line(mark.name), longest_label)), x, y, left ? "right" : "left",
-      left ? -1 : 1,
-      mark.ends ? 0
-      : y > 0.5 ? -0.8
-                : 0.8);
+}
+
+/// Names beside their marks: towards the middle of the panel, where there is room, or in another corner of
+/// the mark where they would cover a name or a mark there.
+void Writer::name(const std::vector<Mark>& marks, const Panel& panel, const Place& place,
+                  const Extent& extent) {
+  constexpr double half_mark = 4, half_line = 6, beside = 7, line = 16;  // [pixels]
+  struct Box {
+    double left, right, low, high;
+    [[nodiscard]] bool meets(const Box& other) const {
+      return left < other.right && other.left < right && low < other.high && other.low < high;
+    }
+  };
+  const auto at = [&](const Mark& mark) {
+    return std::pair(fraction(mark.x, panel.x, extent.x), fraction(mark.y, panel.y, extent.y));
+  };
+  const double width = place.right - place.left, height = place.bottom - place.top;
+  std::vector<Box> taken;
+  std::vector<const Mark*> named;
+  for (const Mark& mark : marks) {
+    if (!drawable(mark.x, panel.x) || !drawable(mark.y, panel.y)) continue;
+    const double x = at(mark).first * width, y = at(mark).second * height;
+    if (x < 0 || x > width || y < 0 || y > height) continue;  // not in the range of the axes
+    taken.push_back({x - half_mark, x + half_mark, y - half_mark, y + half_mark});
+    if (!mark.name.empty()) named.push_back(&mark);
+  }
+  for (const Mark* mark : named) {
+    const std::string text = shortened(one_line(mark->name), longest_label);
+    const auto [x, y] = at(*mark);
+    const bool left = x > 0.5 && !mark->ends, below = y > 0.5;
+    const auto box_of = [&, x = x, y = y](bool to_left, bool to_below) {
+      const double length = character * static_cast<double>(length_of(text));
+      const double from = x * width + (to_left ? -beside - length : beside),
+                   middle = y * height + (mark->ends ? 0 : (to_below ? -0.8 : 0.8) * line);
+      return Box{from, from + length, middle - half_line, middle + half_line};
+    };
+    std::pair corner{left, below};
+    for (const auto& other : {std::pair{left, below}, std::pair{left, !below}, std::pair{!left, below},
+                              std::pair{!left, !below}}) {
+      const Box box = box_of(other.first, other.second);
+      if (mark->ends || std::ranges::any_of(taken, [&](const Box& each) { return each.meets(box); }))
+        continue;
+      corner = other;
+      break;
+    }
+    taken.push_back(box_of(corner.first, corner.second));
+    script_ += fmt::format(
+        "set label {} at graph {:.5f},{:.5f} {} offset {},{} font 'sans-serif,12' noenhanced front\n",
+        gnuplot_string(text), x, y, corner.first ? "right" : "left", corner.first ? -1 : 1,
+        mark->ends      ? 0
+        : corner.second ? -0.8
+                        : 0.8);
+  }
 }
 
 /// The key under the panels: every entry a sample of the line with its marker, filled down the columns.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -203,6 +204,29 @@ TEST(Headings, FitTheirPanel) {
   const std::string script = source_of(figure, "f").script;
   EXPECT_NE(script.find("'" + std::string(23, 'x') + "…'"), std::string::npos);
   EXPECT_NE(script.find("'" + std::string(32, 'y') + "…'"), std::string::npos);
+}
+
+TEST(NamesOfMarks, StandInCornersOfTheirOwnWhereMarksLieOnOneAnother) {
+  Figure figure;
+  figure.panels.emplace_back();
+  for (const char* name : {"1", "2", "3", "4"})
+    figure.panels[0].marks.push_back({.x = 1, .y = 1, .style = {.marker = 1}, .name = name});
+  figure.panels[0].marks.push_back({.x = 2, .y = 2, .style = {.marker = 1}, .name = "far"});
+  const std::string script = source_of(figure, "f").script;
+  const std::regex corner(R"(set label '[1-4]' at graph \S+ \w+ offset (\S+) font)");
+  std::set<std::string> corners;
+  for (std::sregex_iterator found(script.begin(), script.end(), corner), end; found != end; ++found)
+    corners.insert((*found)[1]);
+  EXPECT_EQ(corners, (std::set<std::string>{"1,0.8", "1,-0.8", "-1,0.8", "-1,-0.8"})) << script;
+}
+
+TEST(NamesOfMarks, AreLeftOutWithMarksBeyondTheAxes) {
+  Figure figure{.panels = {{.x = {.range = Range{0, 10}}, .y = {.range = Range{0, 10}}}}};
+  figure.panels[0].marks = {{.x = 5, .y = 12, .style = {.marker = 1}, .name = "high"},
+                            {.x = 5, .y = 9, .style = {.marker = 1}, .name = "seen"}};
+  const std::string script = source_of(figure, "f").script;
+  EXPECT_EQ(script.find("'high'"), std::string::npos);
+  EXPECT_NE(script.find("'seen'"), std::string::npos);
 }
 
 TEST(NamesOfMarks, StandTowardsTheMiddle) {
