@@ -20,8 +20,8 @@ macro(hmax_deb component name section description)
   install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/${name}" COMPONENT ${component} RENAME copyright)
 endmacro()
 hmax_deb(program hmax science "Time step limits of integrators on soft-tissue models")
-# As cmake/hmaxConfig.cmake.in finds them.
-set(needed libeigen3-dev libfmt-dev nlohmann-json3-dev libsqlite3-dev)
+# What cmake/hmaxConfig.cmake.in finds, and what the static libraries are linked with.
+set(needed libeigen3-dev libfmt-dev nlohmann-json3-dev libsqlite3-dev libcmark-gfm-dev libcmark-gfm-extensions-dev)
 foreach(part BOOST=libboost-dev SUNDIALS=libsundials-dev METIS=libmetis-dev ZLIB=zlib1g-dev LZ4=liblz4-dev LZMA=liblzma-dev)
   string(REPLACE "=" ";" part "${part}")
   list(GET part 0 name)
