@@ -335,6 +335,14 @@ void Probe::bisect(double low, double high) {
   // So close to the limit the motion that grows is hardly told from others.
   const StepSpectrum beyond = at(std::min(1.002 * found_.h_max, settings_.h1));
   if (beyond.grows) found_.critical = beyond;
+  // Shorter steps may hide it among multipliers of modulus 1.
+  if (found_.state == ProbedState::motion ||
+      !is_growth_of_model(beyond, spectrum_near(rest_, 1.3 * beyond.h)))
+    return;
+  found_.h_max = nan;
+  found_.status.push_back("motions grow at the same rate at every step size that shows it, " +
+                          rounded_text(std::log(beyond.spectral_radius) / beyond.h, 2) +
+                          " 1/s: the model itself is unstable at this state");
 }
 
 /// Whether what grows at h0 grows in the model: at half the step half as much a step.

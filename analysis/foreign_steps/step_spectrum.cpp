@@ -148,6 +148,13 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
   return found;
 }
 
+bool is_growth_of_model(const StepSpectrum& a, const StepSpectrum& b) {
+  constexpr double slow = 0.5, alike = 0.2;
+  const auto rate = [](const StepSpectrum& row) { return std::log(std::abs(row.multiplier)) / row.h; };
+  return a.grows && b.grows && std::abs(std::arg(a.multiplier)) < slow &&
+         std::abs(std::arg(b.multiplier)) < slow && std::abs(rate(a) - rate(b)) < alike * rate(a);
+}
+
 double growth_along_motion(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale,
                            int slot, int work, double h, std::int64_t steps, double increment,
                            const std::function<void()>& watch) {

@@ -62,6 +62,10 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
                               const Eigen::VectorXd& scale, int slot, const Eigen::VectorXd& y, double h,
                               StepPattern& pattern, const StepSpectrumSettings& settings = {});
 
+/// Whether what grows at two step sizes is one motion of the model, as one that leaves an unstable state: it
+/// grows at the same rate in time, to a fifth, and is slow beside the steps.
+bool is_growth_of_model(const StepSpectrum& a, const StepSpectrum& b);
+
 /// ln of the factor by which `steps` steps from the state in `slot` stretch the difference of two neighbours:
 /// the product of the derivatives of the steps, applied twice to a vector, the second time to what the first
 /// one made of it.

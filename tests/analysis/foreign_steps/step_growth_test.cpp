@@ -1,11 +1,13 @@
 #include "analysis/foreign_steps/step_growth.hpp"
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "analysis/foreign_steps/step_spectrum.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 
 namespace hmax {
@@ -84,6 +86,21 @@ TEST(StepGrowth, AMultiplierBeyondTheRangeOfNumbersGrows) {
       growth_of_products([](const VectorXd& v) { return VectorXd(1e300 * v.array() * 1e300); }, 400, {});
   EXPECT_TRUE(found.grows);
   EXPECT_TRUE(std::isinf(found.multiplier.real()));
+}
+
+TEST(StepGrowth, AMotionOfTheModelGrowsAtOneRateInTime) {
+  const auto at = [](double h, std::complex<double> multiplier, bool grows = true) {
+    StepSpectrum row;
+    row.h = h;
+    row.multiplier = multiplier;
+    row.grows = grows;
+    return row;
+  };
+  // exp(9 h), and a step that grows from its limit on.
+  EXPECT_TRUE(is_growth_of_model(at(1e-3, std::exp(9e-3)), at(1.3e-3, std::exp(1.17e-2))));
+  EXPECT_FALSE(is_growth_of_model(at(1e-3, 1.002), at(1.3e-3, 1.8)));
+  EXPECT_FALSE(is_growth_of_model(at(1e-3, std::exp(9e-3)), at(1.3e-3, std::exp(1.17e-2), false)));
+  EXPECT_FALSE(is_growth_of_model(at(1e-3, -std::exp(9e-3)), at(1.3e-3, -std::exp(1.17e-2))));
 }
 
 }  // namespace
