@@ -11,6 +11,12 @@
 
 namespace hmax {
 
+/// A part of a scene that has a stiffness or a damping, in its own units; 0 where it has none.
+struct ScenePart {
+  std::string kind, name;  ///< "joint", "elbow"
+  double stiffness = 0, damping = 0;
+};
+
 /// A state is a vector of shape (dim). What else the next steps depend on, such as the start of an iteration
 /// or a cache of contacts, is hidden in the engine, and is kept in numbered slots.
 class ForeignStepper {
@@ -30,6 +36,13 @@ class ForeignStepper {
   /// An entry (i, j) where number i after a step depends on number j before it, shape (dim, dim); values do
   /// not matter. Empty where it is not known.
   [[nodiscard]] virtual Eigen::SparseMatrix<double> pattern() const { return {}; }
+
+  /// The step size that the scene asks for [s].
+  [[nodiscard]] virtual std::optional<double> own_step() const { return {}; }
+  /// Those that can be scaled.
+  [[nodiscard]] virtual std::vector<ScenePart> parts() const { return {}; }
+  /// From now on a part has these factors of its stiffness and damping in the scene.
+  virtual void scale_part(std::size_t /*part*/, double /*stiffness*/, double /*damping*/) {}
 
   virtual Eigen::VectorXd state() = 0;
   virtual void set_state(const Eigen::VectorXd& y) = 0;

@@ -34,7 +34,7 @@
 #include <stdint.h>
 
 /* Raised when a table grows. Plugins of earlier versions go on to work; hmax refuses later ones than its own. */
-#define HMAX_PLUGIN_VERSION 2u
+#define HMAX_PLUGIN_VERSION 3u
 
 #define HMAX_OK 0
 /* Of step(): it cannot be done at this size, as a solver that does not converge. hmax counts it as divergence. */
@@ -68,6 +68,13 @@ typedef struct hmax_object {
   int (*dimension)(void* handle, size_t* n);          /* numbers of the state, at least 1, always the same */
 } hmax_object;
 
+/* A part of a scene that has a stiffness or a damping: a joint, a spring, an actuator. */
+typedef struct hmax_part {
+  const char* kind;          /* "joint" */
+  const char* name;          /* in the scene */
+  double stiffness, damping; /* as in the scene; 0 where it has none */
+} hmax_part;
+
 /* An engine that advances its own state. */
 typedef struct hmax_stepper {
   hmax_object object;
@@ -96,6 +103,14 @@ typedef struct hmax_stepper {
    *   reach   how many pairs in a row a step crosses: 1 (the default) as with symplectic Euler, 4 as with RK4
    * Called with group == NULL and pairs == NULL for the count of pairs. */
   int (*couplings)(void* handle, size_t* count, size_t* reach, size_t* group, size_t (*pairs)[2]);
+
+  /* optional, since version 3: the step size that the scene asks for [s] */
+  int (*own_step)(void* handle, double* h);
+  /* optional, since version 3, both or none: up to 10,000 parts, called with parts == NULL for their count; and what a
+   * part has from then on, as factors of its stiffness and of its damping in the scene. hmax finds the part that the
+   * largest stable step rests on. */
+  int (*parts)(void* handle, size_t* count, hmax_part* parts);
+  int (*scale_part)(void* handle, size_t part, double stiffness, double damping);
 } hmax_stepper;
 
 /* Equations of motion: y' = rhs(t, y), or with force != NULL a diagonal mass and forces,

@@ -141,6 +141,7 @@ class Server {
   void greet();
   void greet_stepper(std::vector<double>& words, PluginGreeting& greeting);
   void greet_couplings(std::vector<double>& words, PluginGreeting& greeting);
+  void greet_parts(std::vector<double>& words, PluginGreeting& greeting);
   void greet_model(std::vector<double>& words, PluginGreeting& greeting);
 
   std::size_t handle(const PluginRequest& request);
@@ -178,6 +179,7 @@ class Server {
   void* handle_ = nullptr;
   bool created_ = false;
   std::size_t n_ = 0;
+  std::string part_names_;
   Block in_, in_velocities_, out_, ahead_, behind_;
   std::vector<Slot> slots_;
 };
@@ -219,6 +221,8 @@ void Server::find_entry(const PluginName& plugin) {
   if (!complete)
     throw Failure{stepper_ ? "a stepper needs create, dimension, get_state, set_state and step"
                            : "a model needs create, dimension, start, and rhs or mass and force"};
+  if (stepper_ && version_ >= 3 && !stepper_->parts != !stepper_->scale_part)
+    throw Failure{"a stepper has both of parts and scale_part, or none of them"};
   if (stepper_ && (!stepper_->save != !stepper_->restore || !stepper_->save != !stepper_->saved_size))
     throw Failure{"a stepper has all of saved_size, save and restore, or none of them"};
 }
@@ -257,6 +261,37 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
   }
   // Earlier tables end before it.
   if (version_ >= 2 && stepper_->couplings) greet_couplings(words, greeting);
+  if (version_ < 3) return;
+  if (stepper_->own_step) {
+    check(PluginCall::own_step, [&] { return stepper_->own_step(handle_, &greeting.own_step); });
+    if (!(greeting.own_step > 0 && std::isfinite(greeting.own_step)))
+      throw Failure{fmt::format("own_step() of the plugin is {}; it must be positive", greeting.own_step)};
+  }
+  if (stepper_->parts) greet_parts(words, greeting);
+}
+
+void Server::greet_parts(std::vector<double>& words, PluginGreeting& greeting) {
+  std::size_t count = 0;
+  check(PluginCall::parts, [&] { return stepper_->parts(handle_, &count, nullptr); });
+  if (count > most_plugin_parts)
+    throw Failure{fmt::format("the plugin has {} parts; it may have {}", count, most_plugin_parts)};
+  std::vector<hmax_part> parts(count + 1);
+  const std::size_t told = count;
+  check(PluginCall::parts, [&] { return stepper_->parts(handle_, &count, parts.data()); });
+  if (count != told) throw Failure{fmt::format("the plugin has {} parts, then {}", told, count)};
+  parts.resize(count);
+  greeting.parts = static_cast<double>(count);
+  const auto add = [&](const char* text, char end) {
+    std::string line = std::string(text ? text : "").substr(0, most_part_characters);
+    std::ranges::replace_if(
+        line, [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
+    part_names_ += line + end;
+  };
+  for (const hmax_part& part : parts) {
+    words.insert(words.end(), {part.stiffness, part.damping});
+    add(part.kind, '\t');
+    add(part.name, '\n');
+  }
 }
 
 void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greeting) {
@@ -314,7 +349,8 @@ void Server::greet() {
   std::memcpy(out_.bytes(), &greeting, sizeof greeting);
   std::copy(words.begin(), words.end(), out_.numbers() + greeting_size);
   reply(PluginReply::Kind::done, greeting_size + words.size(),
-        fmt::format("{}\n{}", entry_->name ? entry_->name : "", entry_->note ? entry_->note : ""));
+        fmt::format("{}\n{}\n{}", entry_->name ? entry_->name : "", entry_->note ? entry_->note : "",
+                    part_names_));
 }
 
 void Server::steps(double h, std::uint64_t count) {
@@ -373,6 +409,13 @@ std::size_t Server::handle(const PluginRequest& request) {
       steps(request.h, 1);
       save(request.slot);
       return state();
+    case PluginAsk::scale_part: {
+      const double* factors = received(in_, 0, 2);
+      check(PluginCall::scale_part, [&] {
+        return stepper_->scale_part(handle_, static_cast<std::size_t>(request.count), factors[0], factors[1]);
+      });
+      return 0;
+    }
     default:
       throw Failure{std::string(plugin_destroyed)};
   }

@@ -30,27 +30,32 @@ enum class PluginCall : std::uint32_t {
   stiffness,
   damping,
   destroy,
-  couplings
+  couplings,
+  own_step,
+  parts,
+  scale_part
 };
 
-inline constexpr std::array<std::string_view, 21> plugin_call_names{
-    "between calls", "loading", "create",  "dimension",   "get_state", "set_state", "step",
-    "saved_size",    "save",    "restore", "quaternions", "scales",    "start",     "rhs",
-    "jacobian",      "mass",    "force",   "stiffness",   "damping",   "destroy",   "couplings"};
+inline constexpr std::array<std::string_view, 24> plugin_call_names{
+    "between calls", "loading",    "create",    "dimension", "get_state",   "set_state",
+    "step",          "saved_size", "save",      "restore",   "quaternions", "scales",
+    "start",         "rhs",        "jacobian",  "mass",      "force",       "stiffness",
+    "damping",       "destroy",    "couplings", "own_step",  "parts",       "scale_part"};
 
 enum class PluginAsk : std::uint32_t {
-  state,      ///< -> y
-  set_state,  ///< y ->
-  steps,      ///< h, count ->
-  save,       ///< slot ->
-  restore,    ///< slot ->
-  after,      ///< slot, h, count, y -> y: restore, set_state, steps, state
-  advance,    ///< slot, h -> y: restore, step, save, state
-  rhs,        ///< h is t; y -> dydt
-  jacobian,   ///< y -> J; this and the matrices below by differences where the plugin does not give them
-  force,      ///< (q, v) -> f
-  stiffness,  ///< (q, v) -> K
-  damping,    ///< (q, v) -> C
+  state,       ///< -> y
+  set_state,   ///< y ->
+  steps,       ///< h, count ->
+  save,        ///< slot ->
+  restore,     ///< slot ->
+  after,       ///< slot, h, count, y -> y: restore, set_state, steps, state
+  advance,     ///< slot, h -> y: restore, step, save, state
+  scale_part,  ///< count is the part; two factors ->
+  rhs,         ///< h is t; y -> dydt
+  jacobian,    ///< y -> J; this and the matrices below by differences where the plugin does not give them
+  force,       ///< (q, v) -> f
+  stiffness,   ///< (q, v) -> K
+  damping,     ///< (q, v) -> C
   quit
 };
 
@@ -70,11 +75,13 @@ struct PluginReply {
 };
 
 /// The first reply begins with these numbers; the quaternions, and where they are there the scales, the
-/// groups and pairs of couplings, or y0 and the mass of a model, follow.
+/// groups and pairs of couplings, stiffness and damping of each part, or y0 and the mass of a model, follow.
+/// Behind them are name and note, and a line `KIND<tab>NAME` for each part.
 struct PluginGreeting {
   double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
   double has_rhs = 0, has_force = 0, t_end = 0;
   double has_couplings = 0, pairs = 0, reach = 1;
+  double own_step = 0, parts = 0;
   double has_jacobian = 0, has_stiffness = 0,
          has_damping = 0;  ///< which the plugin gives; others are differences
 };
@@ -86,5 +93,7 @@ inline constexpr std::string_view plugin_destroyed =
 
 /// States of more numbers are taken for an error of the plugin.
 inline constexpr std::size_t most_plugin_states = 10'000'000;
+/// Parts of a scene, and characters of a name of one that are read.
+inline constexpr std::size_t most_plugin_parts = 10'000, most_part_characters = 80;
 
 }  // namespace hmax

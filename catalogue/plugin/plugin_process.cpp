@@ -267,6 +267,25 @@ bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in
   }
 }
 
+/// Name and note, and the parts, whose names are the last lines.
+void PluginProcess::read_parts(std::string text, const double* numbers) {
+  if (facts_.greeting.own_step > 0) facts_.own_step = facts_.greeting.own_step;
+  facts_.parts.resize(static_cast<std::size_t>(facts_.greeting.parts));
+  for (std::size_t i = facts_.parts.size(); i-- > 0;) {
+    if (text.ends_with('\n')) text.pop_back();
+    const std::size_t line = text.rfind('\n') + 1, tab = text.find('\t', line);
+    if (line == 0 || tab == text.npos) explain_destruction();
+    facts_.parts[i] = {.kind = text.substr(line, tab - line),
+                       .name = text.substr(tab + 1),
+                       .stiffness = numbers[2 * i],
+                       .damping = numbers[2 * i + 1]};
+    text.resize(line);
+  }
+  if (text.ends_with('\n')) text.pop_back();
+  facts_.name = text.substr(0, text.find('\n'));
+  facts_.note = text.substr(text.find('\n') + 1);
+}
+
 void PluginProcess::greet() {
   const PluginReply answer = reply();
   const std::string text = text_of(answer);
@@ -279,15 +298,14 @@ void PluginProcess::greet() {
     return number >= least && number <= greatest && number == std::floor(number);
   };
   const bool whole = is_count(said.dimension, 1, most) && is_count(said.quaternions, 0, said.dimension / 4) &&
-                     is_count(said.pairs, 0, most) && said.reach >= 1;
+                     is_count(said.pairs, 0, most) && said.reach >= 1 &&
+                     is_count(said.parts, 0, most_plugin_parts) && said.own_step >= 0;
   const double told = said.quaternions + (said.has_scales != 0 ? said.dimension : 0) +
-                      (said.has_couplings != 0 ? said.dimension + 2 * said.pairs : 0) +
+                      (said.has_couplings != 0 ? said.dimension + 2 * said.pairs : 0) + 2 * said.parts +
                       (said.is_stepper == 0 ? said.dimension : 0) +
                       (said.has_force != 0 ? std::floor(said.dimension / 2) : 0);
   if (!whole || static_cast<double>(answer.numbers - greeting_size) != told) explain_destruction();
   facts_.dim = static_cast<Eigen::Index>(said.dimension);
-  facts_.name = text.substr(0, text.find('\n'));
-  facts_.note = text.substr(text.find('\n') + 1);
   const double* at = page().numbers.data() + greeting_size;
   for (int i = 0; i < static_cast<int>(said.quaternions); ++i, ++at) {
     const double first = *at;
@@ -318,6 +336,8 @@ void PluginProcess::greet() {
     }
     facts_.reach = said.reach;
   }
+  read_parts(text, at);
+  at += 2 * facts_.parts.size();
   if (said.is_stepper == 0) facts_.y0 = vector(facts_.dim);
   if (said.has_force != 0) facts_.mass = vector(facts_.dim / 2);
 }

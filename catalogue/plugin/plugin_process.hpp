@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/foreign_steps/foreign_stepper.hpp"
 #include "catalogue/plugin/plugin_memory.hpp"
 #include "catalogue/plugin/plugin_messages.hpp"
 #include "catalogue/plugin/plugin_name.hpp"
@@ -38,6 +39,8 @@ struct PluginFacts {
   std::vector<Eigen::Index> groups;
   std::vector<std::pair<Eigen::Index, Eigen::Index>> couplings;
   double reach = 1;
+  std::optional<double> own_step;  ///< [s]
+  std::vector<ScenePart> parts;
   Eigen::VectorXd y0, mass;  ///< of a model; mass of shape (dim / 2), or empty
 };
 
@@ -62,6 +65,7 @@ class PluginProcess {
  private:
   void start();
   void greet();
+  void read_parts(std::string text, const double* numbers);
   void await();
   PluginReply reply();
   [[nodiscard]] std::string text_of(const PluginReply& reply);

@@ -1,5 +1,6 @@
 #include "catalogue/plugin/plugin_stepper.hpp"
 
+#include <array>
 #include <limits>
 
 #include <fmt/format.h>
@@ -75,6 +76,11 @@ void PluginStepper::set_state(const Eigen::VectorXd& y) {
 
 bool PluginStepper::step(double h, std::int64_t count) {
   return process_.ask({.ask = PluginAsk::steps, .count = static_cast<std::uint64_t>(count), .h = h}, {}, {});
+}
+
+void PluginStepper::scale_part(std::size_t part, double stiffness, double damping) {
+  const std::array<double, 2> factors{stiffness, damping};
+  process_.ask({.ask = PluginAsk::scale_part, .count = part}, factors, {});
 }
 
 void PluginStepper::save(int slot) {

@@ -23,6 +23,9 @@ class PluginStepper final : public ForeignStepper {
   }
   [[nodiscard]] Eigen::VectorXd scales() const override { return process_.facts().scales; }
   [[nodiscard]] Eigen::SparseMatrix<double> pattern() const override;
+  [[nodiscard]] std::optional<double> own_step() const override { return process_.facts().own_step; }
+  [[nodiscard]] std::vector<ScenePart> parts() const override { return process_.facts().parts; }
+  void scale_part(std::size_t part, double stiffness, double damping) override;
 
   Eigen::VectorXd state() override;
   void set_state(const Eigen::VectorXd& y) override;

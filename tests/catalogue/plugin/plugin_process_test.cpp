@@ -48,6 +48,31 @@ TEST(Plugin, StepsRestoresAndSetsStates) {
   EXPECT_EQ(chain.state(), next);
 }
 
+TEST(Plugin, HasPartsAndAStepSizeOfItsOwn) {
+  PluginStepper engine(tested("parted:100,2,50,1,25,0"));
+  EXPECT_EQ(engine.own_step(), 0.1);
+  EXPECT_EQ(engine.note(), "");
+  const std::vector<ScenePart> parts = engine.parts();
+  ASSERT_EQ(parts.size(), 3);
+  EXPECT_EQ(parts[0].kind, "spring");
+  EXPECT_EQ(parts[0].name, "first");
+  EXPECT_EQ(parts[0].stiffness, 100);
+  EXPECT_EQ(parts[0].damping, 2);
+  EXPECT_EQ(parts[1].name, "second one ");
+  EXPECT_EQ(parts[2].name, "");
+  EXPECT_EQ(parts[2].stiffness, 25);
+  engine.save(0);
+  engine.scale_part(1, 3, 2);
+  const Eigen::VectorXd y = Eigen::VectorXd::Unit(6, 2) + Eigen::VectorXd::Unit(6, 3);
+  EXPECT_DOUBLE_EQ(engine.after(0, y, 0.01, 1)[3], 1 - 0.01 * (150 + 2));
+  // Tables of earlier versions end before them.
+  PluginStepper earlier(parse_plugin(std::string(TESTED_PLUGIN_EARLIER) + ":parted:100,2"));
+  EXPECT_FALSE(earlier.own_step());
+  EXPECT_TRUE(earlier.parts().empty());
+  EXPECT_TRUE(says(error_of<InputError>([] { PluginStepper(tested("rigid:100,2")); }),
+                   "both of parts and scale_part"));
+}
+
 TEST(Plugin, CrashesAreErrorsThatNameTheStep) {
   EXPECT_EQ(
       error_of_step("crash:segv", 0.5),
@@ -129,7 +154,7 @@ TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
   EXPECT_TRUE(says(error(TESTED_PLUGIN_NAMELESS), "has no function hmax_plugin_get; see hmax/plugin.h"));
   EXPECT_EQ(
       error(TESTED_PLUGIN_VERSION),
-      "the plugin has version 99 of hmax/plugin.h and hmax has 2; compile it with the header of this hmax");
+      "the plugin has version 99 of hmax/plugin.h and hmax has 3; compile it with the header of this hmax");
   const std::string file = TESTED_PLUGIN;
   EXPECT_EQ(error(file + ":chains").substr(0, 56),
             "the plugin has no entry 'chains'; it has chain, float_ch");

@@ -315,6 +315,27 @@ struct Start : Engine {
   int step(double) override { return HMAX_OK; }
 };
 
+/// x_i'' = -k_i x_i - c_i x_i' by symplectic Euler, from numbers k_1,c_1,k_2,c_2: h_max is the least root of
+/// k h^2 + 2 c h = 4. Its parts are the springs, and it asks for steps of 0.1.
+struct Parted : Engine {
+  explicit Parted(const std::string& argument) : Engine({}) {
+    for (std::size_t at = 0; at < argument.size(); at = argument.find(',', at) + 1) {
+      own.push_back(std::stod(argument.substr(at)));
+      if (argument.find(',', at) == argument.npos) break;
+    }
+    scaled = own;
+    y.resize(own.size());
+  }
+  Numbers own, scaled;
+  int step(double h) override {
+    for (std::size_t i = 0; i < y.size(); i += 2) {
+      y[i + 1] -= h * (scaled[i] * y[i] + scaled[i + 1] * y[i + 1]);
+      y[i] += h * y[i + 1];
+    }
+    return HMAX_OK;
+  }
+};
+
 Engine& of(void* handle) { return *static_cast<Engine*>(handle); }
 
 template <class E>
@@ -359,6 +380,22 @@ int couplings(void* handle, size_t* count, size_t* reach, size_t* group, size_t 
   return HMAX_OK;
 }
 
+int own_step(void*, double* h) { return *h = 0.1, HMAX_OK; }
+int parts(void* handle, size_t* count, hmax_part* to) {
+  static constexpr std::array<const char*, 3> names{"first", "second\tone\n", nullptr};
+  const Numbers& own = dynamic_cast<Parted&>(of(handle)).own;
+  *count = own.size() / 2;
+  for (std::size_t i = 0; to && i < *count; ++i)
+    to[i] = {"spring", i < names.size() ? names[i] : "further", own[2 * i], own[2 * i + 1]};
+  return HMAX_OK;
+}
+int scale_part(void* handle, size_t part, double stiffness, double damping) {
+  auto& engine = dynamic_cast<Parted&>(of(handle));
+  engine.scaled.at(2 * part) = stiffness * engine.own[2 * part];
+  engine.scaled.at(2 * part + 1) = damping * engine.own[2 * part + 1];
+  return HMAX_OK;
+}
+
 template <class E>
 constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr,
                              decltype(hmax_stepper::couplings) couplings = nullptr) {
@@ -372,7 +409,17 @@ constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_
           restore,
           quaternions,
           nullptr,
-          couplings};
+          couplings,
+          nullptr,
+          nullptr,
+          nullptr};
+}
+
+constexpr hmax_stepper with_parts(hmax_stepper stepper, decltype(scale_part)* scales) {
+  stepper.own_step = own_step;
+  stepper.parts = parts;
+  stepper.scale_part = scales;
+  return stepper;
 }
 
 /// Writes `byte` over 64 KB of all memory that this process shares with others, from `first` on.
@@ -483,7 +530,9 @@ const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<flo
                    counting = table<Counting>(), crash = table<Crash>(), start = table<Start>(),
                    unruly = table<Unruly>(), coupled = table<CoupledChain>(0, nullptr, couplings),
                    reaching = table<ReachingChain>(0, nullptr, couplings), shifting = table<Shifting>(),
-                   bounded = table<Bounded>(), far_float = table<FarFloat>(HMAX_SINGLE_PRECISION);
+                   bounded = table<Bounded>(), far_float = table<FarFloat>(HMAX_SINGLE_PRECISION),
+                   parted = with_parts(table<Parted>(), scale_part),
+                   rigid = with_parts(table<Parted>(), nullptr);
 
 const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain},
                                   {"float_chain", "", nullptr, &float_chain},
@@ -504,6 +553,8 @@ const hmax_plugin_entry entries[]{{"chain", "masses on springs", nullptr, &chain
                                   {"decays", "", nullptr, &decays},
                                   {"bounded", "", nullptr, &bounded},
                                   {"far_float", "", nullptr, &far_float},
+                                  {"parted", "", nullptr, &parted},
+                                  {"rigid", "", nullptr, &rigid},
                                   {"faulty", "", &faulty, nullptr},
                                   {"pendulums", "", &pendulums, nullptr},
                                   {"stiff_pendulums", "", &stiff_pendulums, nullptr},
