@@ -67,6 +67,7 @@ class Probe {
   void check_rest_at_limit();
   void check_pattern();
   void name_growing_numbers();
+  void find_shares();
   void observe();
   bool runs_grow(double h);
   std::int64_t observed_steps();
@@ -427,6 +428,16 @@ void Probe::name_growing_numbers() {
     if (found_.moving.size() < 4 && motion[i] > 0.1) found_.moving.push_back(i);
 }
 
+void Probe::find_shares() {
+  if (engine_.parts().empty() || found_.state == ProbedState::motion || !std::isfinite(found_.h_max) ||
+      !std::isfinite(std::abs(found_.critical->multiplier)) ||
+      coordinates_.size() > settings_.spectrum.matrix_to)
+    return;
+  detail_ = "parts";
+  found_.shares = shares_of_limit(engine_, coordinates_, scale_, home, rest_at(found_.critical->h),
+                                  *found_.critical, watcher());
+}
+
 GrowthRun Probe::growth_run(double h) const {
   // As far as the step is linear, and above its rounding.
   const double increment = found_.rows.front().increment,
@@ -618,6 +629,7 @@ ProbedLimit Probe::run() {
   check_smoothness();
   check_pattern();
   name_growing_numbers();
+  find_shares();
   observe();
   say_what_is_unresolved();
   engine_.restore(home);

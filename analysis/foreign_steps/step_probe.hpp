@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "analysis/foreign_steps/foreign_stepper.hpp"
+#include "analysis/foreign_steps/step_shares.hpp"
 #include "analysis/foreign_steps/step_spectrum.hpp"
 
 namespace hmax {
@@ -39,6 +40,7 @@ struct ProbedLimit {
   double h_max = 0;  ///< [s]; infinity without growth up to h1, NaN where steps of h0 grow already
   std::optional<StepSpectrum> critical{};  ///< a step 0.2 % beyond the limit
   std::vector<Eigen::Index> moving{};      ///< numbers of the state that move most in its growing mode
+  std::vector<PartShare> shares{};         ///< of each part of the engine, at `critical`; empty: not known
   double observed = 0;                     ///< [s] by runs; as h_max; NaN where nothing was run
   double gap = 0;                          ///< (observed - h_max) / h_max; NaN without a number on both sides
   std::int64_t steps = 0;                  ///< of each of the runs

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/foreign_steps/own_step.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "catalogue/plugin/plugin_stepper.hpp"
 #include "core/errors.hpp"
@@ -49,6 +50,60 @@ TEST(ProbePlugin, ExplicitEulerOnADampedOscillatorHasItsKnownLimit) {
   EXPECT_NEAR(found.observed, 0.02, 1e-4);
   ASSERT_TRUE(found.critical);
   EXPECT_NE(found.critical->multiplier.imag(), 0);
+}
+
+TEST(ProbePlugin, SharesOfTheLimitAreItsDerivatives) {
+  // k h^2 + 2 c h = 4 of the first spring.
+  PluginStepper engine(parse_plugin(std::string(TESTED_PLUGIN) + ":parted:100,2,50,1,25,0"));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false});
+  const double h = (std::sqrt(4 + 400) - 2) / 100;
+  EXPECT_NEAR(found.h_max, h, 2e-4 * h);
+  ASSERT_EQ(found.shares.size(), 3);
+  const double k = 100 * h * h, c = 2 * h;
+  EXPECT_NEAR(found.shares[0].of_stiffness, k / (k + c), 5e-3);
+  EXPECT_NEAR(found.shares[0].of_damping, c / (k + c), 5e-3);
+  EXPECT_NEAR(found.shares[0].sum(), 1, 1e-3);
+  EXPECT_NEAR(found.shares[1].sum(), 0, 1e-6);
+  EXPECT_NEAR(found.shares[2].sum(), 0, 1e-6);
+}
+
+TEST(ProbePlugin, SpringsThatAreAlikeShareTheLimit) {
+  PluginStepper engine(parse_plugin(std::string(TESTED_PLUGIN) + ":parted:100,0,100,0,100,0,1,0"));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false});
+  ASSERT_EQ(found.shares.size(), 4);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found.shares[i].sum(), 1.0 / 3, 2e-3) << i;
+  EXPECT_NEAR(found.shares[3].sum(), 0, 1e-6);
+  const std::optional<OwnStep> own = examine_own_step(engine, found, {});
+  ASSERT_TRUE(own && own->owner);
+  EXPECT_EQ(own->owner->alike, 3);
+  EXPECT_NEAR(own->owner->share_of_alike, 1, 2e-3);
+  // At 0.1 a spring of 4 / 0.01 is at its limit, whether alone or with the others.
+  EXPECT_NEAR(own->owner->stiffness.alone, 400, 1);
+  EXPECT_NEAR(own->owner->stiffness.together, 400, 1);
+  EXPECT_TRUE(std::isnan(own->owner->damping.alone));
+  EXPECT_EQ(own->stable, true);
+  EXPECT_EQ(own->substeps, 1);
+  EXPECT_EQ(own->settles, true);
+  EXPECT_NEAR(own->stiffness_shown, 1, 1e-3);
+}
+
+TEST(ProbePlugin, AStepThatIsTooLongNeedsSubsteps) {
+  PluginStepper engine(parse_plugin(std::string(TESTED_PLUGIN) + ":parted:2500,0,1,0"));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false});
+  EXPECT_NEAR(found.h_max, 0.04, 1e-5);
+  const std::optional<OwnStep> own = examine_own_step(engine, found, {});
+  ASSERT_TRUE(own && own->owner);
+  EXPECT_EQ(own->stable, false);
+  EXPECT_EQ(own->substeps, 3);
+  EXPECT_EQ(own->settles, false);
+  EXPECT_EQ(own->owner->part.name, "first");
+  EXPECT_NEAR(own->owner->stiffness.alone, 400, 1);
+  // The engine is as it was.
+  EXPECT_NEAR(probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false}).h_max, 0.04, 1e-5);
+  // Where another spring is too stiff as well, no stiffness helps.
+  PluginStepper both(parse_plugin(std::string(TESTED_PLUGIN) + ":parted:2500,0,1600,0"));
+  EXPECT_EQ(largest_factor(both, {0}, false, 0.1, {}), 0);
+  EXPECT_NEAR(largest_factor(both, {0, 1}, false, 0.1, {}), 400.0 / 2500, 1e-3);
 }
 
 TEST(ProbePlugin, SinglePrecisionIsNoInstability) {

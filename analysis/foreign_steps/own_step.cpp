@@ -1,0 +1,118 @@
+#include "analysis/foreign_steps/own_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/numbers.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr double most = 1e6, resolution = 1e-3;
+constexpr int start_slot = 3;  // probes write those below
+
+/// Whether steps of size h are stable where these parts have a factor; from where the last stable one rests.
+bool stands(ForeignStepper& engine, double h, double factor, const ProbeWatch& watch) {
+  const std::string detail = "factor " + rounded_text(factor, 4);
+  ProbeSettings settings;
+  settings.h0 = settings.h1 = h;
+  settings.observe = false;
+  if (watch) settings.watch = [&](double share, std::string_view) { watch(share, detail); };
+  const ProbedLimit found = probe_steps(engine, settings);
+  const StepSpectrum& row = found.rows.back();
+  if (!row.grows && row.settled.size() > 0) engine.set_state(row.settled);
+  return !row.grows;
+}
+
+bool are_alike(const ScenePart& a, const ScenePart& b) {
+  return a.kind == b.kind && a.stiffness == b.stiffness && a.damping == b.damping;
+}
+
+std::optional<LimitOwner> owner_of(ForeignStepper& engine, const ProbedLimit& found, double h,
+                                   const ProbeWatch& watch) {
+  const auto first = std::ranges::max_element(found.shares, {}, &PartShare::sum);
+  if (first == found.shares.end() || !(first->sum() > 0)) return std::nullopt;
+  const std::vector<ScenePart> parts = engine.parts();
+  const auto at = static_cast<std::size_t>(first - found.shares.begin());
+  LimitOwner owner{.part = parts[at], .share = first->sum(), .alike = 0, .stiffness = {}, .damping = {}};
+  std::vector<std::size_t> alike;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!are_alike(parts[i], owner.part)) continue;
+    alike.push_back(i);
+    owner.share_of_alike += found.shares[i].sum();
+  }
+  owner.alike = alike.size();
+  if (found.dim > StepSpectrumSettings{}.eigenvalues_to) return owner;
+  const auto largest = [&](double own, bool of_damping) {
+    LargestNumber number;
+    if (own == 0) return number;
+    number.alone = own * largest_factor(engine, {at}, of_damping, h, watch);
+    number.together =
+        alike.size() == 1 ? number.alone : own * largest_factor(engine, alike, of_damping, h, watch);
+    return number;
+  };
+  owner.stiffness = largest(owner.part.stiffness, false);
+  owner.damping = largest(owner.part.damping, true);
+  return owner;
+}
+
+/// Where steps of h come to rest, and what they show of the slowest mode of h0.
+void compare(ForeignStepper& engine, double h0, OwnStep& own, const ProbeWatch& watch) {
+  ProbeSettings settings;
+  settings.h0 = std::min(h0, own.h);
+  settings.h1 = own.h;
+  settings.watch = watch;
+  const ProbedLimit both = compare_steps(engine, settings);
+  const StepSpectrum& row = both.rows.back();
+  own.settles = row.settles;
+  if (row.modes.empty()) return;
+  const double ratio = row.modes.front().omega_shown / row.modes.front().omega;
+  own.stiffness_shown = ratio * ratio;
+}
+
+}  // namespace
+
+double largest_factor(ForeignStepper& engine, const std::vector<std::size_t>& parts, bool of_damping,
+                      double h, const ProbeWatch& watch) {
+  const auto scale = [&](double factor) {
+    for (const std::size_t part : parts)
+      of_damping ? engine.scale_part(part, 1, factor) : engine.scale_part(part, factor, 1);
+  };
+  const auto is_stable = [&](double factor) {
+    scale(factor);
+    return stands(engine, h, factor, watch);
+  };
+  engine.save(start_slot);
+  double low = 1, high = 1;
+  if (is_stable(1)) {
+    while (low < most && is_stable(2 * low)) low *= 2;
+    high = low < most ? 2 * low : infinity;
+  } else {
+    while (high > 1 / most && !is_stable(high / 2)) high /= 2;
+    low = high > 1 / most ? high / 2 : 0;
+  }
+  while (low > 0 && high < infinity && high - low > resolution * high) {
+    const double middle = (low + high) / 2;
+    (is_stable(middle) ? low : high) = middle;
+  }
+  scale(1);
+  engine.restore(start_slot);
+  return std::isinf(high) ? infinity : low;
+}
+
+std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimit& found,
+                                        const ProbeWatch& watch) {
+  if (!engine.own_step()) return std::nullopt;
+  OwnStep own{.h = *engine.own_step()};
+  if (!std::isnan(found.h_max)) {
+    own.stable = own.h <= found.h_max;
+    own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
+  }
+  if (found.state == ProbedState::motion) return own;
+  if (found.dim <= StepSpectrumSettings{}.eigenvalues_to) compare(engine, found.rows.front().h, own, watch);
+  own.owner = owner_of(engine, found, own.h, watch);
+  return own;
+}
+
+}  // namespace hmax
