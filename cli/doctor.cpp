@@ -101,8 +101,12 @@ std::vector<Module> modules() {
   if (has_mpi()) add("hmax_mpi", "sweeps under mpirun", make_ranks_symbol);
   if (has_distributed_engine()) add("hmax_petsc", "--engine petsc", make_engine_symbol);
   const std::vector<Part> parts = optional_parts();
-  const auto python = std::ranges::find(parts, "pybind11", &Part::name);
-  if (is_build_tree() && python != parts.end() && !python->version.empty()) {
+  const auto is_there = [&](std::string_view name) {
+    const auto part = std::ranges::find(parts, name, &Part::name);
+    return part != parts.end() && !part->version.empty();
+  };
+  if (is_there("MuJoCo")) add("hmax_mujoco", "scenes of MuJoCo", "hmax_plugin_get");
+  if (is_build_tree() && is_there("pybind11")) {
     const std::filesystem::path folder = program_prefix() / "python";
     const bool built = has_file(folder / "hmax", "_core");
     modules.push_back({"hmax_python", "the Python module", built, built ? why_not_imported(folder) : ""});

@@ -1,4 +1,4 @@
-/// hmax probe: the largest stable step of an engine of one's own, from its steps alone.
+/// hmax probe: the largest stable step of an engine or of a scene of one, from its steps alone.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "catalogue/plugin/plugin_sources.hpp"
 #include "catalogue/plugin/plugin_stepper.hpp"
+#include "cli/scene.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
@@ -31,7 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
-  std::string plugin, example, stiffness;
+  std::string scene, keyframe, plugin, example, stiffness;
   std::optional<double> h0, h1, motion, timeout, time_limit;
   bool no_runs = false;
 };
@@ -106,14 +107,14 @@ struct ProbedStiffness {
   StepsStiffness shown;
 };
 
-std::optional<ProbedStiffness> stiffness_of(const ProbeOptions& options, const ProbedLimit& found,
+std::optional<ProbedStiffness> stiffness_of(const ProbeOptions& options, double h0, const ProbedLimit& found,
                                             const std::function<void(double, std::string_view)>& watch,
                                             const PluginSettings& settings) {
   if (options.stiffness.empty() || std::isnan(found.h_max)) return std::nullopt;
   const PluginName plugin = parse_plugin(options.plugin);
   const auto [begin, count] = place_of_number(plugin.argument, options.stiffness);
   const double value = *to_number(plugin.argument.substr(begin, count));
-  double h = *options.h0;
+  double h = h0;
   for (const StepSpectrum& row : found.rows)
     if (!row.grows) h = std::max(h, row.h);
   const auto with = [&, begin = begin, count = count](double c) {
@@ -121,7 +122,7 @@ std::optional<ProbedStiffness> stiffness_of(const ProbeOptions& options, const P
     scaled.argument.replace(begin, count, to_text(c * value));
     return std::make_unique<PluginStepper>(scaled, settings);
   };
-  return ProbedStiffness{value, stiffness_of_steps(with, *options.h0, h, watch)};
+  return ProbedStiffness{value, stiffness_of_steps(with, h0, h, watch)};
 }
 
 std::string in_words(const ProbedStiffness& stiffness, const std::string& name) {
@@ -146,11 +147,14 @@ Json to_json(const ProbedStiffness& stiffness, const std::string& name) {
           {"ceiling", number_or_word(stiffness.shown.ceiling * stiffness.value)}};
 }
 
-std::string in_words(const ProbeOptions& options, const ProbedLimit& found, const Console& console) {
-  std::string text = fmt::format(
-      "{} of {}: {} numbers, ", found.model,
-      std::filesystem::path(options.plugin.substr(0, options.plugin.find(':'))).filename().string(),
-      found.dim);
+std::string in_words(const ProbeOptions& options, const ProbedLimit& found, const std::string& note,
+                     const Console& console) {
+  const std::string from =
+      options.scene.empty()
+          ? std::filesystem::path(options.plugin.substr(0, options.plugin.find(':'))).filename().string()
+          : note;
+  std::string text = fmt::format("{} {} {}: {} numbers, ", found.model, options.scene.empty() ? "of" : "in",
+                                 from, found.dim);
   text += found.state == ProbedState::equilibrium ? "in equilibrium"
           : found.state == ProbedState::motion
               ? fmt::format("along the motion to {} s", short_number(*options.motion))
@@ -169,7 +173,8 @@ std::string in_words(const ProbeOptions& options, const ProbedLimit& found, cons
 }
 
 void write_examples(const ProbeOptions& options, Console& console) {
-  if (!options.plugin.empty()) throw InputError("--example writes files and probes nothing; remove --plugin");
+  if (!options.plugin.empty() || !options.scene.empty())
+    throw InputError("--example writes files and probes nothing; leave out the scene and --plugin");
   Json files = Json::array();
   std::string text;
   for (const std::filesystem::path& file : write_plugin_examples(options.example)) {
@@ -180,64 +185,126 @@ void write_examples(const ProbeOptions& options, Console& console) {
   console.print(text);
 }
 
-void probe(const ProbeOptions& options, Console& console) {
-  if (!options.example.empty()) return write_examples(options, console);
-  if (options.plugin.empty())
+/// What is asked of, and between which step sizes: those of a scene are derived from its own.
+struct Question {
+  SceneName scene;
+  PluginName plugin;
+  PluginSettings settings;
+};
+
+/// @throws InputError  for options that do not belong together
+Question question_of(const ProbeOptions& options) {
+  if (options.plugin.empty() == options.scene.empty())
     throw InputError(
-        "give the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
-  if (!options.h0 || !options.h1) throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
-  if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && *options.h0 > 0)
+        "give a scene of MuJoCo (model.xml), the library of your stepper with --plugin FILE.so, or --example FOLDER to "
+        "begin with one");
+  Question question{
+      .scene = {options.scene, options.keyframe, !options.motion}, .plugin = {}, .settings = {}};
+  if (options.scene.empty()) {
+    if (!options.keyframe.empty())
+      throw InputError("--keyframe is one of a scene; give it in ARGUMENT of --plugin");
+    question.plugin = parse_plugin(options.plugin);
+  } else {
+    if (!options.stiffness.empty())
+      throw InputError("--stiffness is asked of a --plugin; what a scene shows is told without it");
+    question.plugin = plugin_of(question.scene);
+  }
+  // A scene comes to rest in one call.
+  question.settings.patience = options.timeout.value_or(options.scene.empty() ? 10 : 60);
+  return question;
+}
+
+/// From a hundredth to a hundred times the step size that the scene asks for, where none are given.
+ProbeSettings sizes_of(const ProbeOptions& options, const ForeignStepper& engine) {
+  const std::optional<double> own = engine.own_step();
+  if (!own && (!options.h0 || !options.h1))
+    throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
+  const double h0 = options.h0 ? *options.h0 : *own / 100, h1 = options.h1 ? *options.h1 : 100 * *own;
+  ProbeSettings settings;
+  settings.h0 = h0;
+  settings.h1 = options.motion && !options.h1 ? std::min(h1, *options.motion) : h1;
+  settings.motion = options.motion;
+  settings.observe = !options.no_runs;
+  if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && settings.h0 > 0)
     refuse_endless(
-        {.asked = fmt::format("--motion {} with --h0 {}", to_text(*options.motion), to_text(*options.h0)),
-         .count = *options.motion / *options.h0,
+        {.asked = fmt::format("--motion {} with --h0 {}", to_text(*options.motion), to_text(settings.h0)),
+         .count = *options.motion / settings.h0,
          .seconds_each = call_seconds,
          .most_seconds = time_limit_of(options.time_limit),
          .remedy = "take a shorter --motion or a larger --h0, or raise --time-limit"});
+  return settings;
+}
+
+/// What was found.
+struct Answer {
+  std::string note;
+  ProbedLimit limit;
+  std::optional<OwnStep> own;
+  std::optional<ProbedStiffness> stiffness;
+};
+
+void print(const ProbeOptions& options, const Answer& answer, Console& console) {
+  if (answer.limit.contradiction) console.exit_code = Exit::failed;
+  if (console.json) {
+    Json document = probe_json(answer.limit);
+    if (answer.own) document.update(own_step_json(*answer.own));
+    if (!options.stiffness.empty())
+      document["stiffness"] = answer.stiffness ? to_json(*answer.stiffness, options.stiffness) : Json();
+    return console.print_json(document);
+  }
+  console.print(in_words(options, answer.limit, answer.note, console) +
+                (answer.own ? in_words(*answer.own, answer.limit) : "") +
+                (answer.stiffness ? in_words(*answer.stiffness, options.stiffness) : ""));
+}
+
+Answer answer_of(const ProbeOptions& options, Question question, Console& console) {
   const std::atomic<bool>& interrupted = interrupt_flag();
   const auto leave = [&] {
     if (interrupted) throw Interrupted{};
   };
-  const PluginSettings settings{.patience = options.timeout.value_or(10), .watch = leave};
-  PluginStepper engine(parse_plugin(options.plugin), settings);
+  question.settings.watch = leave;
+  PluginStepper engine(question.plugin, question.settings);
   if (!options.stiffness.empty()) {
     if (options.motion) throw InputError("--stiffness is asked of a state of rest; remove --motion");
-    place_of_number(parse_plugin(options.plugin).argument, options.stiffness);
+    place_of_number(question.plugin.argument, options.stiffness);
   }
-  ProbedLimit found;
-  std::optional<ProbedStiffness> stiffness;
-  {
-    Progress progress(console, "probe");
-    const auto watch = [&](double share, std::string_view detail) {
-      leave();
-      progress.update(share, detail);
-    };
-    found = probe_steps(engine, {.h0 = *options.h0,
-                                 .h1 = *options.h1,
-                                 .motion = options.motion,
-                                 .observe = !options.no_runs,
-                                 .watch = watch});
-    stiffness = stiffness_of(options, found, watch, settings);
-  }
-  if (found.contradiction) console.exit_code = Exit::failed;
-  if (console.json) {
-    Json document = probe_json(found);
-    if (!options.stiffness.empty())
-      document["stiffness"] = stiffness ? to_json(*stiffness, options.stiffness) : Json();
-    return console.print_json(document);
-  }
-  console.print(in_words(options, found, console) +
-                (stiffness ? in_words(*stiffness, options.stiffness) : ""));
+  Progress progress(console, "probe");
+  const auto watch = [&](double share, std::string_view detail) {
+    leave();
+    progress.update(share, detail);
+  };
+  ProbeSettings settings = sizes_of(options, engine);
+  settings.watch = watch;
+  Answer answer{.note = engine.note(), .limit = probe_steps(engine, settings), .own = {}, .stiffness = {}};
+  if (!options.scene.empty()) answer.limit.model = std::filesystem::path(options.scene).filename().string();
+  answer.own = examine_own_step(engine, answer.limit, watch);
+  answer.stiffness = stiffness_of(options, settings.h0, answer.limit, watch, question.settings);
+  return answer;
+}
+
+void probe(const ProbeOptions& options, Console& console) {
+  if (!options.example.empty()) return write_examples(options, console);
+  const Question question = question_of(options);
+  Answer answer;
+  const auto ask = [&] { answer = answer_of(options, question, console); };
+  options.scene.empty() ? ask() : in_words_of_engine(question.scene, ask);
+  print(options, answer, console);
 }
 
 }  // namespace
 
 void add_probe(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
-      app, console, "probe", "Find the largest stable step of your own step function",
-      {"hmax probe --example probe_example", "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
+      app, console, "probe", "Find the largest stable step of a scene, or of your own step function",
+      {"hmax probe model.xml --keyframe home", "hmax probe --example probe_example",
+       "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
        "hmax probe --plugin ./engine.so:bar:E=5000 --h0 1e-4 --h1 0.01 --stiffness E",
        "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
+  add_text(command, "scene", options->scene,
+           "A scene of MuJoCo; h0 and h1 are a hundredth and a hundred times its timestep", "model.xml");
+  add_text(command, "--keyframe", options->keyframe,
+           "The scene settles from this keyframe, or begins --motion there", "NAME|NUMBER");
   add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
            "FILE.so[:NAME[:ARGUMENT]]");
   add_number(command, "--h0", options->h0, "The smallest step size [s]");

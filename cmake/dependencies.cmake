@@ -90,6 +90,19 @@ hmax_optional(SLEPc HMAX_HAVE_PETSC "${HMAX_SLEPC_SLEPc_VERSION}" "petsc-dev sle
 
 hmax_optional(OpenMPI HMAX_HAVE_MPI "${HMAX_MPI_VERSION}" "libopenmpi-dev openmpi-bin" "sweeps on many processes: mpirun -n N hmax sweep")
 
+# Its package for CMake asks for OpenGL, of which nothing is used here. Later versions have other fields.
+find_path(HMAX_MUJOCO_INCLUDE mujoco/mujoco.h)
+find_library(HMAX_MUJOCO mujoco)
+set(HMAX_HAVE_MUJOCO OFF)
+if(HMAX_MUJOCO_INCLUDE AND HMAX_MUJOCO)
+  file(STRINGS "${HMAX_MUJOCO_INCLUDE}/mujoco/mujoco.h" mujoco_version REGEX "define mjVERSION_HEADER +[0-9]+")
+  string(REGEX REPLACE ".*mjVERSION_HEADER +([0-9])([0-9])([0-9]+).*" "\\1.\\2.\\3" mujoco_version "${mujoco_version}")
+  if(mujoco_version MATCHES "^2\\.2\\.")
+    set(HMAX_HAVE_MUJOCO ON)
+  endif()
+endif()
+hmax_optional(MuJoCo HMAX_HAVE_MUJOCO "${mujoco_version}" libmujoco-dev "scenes of MuJoCo: hmax probe model.xml")
+
 find_package(ZLIB QUIET)
 set(HMAX_HAVE_ZLIB ${ZLIB_FOUND})
 set(HMAX_ZLIB "${ZLIB_LIBRARIES}")

@@ -128,6 +128,28 @@ Json probe_json(const ProbedLimit& found) {
           {"status", status_json(found)}};
 }
 
+Json own_step_json(const OwnStep& own) {
+  Json owner;
+  const auto number = [](double value, const LargestNumber& largest) {
+    return Json{{"value", value},
+                {"largest", number_or_word(largest.alone)},
+                {"largest_of_alike", number_or_word(largest.together)}};
+  };
+  if (own.owner)
+    owner = {{"kind", own.owner->part.kind},
+             {"name", own.owner->part.name},
+             {"share", own.owner->share},
+             {"alike", {{"count", own.owner->alike}, {"share", own.owner->share_of_alike}}},
+             {"stiffness", number(own.owner->part.stiffness, own.owner->stiffness)},
+             {"damping", number(own.owner->part.damping, own.owner->damping)}};
+  return {{"timestep", own.h},
+          {"stable", own.stable ? Json(*own.stable) : Json()},
+          {"substeps", own.substeps ? Json(*own.substeps) : Json()},
+          {"settles", own.settles ? Json(*own.settles) : Json()},
+          {"stiffness_shown", number_or_word(own.stiffness_shown)},
+          {"owner", owner}};
+}
+
 Json comparison_json(const ProbedLimit& found, const Eigen::VectorXd& load) {
   const StepSpectrum &model = found.rows.front(), &row = found.rows.back();
   const bool rests = row.settles.value_or(false) && model.settled.size() > 0;

@@ -9,6 +9,7 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "analysis/amplification/region.hpp"
+#include "analysis/foreign_steps/own_step.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/method.hpp"
@@ -27,6 +28,9 @@ nlohmann::ordered_json region_json(const std::string& method, const PlaneWindow&
 
 /// The document of `hmax probe --json`, docs/reference/commands/probe.md.
 nlohmann::ordered_json probe_json(const ProbedLimit& found);
+
+/// What a scene's own step size adds to it.
+nlohmann::ordered_json own_step_json(const OwnStep& own);
 
 /// What hmax.fidelity of Python says of a step: of compare_steps().
 /// @param load  f of the shape of the state, or empty: stiffness_shown = f.y(h0) / f.y(h) of the states of

@@ -1,9 +1,11 @@
-/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml H0 H1.
-/// The kick is of 1e-6 m/s.
+/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml[@KEYFRAME] H0 H1.
+/// It settles for twenty seconds with steps of at most H0; the kick is of 1e-6 m/s.
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <mujoco/mujoco.h>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "bisect.hpp"
@@ -33,10 +35,14 @@ static bool grows(double h, int steps) {
 
 int main(int, char** arguments) {
   char reason[500];
-  m = mj_loadXML(arguments[1], nullptr, reason, sizeof reason);
+  const std::string scene = arguments[1], file = scene.substr(0, scene.find('@'));
+  m = mj_loadXML(file.c_str(), nullptr, reason, sizeof reason);
   if (!m) return std::fprintf(stderr, "%s\n", reason), 2;
   rest = mj_makeData(m);
   d = mj_makeData(m);
+  if (file != scene)
+    mj_resetDataKeyframe(m, rest, mj_name2id(m, mjOBJ_KEY, scene.substr(file.size() + 1).c_str()));
+  m->opt.timestep = std::min(m->opt.timestep, std::atof(arguments[2]));
   while (rest->time < 20) mj_step(m, rest);
   return print_limit(std::atof(arguments[2]), std::atof(arguments[3]), 40000, grows);
 }

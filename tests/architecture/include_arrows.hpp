@@ -59,6 +59,7 @@ inline const std::vector<ForeignRule> foreign_rules{
      "^(integrators/sundials|tests)/"},
     {"^(petsc|slepc)", "^addons/petsc/"},
     {"^mpi", "^addons/"},
+    {"^mujoco/", "^(addons/mujoco|scripts/engines)/"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^(bench|limits)/micro/"},
     {"^toml", "\\.cpp$"},

@@ -79,7 +79,7 @@ TEST(ProbeCommand, RefusesWhatDoesNotWork) {
   expect_refused(probe(tested + ":softened:k=100 --stiffness E" + steps), "has no E=NUMBER");
   expect_refused(probe(tested + ":softened:k=100 --stiffness k --motion 9" + steps), "remove --motion");
   expect_refused(Shell().hmax("probe"), "--example FOLDER");
-  expect_refused(Shell().hmax("probe --example a --plugin b"), "remove --plugin");
+  expect_refused(Shell().hmax("probe --example a --plugin b"), "leave out the scene and --plugin");
 }
 
 TEST(ProbeCommand, WhatAPluginSaysIsNoPartOfTheDocument) {

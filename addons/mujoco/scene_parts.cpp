@@ -1,0 +1,239 @@
+#include "addons/mujoco/scene_parts.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace hmax::mujoco {
+namespace {
+
+using Kind = Part::Kind;
+
+struct Numbers {
+  double stiffness = 0, damping = 0;
+};
+
+/// Of a constraint. [MuJoCo, Modeling, Solver parameters]: (time constant, damping ratio) or (-stiffness,
+/// -damping), but for the impedance, by which both are divided.
+Numbers numbers_of(const mjtNum* reference) {
+  const double constant = reference[0], ratio = reference[1];
+  if (constant <= 0) return {-constant, -ratio};
+  return {ratio > 0 ? 1 / (constant * constant * ratio * ratio) : 0, 2 / constant};
+}
+
+void scale_reference(mjtNum* to, const mjtNum* from, Numbers factors) {
+  if (from[0] <= 0) {
+    to[0] = from[0] * factors.stiffness;
+    to[1] = from[1] * factors.damping;
+    return;
+  }
+  to[0] = from[0] / factors.damping;
+  to[1] = from[1] * factors.damping / std::sqrt(factors.stiffness);
+}
+
+int object_type(Kind kind) {
+  switch (kind) {
+    case Kind::joint:
+    case Kind::joint_limit:
+    case Kind::joint_friction:
+      return mjOBJ_JOINT;
+    case Kind::tendon:
+    case Kind::tendon_limit:
+    case Kind::tendon_friction:
+      return mjOBJ_TENDON;
+    case Kind::actuator:
+    case Kind::filter:
+      return mjOBJ_ACTUATOR;
+    case Kind::equality:
+      return mjOBJ_EQUALITY;
+    case Kind::contact:
+      return mjOBJ_GEOM;
+    default:
+      return mjOBJ_UNKNOWN;
+  }
+}
+
+std::string name_of(const mjModel* m, int type, int id) {
+  const char* name = type == mjOBJ_UNKNOWN ? nullptr : mj_id2name(m, type, id);
+  if (name && *name) return name;
+  std::string text = "number " + std::to_string(id);
+  const int body = type == mjOBJ_JOINT ? m->jnt_bodyid[id] : type == mjOBJ_GEOM ? m->geom_bodyid[id] : 0;
+  if (const char* owner = mj_id2name(m, mjOBJ_BODY, body); body > 0 && owner && *owner)
+    text += " of body " + std::string(owner);
+  return text;
+}
+
+bool is_muscle(const mjModel* m, int i) { return m->actuator_gaintype[i] == mjGAIN_MUSCLE; }
+
+Numbers numbers_of_actuator(const mjModel* m, int i) {
+  const mjtNum *gain = m->actuator_gainprm + i * mjNGAIN, *bias = m->actuator_biasprm + i * mjNBIAS;
+  // Its peak force, or the scale of that.
+  if (is_muscle(m, i)) return {gain[2] > 0 ? gain[2] : gain[3], 0};
+  Numbers numbers;
+  if (m->actuator_biastype[i] == mjBIAS_AFFINE) numbers = {-bias[1], -bias[2]};
+  if (m->actuator_gaintype[i] == mjGAIN_AFFINE && numbers.stiffness == 0 && numbers.damping == 0)
+    numbers = {-gain[1], -gain[2]};
+  return numbers;
+}
+
+void scale_actuator(mjModel* m, const mjModel* from, int i, Numbers factors) {
+  mjtNum *gain = m->actuator_gainprm + i * mjNGAIN, *bias = m->actuator_biasprm + i * mjNBIAS;
+  const mjtNum *gain0 = from->actuator_gainprm + i * mjNGAIN, *bias0 = from->actuator_biasprm + i * mjNBIAS;
+  if (is_muscle(from, i)) {
+    for (const int k : {2, 3}) {
+      gain[k] = gain0[k] * (gain0[k] > 0 ? factors.stiffness : 1);
+      bias[k] = bias0[k] * (bias0[k] > 0 ? factors.stiffness : 1);
+    }
+    return;
+  }
+  // What a servo of velocity is told is a velocity.
+  const bool of_velocity = numbers_of_actuator(from, i).stiffness == 0;
+  gain[0] = gain0[0] * (of_velocity ? factors.damping : factors.stiffness);
+  bias[0] = bias0[0] * factors.stiffness;
+  if (from->actuator_gaintype[i] == mjGAIN_AFFINE) {
+    gain[1] = gain0[1] * factors.stiffness;
+    gain[2] = gain0[2] * factors.damping;
+  }
+  bias[1] = bias0[1] * factors.stiffness;
+  bias[2] = bias0[2] * factors.damping;
+}
+
+/// The rate of the activation.
+double rate_of_filter(const mjModel* m, int i) {
+  const bool filters = m->actuator_dyntype[i] == mjDYN_FILTER || m->actuator_dyntype[i] == mjDYN_MUSCLE;
+  const double constant = m->actuator_dynprm[i * mjNDYN];
+  return filters && constant > 0 ? 1 / constant : 0;
+}
+
+class Parts {
+ public:
+  Parts(const mjModel* m, std::size_t most) : m_(m), most_(most) {}
+
+  void add(Kind kind, int id, Numbers numbers) {
+    if (parts_.size() == most_ || (numbers.stiffness == 0 && numbers.damping == 0)) return;
+    parts_.push_back({.kind = kind,
+                      .id = id,
+                      .name = name_of(m_, object_type(kind), id),
+                      .stiffness = numbers.stiffness,
+                      .damping = numbers.damping});
+  }
+  void add_joints();
+  void add_tendons();
+  void add_actuators();
+  void add_constraints();
+  [[nodiscard]] std::vector<Part> take() { return std::move(parts_); }
+
+ private:
+  const mjModel* m_;
+  std::size_t most_;
+  std::vector<Part> parts_;
+};
+
+void Parts::add_joints() {
+  for (int i = 0; i < m_->njnt; ++i) {
+    const int dof = m_->jnt_dofadr[i];
+    add(Kind::joint, i, {m_->jnt_stiffness[i], m_->dof_damping[dof]});
+    if (m_->jnt_limited[i]) add(Kind::joint_limit, i, numbers_of(m_->jnt_solref + i * mjNREF));
+    if (m_->dof_frictionloss[dof] > 0)
+      add(Kind::joint_friction, i, numbers_of(m_->dof_solref + dof * mjNREF));
+  }
+}
+
+void Parts::add_tendons() {
+  for (int i = 0; i < m_->ntendon; ++i) {
+    add(Kind::tendon, i, {m_->tendon_stiffness[i], m_->tendon_damping[i]});
+    if (m_->tendon_limited[i]) add(Kind::tendon_limit, i, numbers_of(m_->tendon_solref_lim + i * mjNREF));
+    if (m_->tendon_frictionloss[i] > 0)
+      add(Kind::tendon_friction, i, numbers_of(m_->tendon_solref_fri + i * mjNREF));
+  }
+}
+
+void Parts::add_actuators() {
+  for (int i = 0; i < m_->nu; ++i) {
+    add(Kind::actuator, i, numbers_of_actuator(m_, i));
+    add(Kind::filter, i, {0, rate_of_filter(m_, i)});
+  }
+}
+
+void Parts::add_constraints() {
+  for (int i = 0; i < m_->neq; ++i)
+    if (m_->eq_active[i]) add(Kind::equality, i, numbers_of(m_->eq_solref + i * mjNREF));
+  for (int i = 0; i < m_->npair; ++i) add(Kind::pair, i, numbers_of(m_->pair_solref + i * mjNREF));
+  for (int i = 0; i < m_->ngeom; ++i)
+    if (m_->geom_contype[i] || m_->geom_conaffinity[i])
+      add(Kind::contact, i, numbers_of(m_->geom_solref + i * mjNREF));
+}
+
+}  // namespace
+
+const char* text_of(Kind kind) {
+  static constexpr std::array<const char*, 13> texts{
+      "joint",           "joint limit", "joint friction",  "tendon",   "tendon limit",
+      "tendon friction", "actuator",    "actuator filter", "equality", "contact",
+      "contact pair",    "gravity",     "viscosity"};
+  return texts[static_cast<std::size_t>(kind)];
+}
+
+std::vector<Part> parts_of(const mjModel* model, std::size_t most) {
+  Parts parts(model, most);
+  parts.add(Kind::gravity, 0, {mju_norm3(model->opt.gravity), 0});
+  parts.add(Kind::viscosity, 0, {0, model->opt.viscosity});
+  parts.add_joints();
+  parts.add_tendons();
+  parts.add_actuators();
+  parts.add_constraints();
+  return parts.take();
+}
+
+void scale(mjModel* m, const mjModel* from, const Part& part, double stiffness, double damping) {
+  const int i = part.id;
+  const Numbers factors{stiffness, damping};
+  const auto reference = [&](mjtNum* to, const mjtNum* of, int k) {
+    scale_reference(to + k * mjNREF, of + k * mjNREF, factors);
+  };
+  const auto dofs = [&](const auto& change) {
+    const int end = i + 1 < from->njnt ? from->jnt_dofadr[i + 1] : from->nv;
+    for (int k = from->jnt_dofadr[i]; k < end; ++k) change(k);
+  };
+  switch (part.kind) {
+    case Kind::joint:
+      m->jnt_stiffness[i] = from->jnt_stiffness[i] * stiffness;
+      return dofs([&](int k) { m->dof_damping[k] = from->dof_damping[k] * damping; });
+    case Kind::joint_limit:
+      return reference(m->jnt_solref, from->jnt_solref, i);
+    case Kind::joint_friction:
+      return dofs([&](int k) {
+        m->dof_frictionloss[k] = from->dof_frictionloss[k] * stiffness;
+        reference(m->dof_solref, from->dof_solref, k);
+      });
+    case Kind::tendon:
+      m->tendon_stiffness[i] = from->tendon_stiffness[i] * stiffness;
+      m->tendon_damping[i] = from->tendon_damping[i] * damping;
+      return;
+    case Kind::tendon_limit:
+      return reference(m->tendon_solref_lim, from->tendon_solref_lim, i);
+    case Kind::tendon_friction:
+      m->tendon_frictionloss[i] = from->tendon_frictionloss[i] * stiffness;
+      return reference(m->tendon_solref_fri, from->tendon_solref_fri, i);
+    case Kind::actuator:
+      return scale_actuator(m, from, i, factors);
+    case Kind::filter:
+      for (const int k : {0, 1})
+        m->actuator_dynprm[i * mjNDYN + k] = from->actuator_dynprm[i * mjNDYN + k] / damping;
+      return;
+    case Kind::equality:
+      return reference(m->eq_solref, from->eq_solref, i);
+    case Kind::contact:
+      return reference(m->geom_solref, from->geom_solref, i);
+    case Kind::pair:
+      return reference(m->pair_solref, from->pair_solref, i);
+    case Kind::gravity:
+      mju_scl3(m->opt.gravity, from->opt.gravity, stiffness);
+      return;
+    case Kind::viscosity:
+      m->opt.viscosity = from->opt.viscosity * damping;
+      return;
+  }
+}
+
+}  // namespace hmax::mujoco

@@ -1,0 +1,103 @@
+#include "cli/scene.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "core/ranks/module.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr const char* mujoco_module = "hmax_mujoco.so";
+
+std::string percent(double share) { return rounded_text(100 * share, 3) + " %"; }
+
+std::string largest_in_words(double largest, double value) {
+  if (std::isinf(largest)) return "any";
+  if (largest == 0) return "none";
+  return fmt::format("{}, {} times its own", rounded_text(largest, 4), rounded_text(largest / value, 3));
+}
+
+std::string in_words(const LimitOwner& owner, double h) {
+  const std::string name = owner.part.kind + " " + owner.part.name;
+  std::string text = fmt::format("owner     {} has {} of the limit", name, percent(owner.share));
+  if (owner.alike > 1)
+    text += fmt::format("; the {} of its stiffness and damping have {}", owner.alike,
+                        percent(owner.share_of_alike));
+  text += "\n";
+  const auto add = [&](std::string_view what, double value, const LargestNumber& largest) {
+    if (std::isnan(largest.alone)) return;
+    text += fmt::format("largest   {} of {} at {} s: {}", what, name, to_text(h),
+                        largest_in_words(largest.alone, value));
+    if (owner.alike > 1)
+      text += fmt::format("; of all {}: {}", owner.alike, largest_in_words(largest.together, value));
+    text += "\n";
+  };
+  add("stiffness", owner.part.stiffness, owner.stiffness);
+  add("damping", owner.part.damping, owner.damping);
+  return text;
+}
+
+/// Each `from` in the text by `to`.
+void replace(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+PluginName plugin_of(const SceneName& scene) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (!fs::exists(scene.file, ignored))
+    throw InputError(fmt::format("there is no file '{}'; give a scene of MuJoCo (.xml)", scene.file));
+  if (!fs::is_regular_file(scene.file, ignored) || fs::path(scene.file).extension() != ".xml")
+    throw InputError(fmt::format(
+        "'{}' is no scene; give a file of MuJoCo (.xml), or a stepper of your own with --plugin FILE.so",
+        scene.file));
+  if (scene.file.find('\n') != scene.file.npos || scene.keyframe.find('\n') != scene.keyframe.npos)
+    throw InputError("a name of the scene has a line break; rename it");
+  const fs::path module = module_file(mujoco_module);
+  if (!fs::exists(module, ignored))
+    throw InputError(
+        "this hmax has no module for MuJoCo; apt install libmujoco-dev, then configure and build hmax again");
+  PluginName plugin{
+      .file = module, .name = {}, .argument = fs::absolute(scene.file).string(), .text = scene.file};
+  if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;
+  if (!scene.settles) plugin.argument += "\n";
+  return plugin;
+}
+
+void in_words_of_engine(const SceneName& scene, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    std::string text = error.what();
+    replace(text, "create() of the plugin failed: ", scene.file + ": ");
+    replace(text, "the plugin", "MuJoCo");
+    throw InputError(text);
+  }
+}
+
+std::string in_words(const OwnStep& own, const ProbedLimit& found) {
+  std::string text = fmt::format("timestep  {} s ", to_text(own.h));
+  if (!own.stable)
+    text += "is not judged: no limit was found";
+  else if (std::isinf(found.h_max))
+    text += "is stable: nothing grows up to h1";
+  else
+    text +=
+        fmt::format("is {} the limit {} s", *own.stable ? "below" : "above", rounded_text(found.h_max, 4));
+  if (own.substeps && *own.substeps > 1)
+    text += fmt::format("; {} substeps of {} s are stable", *own.substeps,
+                        rounded_text(own.h / static_cast<double>(*own.substeps), 4));
+  text += "\n";
+  return own.owner ? text + in_words(*own.owner, own.h) : text;
+}
+
+}  // namespace hmax

@@ -1,0 +1,28 @@
+/// Scenes of other engines, which modules of hmax open, and what `hmax probe` says of their own step size.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "analysis/foreign_steps/own_step.hpp"
+#include "catalogue/plugin/plugin_name.hpp"
+
+namespace hmax {
+
+struct SceneName {
+  std::string file;      ///< as it was typed
+  std::string keyframe;  ///< its name or number; empty: the start of the scene
+  bool settles = true;   ///< begins at rest; otherwise at that start
+};
+
+/// The module that opens the file, by its ending, with its argument.
+/// @throws InputError  where there is no such file or no such module
+PluginName plugin_of(const SceneName& scene);
+
+/// Calls `work`, and says of the engine what it says of a plugin.
+void in_words_of_engine(const SceneName& scene, const std::function<void()>& work);
+
+/// Lines of people, each with its end; @param h1  [s]
+std::string in_words(const OwnStep& own, const ProbedLimit& found);
+
+}  // namespace hmax
