@@ -247,6 +247,7 @@ void print(const ProbeOptions& options, const Answer& answer, Console& console) 
   if (answer.limit.contradiction) console.exit_code = Exit::failed;
   if (console.json) {
     Json document = probe_json(answer.limit);
+    if (!options.scene.empty()) document["engine"] = answer.note;
     if (answer.own) document.update(own_step_json(*answer.own));
     if (!options.stiffness.empty())
       document["stiffness"] = answer.stiffness ? to_json(*answer.stiffness, options.stiffness) : Json();

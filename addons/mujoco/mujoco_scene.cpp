@@ -106,7 +106,7 @@ int resets(const mjData* d) {
 /// sixty while something moves, and end earlier where nothing does for a hundred of them.
 /// @returns whether it has come to rest
 bool comes_to_rest(mjModel* m, mjData* d, bool relax) {
-  constexpr double least = 20, longest = 60, still = 1e-4, very_still = 1e-7, quite_still = 1e-14;
+  constexpr double least = 20, longest = 60, still = 1e-4, very_still = 1e-10, quite_still = 1e-14;
   constexpr int most = 100'000, in_a_row = 100;
   const mjOption given = m->opt;
   if (relax) {

@@ -41,6 +41,7 @@ TEST_F(ProbeScene, TheSpringThatATimestepIsTooLongForIsNamed) {
   const std::string scene = sliding("timestep=\"0.005\"", "stiffness=\"250000\"");
   const nlohmann::json all = found(scene);
   EXPECT_EQ(all["model"], "model.xml");
+  EXPECT_TRUE(says(all["engine"].get<std::string>(), ", Euler"));
   EXPECT_NEAR(all["h_max"].get<double>(), 0.004, 1e-6);
   EXPECT_NEAR(all["observed"].get<double>(), 0.004, 1e-5);
   EXPECT_EQ(all["timestep"], 0.005);
