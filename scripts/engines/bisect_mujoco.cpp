@@ -1,5 +1,5 @@
-/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml[@KEYFRAME] H0 H1.
-/// It settles for twenty seconds with steps of at most H0; the kick is of 1e-6 m/s.
+/// The step limit of a scene of MuJoCo by bisection with the engine alone: bisect_mujoco SCENE.xml[@KEYFRAME]
+/// H0 H1. It settles for twenty seconds with steps of at most H0; the kick is of 1e-6 m/s.
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
