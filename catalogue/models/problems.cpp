@@ -195,8 +195,9 @@ void set_parameters(FormulaDefinition& definition, const ProblemSettings& settin
   }
 }
 
-Problem formula_problem(const std::string& file, const ProblemSettings& settings) {
-  FormulaDefinition definition = read_problem(file);
+/// @param file  for messages
+Problem formula_problem(FormulaDefinition definition, const std::string& file,
+                        const ProblemSettings& settings) {
   if (!settings.material.empty())
     throw InputError(
         fmt::format("--material is for the liver oscillators; {} has its own [parameters]", file));
@@ -245,7 +246,8 @@ Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
     if (is_plugin_id(id_or_file)) return make_plugin_problem(id_or_file, settings);
     if (is_matrices_id(id_or_file)) return make_matrix_problem(id_or_file, settings);
     if (is_tissue_id(id_or_file)) return make_tissue_problem(id_or_file, settings);
-    if (id_or_file.ends_with(".toml")) return formula_problem(id_or_file, settings);
+    if (id_or_file.ends_with(".toml"))
+      return formula_problem(read_problem(id_or_file), id_or_file, settings);
     for (const LiverProblem& problem : liver_problems())
       if (problem.id == id_or_file) return oscillator_problem(problem, settings);
     std::optional<Problem> found;
@@ -266,6 +268,18 @@ Problem make_problem(const std::string& id_or_file, const ProblemSettings& setti
   Problem problem = made(id_or_file, settings);
   problem.again = [id_or_file, settings] { return made(id_or_file, settings); };
   return problem;
+}
+
+Problem make_problem(const FormulaDefinition& definition, const std::string& file,
+                     const ProblemSettings& settings) {
+  const auto make = [=] { return formula_problem(definition, file, settings); };
+  try {
+    Problem problem = make();
+    problem.again = make;
+    return problem;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
 }
 
 }  // namespace hmax

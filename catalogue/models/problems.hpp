@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "problems/formula_system.hpp"
 
 namespace hmax {
 
@@ -17,5 +18,11 @@ std::vector<std::string> problem_ids();
 /// initial
 ///                     values, numbers that are not finite, or a file that is no problem
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings = {});
+
+/// Formulas at hand.
+/// @param file  where they stand, for messages
+/// @throws InputError  as above
+Problem make_problem(const FormulaDefinition& definition, const std::string& file,
+                     const ProblemSettings& settings = {});
 
 }  // namespace hmax
