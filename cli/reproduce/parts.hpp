@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -41,6 +42,11 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
 /// Methods of simulators at 60, 100 and 1000 frames a second: error, time of a frame, stiffness shown.
 /// @param quick  the phantom at one rate
 ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool quick, Console& console);
+
+/// Public reports of runs that failed, judged from their numbers.
+/// @param files  reports of a user in place of those of hmax
+ReproducedPart reproduce_docket(const std::filesystem::path& folder, const std::vector<std::string>& files,
+                                Console& console);
 
 /// `hmax reproduce slice`: any slice of the synthetic thigh as PNG.
 void add_slice(CLI::App& reproduce, Console& console);

@@ -53,7 +53,9 @@ const std::vector<ReportPart>& parts() {
          options.quick = quick;
          return reproduce_tissue_part(folder, options, console);
        }},
-      {"real-time", "A liver in real time: what each setting makes of its material", reproduce_real_time}};
+      {"real-time", "A liver in real time: what each setting makes of its material", reproduce_real_time},
+      {"docket", "Public reports of runs that failed, judged from their numbers",
+       [](const auto& folder, bool, Console& console) { return reproduce_docket(folder, {}, console); }}};
   return all;
 }
 
@@ -61,8 +63,8 @@ const std::vector<ReportPart>& parts() {
 std::vector<ReportPart> chosen_parts(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (std::ranges::find(parts(), name, &ReportPart::name) == parts().end())
-      throw InputError(
-          fmt::format("there is no part '{}'; take some of oscillators, stability, tissue, real-time", name));
+      throw InputError(fmt::format(
+          "there is no part '{}'; take some of oscillators, stability, tissue, real-time, docket", name));
   std::vector<ReportPart> chosen;
   for (const ReportPart& part : parts())
     if (names.empty() || std::ranges::find(names, part.name) != names.end()) chosen.push_back(part);
@@ -167,8 +169,8 @@ void add_all(CLI::App& reproduce, Console& console) {
                   {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
   auto options = std::make_shared<AllOptions>();
   show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
-  add_list(all, "--part", options->names, "Parts: oscillators, stability, tissue, real-time; all by default",
-           "A,B");
+  add_list(all, "--part", options->names,
+           "Parts: oscillators, stability, tissue, real-time, docket; all by default", "A,B");
   add_flag(all, "--quick", options->quick,
            "The quick form of tissue and real-time: coarser meshes, fewer points");
   add_footer(all, "A part that the same program has finished in FOLDER is not made again.");
@@ -238,13 +240,29 @@ void add_real_time_study(CLI::App& reproduce, Console& console) {
   });
 }
 
+void add_docket_study(CLI::App& reproduce, Console& console) {
+  CLI::App& study =
+      add_command(reproduce, console, "docket", "Judge public reports of runs that failed from their numbers",
+                  {"hmax reproduce docket --output results/runs/docket"});
+  auto folder = std::make_shared<std::string>("results/runs/docket");
+  show_default(add_text(study, "--output", *folder, "Folder of the report"));
+  const auto files = std::make_shared<std::vector<std::string>>();
+  add_list(study, "--files", *files, "Reports of your own in place of those of hmax, TOML", "A,B");
+  add_force(study);
+  add_jobs(study);
+  set_callback(study, [&console, folder, files] {
+    refuse_copies("hmax reproduce");
+    show(reproduce_docket(*folder, *files, console), console);
+  });
+}
+
 }  // namespace
 
 void add_reproduce(CLI::App& app, Console& console) {
   CLI::App& reproduce =
       add_command(app, console, "reproduce", "Reproduce a published study",
                   {"hmax reproduce all --quick", "hmax reproduce oscillators", "hmax reproduce stability",
-                   "hmax reproduce tissue", "hmax reproduce real-time"});
+                   "hmax reproduce tissue", "hmax reproduce real-time", "hmax reproduce docket"});
   require_subcommand(reproduce);
   add_all(reproduce, console);
   CLI::App& oscillators = add_sharded_study(
@@ -256,6 +274,7 @@ void add_reproduce(CLI::App& app, Console& console) {
                     "Folder of the report", reproduce_limits);
   add_tissue_study(reproduce, console);
   add_real_time_study(reproduce, console);
+  add_docket_study(reproduce, console);
   add_slice(reproduce, console);
 }
 

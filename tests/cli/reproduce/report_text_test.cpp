@@ -100,8 +100,8 @@ TEST(ReportText, RefusesWrongPlaces) {
 }
 
 TEST(ReportText, OfEveryReportIsThere) {
-  EXPECT_EQ(report_texts().size(), 5U);
-  for (const char* name : {"all", "oscillators", "real_time", "stability", "tissue"})
+  EXPECT_EQ(report_texts().size(), 6U);
+  for (const char* name : {"all", "docket", "oscillators", "real_time", "stability", "tissue"})
     EXPECT_TRUE(report_text(name).starts_with("# ")) << name;
   EXPECT_THROW(report_text("none"), std::logic_error);
 }
@@ -148,7 +148,7 @@ TEST(ReportText, OfAllHasAnAnswerForEveryItem) {
 TEST(ReportText, BeginsEverySectionWithASentence) {
   static const std::regex section("(?:^|\n)(##+ [^\n]*)\n((?:\\s|\\{\\{[#^/][^}]*\\}\\})*)([^\n]*)");
   int sections = 0;
-  for (const char* name : {"all", "oscillators", "real_time", "stability", "tissue"}) {
+  for (const char* name : {"all", "docket", "oscillators", "real_time", "stability", "tissue"}) {
     const std::string text(report_text(name));
     for (std::sregex_iterator it(text.begin(), text.end(), section), end; it != end; ++it, ++sections) {
       const std::string first = (*it)[3].str();

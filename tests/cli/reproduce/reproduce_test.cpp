@@ -181,6 +181,27 @@ TEST(ReproduceRealTime, ShowsWhatEverySettingMakesOfTheMaterial) {
   expect_whole_pages(shell / "frames", 1);
 }
 
+TEST(ReproduceDocket, ComparesVerdictsWithThreads) {
+  const Shell shell;
+  const Told told = shell.hmax("reproduce docket --output docket --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto reports = told.json().at("reports");
+  ASSERT_GE(reports.size(), 24U);
+  EXPECT_GE(10 * told.json().at("right").get<std::size_t>(), 9 * reports.size());
+  const std::string page = read_text(shell / "docket/README.md");
+  for (const auto& report : reports)
+    EXPECT_NE(page.find("](" + report.at("link").get<std::string>() + ")"), std::string::npos)
+        << report.at("name");
+  // Each that is wrong is discussed.
+  const std::string wrong = page.substr(page.find("## Where hmax is wrong"), page.find("## Reports"));
+  for (const auto& report : reports) {
+    const std::string title = report.at("title");
+    EXPECT_EQ(wrong.find("[" + title + "]") == std::string::npos, report.at("right").get<bool>()) << title;
+  }
+  expect_whole_pages(shell / "docket", 1);
+  expect_refused(shell.hmax("reproduce docket --files none.toml --output own"), "none.toml: no such file");
+}
+
 TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
   const Shell shell;
   expect_refused(shell.hmax("reproduce all --part nothing"), "there is no part 'nothing'");

@@ -1,0 +1,120 @@
+/// `hmax reproduce docket`: public reports of runs that failed, judged from their numbers.
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "cli/reproduce/parts.hpp"
+#include "cli/reproduce/report_page.hpp"
+#include "plots/pages/markdown_page.hpp"
+#include "plots/pages/report.hpp"
+#include "results/exports.hpp"
+#include "studies/docket/docket.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* docket_numbers = "docket.json";
+
+std::vector<TomlDocument> docket_documents(const std::vector<std::string>& files) {
+  std::vector<TomlDocument> all;
+  for (const std::string& file : files) all.push_back(read_toml(file));
+  if (files.empty())
+    for (const EmbeddedText& text : docket_texts())
+      all.push_back(parse_toml(text.text, fmt::format("{}.toml", text.name)));
+  return all;
+}
+
+/// The different words of a report, "step, none".
+std::string docket_words(const DocketReport& report, std::string DocketRow::*word) {
+  std::string words;
+  std::vector<std::string> seen;
+  for (const DocketRow& row : report.rows) {
+    if (std::ranges::find(seen, row.*word) != seen.end()) continue;
+    seen.push_back(row.*word);
+    words += (words.empty() ? "" : ", ") + row.*word;
+  }
+  return words;
+}
+
+Json docket_group(const char* title, const char* about, const std::vector<DocketReport>& reports,
+                  bool control) {
+  Json listed = Json::array();
+  for (const DocketReport& report : reports)
+    if (report.control == control) {
+      Json one = report;
+      one["thread"] = report.name + " thread";
+      for (const char* key : {"name", "link", "program", "version", "control", "right"}) one.erase(key);
+      for (Json& row : one["rows"]) row.erase("right");
+      listed.push_back(std::move(one));
+    }
+  return {{"group", title}, {"about", about}, {"reports", listed}};
+}
+
+void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
+  Json index = Json::array(), wrong = Json::array();
+  std::ptrdiff_t runs = 0, right_runs = 0;
+  for (const bool control : {false, true})
+    for (const DocketReport& report : reports) {
+      if (report.control != control) continue;
+      page.link(report.name, "#" + heading_anchor(report.title), report.title);
+      page.link(report.name + " thread", report.link,
+                fmt::format("{}, version: {}", report.program, report.version));
+      index.push_back({{"name", report.name},
+                       {"program", report.program},
+                       {"causes", docket_words(report, &DocketRow::cause)},
+                       {"verdicts", docket_words(report, &DocketRow::verdict)},
+                       {"right", report.right}});
+      if (!report.right) wrong.push_back({{"name", report.name}, {"discussed", report.discussed}});
+      runs += std::ssize(report.rows);
+      right_runs += std::ranges::count(report.rows, true, &DocketRow::right);
+    }
+  const auto count = std::ssize(reports), right = std::ranges::count(reports, true, &DocketReport::right);
+  page.values = {{"count", count},
+                 {"controls", std::ranges::count(reports, true, &DocketReport::control)},
+                 {"right", right},
+                 {"share", 100.0 * static_cast<double>(right) / static_cast<double>(count)},
+                 {"runs", runs},
+                 {"right_runs", right_runs},
+                 {"index", index},
+                 {"wrong", wrong},
+                 {"groups",
+                  {docket_group("Reports", "Something that steps decide was the cause.", reports, false),
+                   docket_group("Controls", "Steps were not the cause.", reports, true)}}};
+}
+
+}  // namespace
+
+ReproducedPart reproduce_docket(const std::filesystem::path& folder, const std::vector<std::string>& files,
+                                Console& console) {
+  check_report_place(folder);
+  const auto started = std::chrono::steady_clock::now();
+  std::vector<DocketReport> reports;
+  {
+    Progress progress(console, "docket");
+    const std::vector<TomlDocument> all = docket_documents(files);
+    for (const TomlDocument& document : all) {
+      if (interrupt_flag()) throw Interrupted{};
+      progress.update(static_cast<double>(reports.size()) / static_cast<double>(all.size()), document.name);
+      reports.push_back(docket_report(document));
+    }
+  }
+  ReportPage page("docket", folder);
+  fill_docket(page, reports);
+  const Json document = reports;
+  write_file(folder / docket_numbers, document.dump(2) + "\n");
+  page.link(docket_numbers, docket_numbers);
+  ReproducedPart part{.report = page.write(), .rows = page.values["runs"].get<std::int64_t>()};
+  part.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  const auto right = std::ranges::count(reports, true, &DocketReport::right);
+  part.document = {
+      {"report", part.report.string()}, {"seconds", part.seconds}, {"right", right}, {"reports", document}};
+  part.words = fmt::format("{} of {} reports are judged as their threads end.", right, reports.size());
+  return part;
+}
+
+}  // namespace hmax
