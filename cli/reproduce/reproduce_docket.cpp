@@ -62,8 +62,7 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
     for (const DocketReport& report : reports) {
       if (report.control != control) continue;
       page.link(report.name, "#" + heading_anchor(report.title), report.title);
-      page.link(report.name + " thread", report.link,
-                fmt::format("{}, version: {}", report.program, report.version));
+      page.link(report.name + " thread", report.link, fmt::format("{}, {}", report.program, report.version));
       index.push_back({{"name", report.name},
                        {"program", report.program},
                        {"causes", docket_words(report, &DocketRow::cause)},

@@ -93,7 +93,7 @@ struct Answer {
   std::string verdict = "none", found = {}, remedy = {};
 };
 
-std::string seconds(double h) { return fmt::format("{} s", short_number(h, 3)); }
+std::string seconds(double h, int digits = 3) { return fmt::format("{} s", short_number(h, digits)); }
 
 /// Whether the model grows by itself at its operating point.
 bool grows(const OperatingPointRow& point) {
@@ -112,9 +112,9 @@ Answer answer_of_step(const Method& method, const Problem& problem, double h) {
   const LimitRow& row = limits.rows.front();
   if (grows(limits.point)) return {"model", "the model itself grows, whatever the step is"};
   if (row.bound == "every_step") return {"step", "every step grows, however small", "another method"};
-  // Of a motion that is not linear the step that its runs confirm.
-  const double along = std::fmin(row.h_max, row.along_least),
-               limit = std::isnan(row.safe()) ? along : row.safe();
+  // Of a motion that is not linear also the first step whose run fails, if one does.
+  double limit = std::fmin(row.h_max, row.along_least);
+  if (std::isfinite(row.from_start)) limit = std::fmin(limit, row.from_start);
   if (std::isnan(limit)) return {"unknown", row.note};
   if (std::isinf(limit)) return {"none", "no step is unstable"};
   Answer answer{h > limit ? "step" : "none", fmt::format("largest stable step {}", seconds(limit))};
@@ -262,7 +262,7 @@ class Judge {
     if (table.has("rate")) return answer_of_rate(method, problem, table.positive("rate"));
     const std::optional<double> error = table.number_if("error");
     if (!table.has("rtol") && !error) return answer_of_step(method, problem, table.positive("h"));
-    RunSpec spec{.t_end = problem.t_end, .adaptive = table.has("rtol")};
+    RunSpec spec{.t_end = problem.t_end, .adaptive = table.has("rtol"), .max_steps = 10 * patience};
     if (spec.adaptive) {
       spec.rtol = table.positive("rtol");
       spec.atol = table.positive("atol");
@@ -277,7 +277,7 @@ class Judge {
 
   [[nodiscard]] static std::string asked(const Entries& table) {
     if (table.has("rate")) return fmt::format("{} Hz", short_number(table.positive("rate"), 4));
-    if (!table.has("rtol")) return "h " + seconds(table.positive("h"));
+    if (!table.has("rtol")) return "h " + seconds(table.positive("h"), 4);
     return fmt::format("rtol {}, atol {}{}", to_text(table.positive("rtol")), to_text(table.positive("atol")),
                        table.has("steps") ? fmt::format(", {} steps", table.positive("steps")) : "");
   }

@@ -124,6 +124,16 @@ TEST(Docket, TakesNoRemedyThatIsNone) {
   EXPECT_TRUE(judged(with(with(swing, "\"step\"", "\"other\""), "0.21", "0.19")).right);
 }
 
+TEST(Docket, JudgesStepsOfAMotion) {
+  // Far out a spring that stiffens is faster than at rest, and an implicit method has no limit that runs are
+  // short of.
+  const std::string stiff =
+      with(with(swing, "-w^2*x", "-w^2*(x + 30*x^3)"), "[[case]]", "[problem]\nt_end = 1\n[[case]]");
+  EXPECT_EQ(judged(with(stiff, "0.21", "0.1")).rows.front().verdict, "step");
+  EXPECT_EQ(judged(with(swing, "0.21", "0.1")).rows.front().verdict, "none");
+  EXPECT_EQ(judged(with(stiff, "symplectic_euler", "implicit_euler")).rows.front().verdict, "none");
+}
+
 TEST(Docket, RefusesAMalformedReportInOneSentence) {
   EXPECT_EQ(refusal("[[case]]\n"), "my.toml: there is no [report]");
   EXPECT_EQ(refusal(swing.substr(0, swing.find("[[case]]"))),
