@@ -1,12 +1,12 @@
 /// `hmax reproduce docket`: public reports of runs that failed, judged from their numbers.
 #include <algorithm>
 #include <chrono>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
+#include "core/own_files.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
@@ -48,7 +48,8 @@ Json docket_group(const char* title, const char* about, const std::vector<Docket
     if (report.control == control) {
       Json one = report;
       one["thread"] = report.name + " thread";
-      for (const char* key : {"name", "link", "program", "version", "control", "right"}) one.erase(key);
+      for (const char* key : {"name", "link", "program", "version", "control", "right", "decisive"})
+        one.erase(key);
       for (Json& row : one["rows"]) row.erase("right");
       listed.push_back(std::move(one));
     }
@@ -57,7 +58,7 @@ Json docket_group(const char* title, const char* about, const std::vector<Docket
 
 void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
   Json index = Json::array(), wrong = Json::array();
-  std::ptrdiff_t runs = 0, right_runs = 0;
+  std::ptrdiff_t runs = 0, right_runs = 0, firm = 0;
   for (const bool control : {false, true})
     for (const DocketReport& report : reports) {
       if (report.control != control) continue;
@@ -67,7 +68,9 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
                        {"program", report.program},
                        {"causes", docket_words(report, &DocketRow::cause)},
                        {"verdicts", docket_words(report, &DocketRow::verdict)},
-                       {"right", report.right}});
+                       {"right", report.right},
+                       {"decisive", report.decisive}});
+      firm += report.right && report.decisive.empty() ? 1 : 0;
       if (!report.right) wrong.push_back({{"name", report.name}, {"discussed", report.discussed}});
       runs += std::ssize(report.rows);
       right_runs += std::ranges::count(report.rows, true, &DocketRow::right);
@@ -77,6 +80,8 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
                  {"controls", std::ranges::count(reports, true, &DocketReport::control)},
                  {"right", right},
                  {"share", 100.0 * static_cast<double>(right) / static_cast<double>(count)},
+                 {"firm", firm},
+                 {"firm_share", 100.0 * static_cast<double>(firm) / static_cast<double>(count)},
                  {"runs", runs},
                  {"right_runs", right_runs},
                  {"index", index},
@@ -105,7 +110,8 @@ ReproducedPart reproduce_docket(const std::filesystem::path& folder, const std::
   ReportPage page("docket", folder);
   fill_docket(page, reports);
   const Json document = reports;
-  write_file(folder / docket_numbers, document.dump(2) + "\n");
+  const Json numbers{{"made", own_mark}, {"reports", document}};
+  write_file(folder / docket_numbers, numbers.dump(2) + "\n");
   page.link(docket_numbers, docket_numbers);
   ReproducedPart part{.report = page.write(), .rows = page.values["runs"].get<std::int64_t>()};
   part.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

@@ -8,6 +8,7 @@
 
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
+#include "core/own_files.hpp"
 #include "limits/documents/number_json.hpp"
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
@@ -170,7 +171,8 @@ ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool qui
   fill(page, question, rows);
   page.draw(figure_of(question, rows, machine), "real_time");
   const Json document = document_of(rows);
-  write_file(folder / numbers_file, document.dump(2) + "\n");
+  const Json numbers{{"made", own_mark}, {"rows", document}};
+  write_file(folder / numbers_file, numbers.dump(2) + "\n");
   page.link(numbers_file, numbers_file);
   ReproducedPart part{.report = page.write(), .rows = std::ssize(rows)};
   part.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();

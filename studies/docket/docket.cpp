@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -57,6 +59,13 @@ class Entries {
   }
   [[nodiscard]] std::optional<double> number_if(const char* key) const {
     return has(key) ? std::optional(number(key)) : std::nullopt;
+  }
+  [[nodiscard]] std::vector<std::string> texts_or_none(const char* key) const {
+    if (!has(key)) return {};
+    if (!table_.at(key).is_array() ||
+        !std::ranges::all_of(table_.at(key), [](const Json& each) { return each.is_string(); }))
+      document_.fail(place_of(key), fmt::format("'{}' must be a list of texts in quotes", key));
+    return table_.at(key).get<std::vector<std::string>>();
   }
   /// The numbers of a table by name, or of a list by index.
   [[nodiscard]] Parameters parameters(const char* key) const {
@@ -148,6 +157,13 @@ double end_error(const RunRecord& record, const Problem& problem) {
   return (record.y - exact.y).lpNorm<Eigen::Infinity>() / exact.y.lpNorm<Eigen::Infinity>();
 }
 
+/// Whether a run leaves the range of numbers also with a thousandth of the tolerances.
+bool diverges_tighter(const Method& method, const Problem& problem, RunSpec spec) {
+  spec.rtol *= 1e-3;
+  spec.atol *= 1e-3;
+  return method.bind(problem).run(spec, {}).outcome == Outcome::diverged;
+}
+
 /// What a run does, as `hmax run` has it.
 Answer answer_of_run(const Method& method, const Problem& problem, const RunSpec& spec,
                      const std::optional<double>& allowed) {
@@ -156,6 +172,10 @@ Answer answer_of_run(const Method& method, const Problem& problem, const RunSpec
   const std::string at = seconds(problem.shown.time(record.t));
   switch (record.outcome) {
     case Outcome::diverged:
+      if (spec.adaptive && !diverges_tighter(method, problem, spec))
+        return {"accuracy",
+                fmt::format("leaves the range of numbers at {}, not so with tighter tolerances", at),
+                "tighter tolerances"};
       return {spec.adaptive ? "model" : "step", fmt::format("leaves the range of numbers at {}", at)};
     case Outcome::too_many_steps:
       return {"work",
@@ -189,6 +209,10 @@ class Judge {
     TomlDocument formulas = document;
     for (const char* key : {"report", "case"}) formulas.root.erase(key);
     definition_ = problem_from(formulas);
+  }
+
+  [[nodiscard]] std::string verdict(const std::string& place) const {
+    return answered(Entries(document_, place)).verdict;
   }
 
   [[nodiscard]] DocketRow row(const std::string& place) const {
@@ -287,12 +311,58 @@ class Judge {
   std::optional<FormulaDefinition> definition_{};
 };
 
+/// Multiplies each number of that name: of a table's key, or in an id, "iterations=16".
+bool scale(Json& value, const std::string& name, double factor) {
+  bool found = false;
+  for (auto& [key, entry] : value.items()) {
+    if (value.is_object() && key == name && entry.is_number()) {
+      entry = factor * entry.get<double>();
+      found = true;
+    } else if (entry.is_structured()) {
+      found = scale(entry, name, factor) || found;
+    } else if (entry.is_string() && (key == "model" || key == "method")) {
+      const std::string id = entry.get<std::string>();
+      const std::size_t from = std::min({id.find(":" + name + "="), id.find("," + name + "="), id.size()});
+      const std::size_t at = std::min(from + name.size() + 2, id.size());
+      const std::size_t end = std::min(id.find(',', at), id.size());
+      const std::string text = id.substr(at, end - at);
+      const std::optional<double> number = to_number(text);
+      if (!number) continue;
+      // Cells and iterations stay whole.
+      const bool whole = text.find_first_not_of("0123456789") == std::string::npos;
+      const double scaled = whole ? std::ceil(factor * *number) : factor * *number;
+      entry = id.substr(0, at) + to_text(scaled) + id.substr(end);
+      found = true;
+    }
+  }
+  return found;
+}
+
+/// The assumed numbers whose half or double changes a verdict.
+std::vector<std::string> decisive_numbers(const TomlDocument& document, const DocketReport& report) {
+  std::vector<std::string> decisive;
+  for (const std::string& name : Entries(document, "/report").texts_or_none("vary"))
+    for (const double factor : {0.5, 2.0}) {
+      TomlDocument changed = document;
+      if (!scale(changed.root, name, factor))
+        document.fail("/report/vary", fmt::format("no number of the report is called '{}'", name));
+      const Judge judge(changed);
+      const auto same = [&, i = 0](const DocketRow& row) mutable {
+        return judge.verdict(fmt::format("/case/{}", i++)) == row.verdict;
+      };
+      if (std::ranges::all_of(report.rows, same)) continue;
+      decisive.push_back(name);
+      break;
+    }
+  return decisive;
+}
+
 void check_keys(const TomlDocument& document) {
   constexpr std::array<std::string_view, 6> tables{"report",    "case",       "problem",
                                                    "equations", "parameters", "initial"};
-  constexpr std::array<std::string_view, 11> texts{"title",   "link",    "program",  "version",
-                                                   "posted",  "asked",   "happened", "discussed",
-                                                   "assumed", "control", "model"};
+  constexpr std::array<std::string_view, 12> texts{"title",   "link",  "program",  "version",
+                                                   "posted",  "asked", "happened", "discussed",
+                                                   "assumed", "vary",  "control",  "model"};
   reject_unknown_keys(document, "", tables);
   if (!document.root.contains("report")) document.fail("", "there is no [report]");
   reject_unknown_keys(document, "/report", texts);
@@ -317,15 +387,10 @@ DocketReport docket_report(const TomlDocument& document) {
                       .asked = table.text("asked"),
                       .happened = table.text("happened"),
                       .discussed = table.text_or_none("discussed"),
-                      .assumed = {},
+                      .assumed = table.texts_or_none("assumed"),
+                      .decisive = {},
                       .rows = {}};
   const Json& texts = document.root.at("report");
-  const Json assumed = texts.value("assumed", Json::array());
-  for (const Json& each : assumed) {
-    if (!assumed.is_array() || !each.is_string())
-      document.fail("/report/assumed", "'assumed' must be a list of texts in quotes");
-    report.assumed.push_back(each.get<std::string>());
-  }
   if (!texts.contains("control") || !texts.at("control").is_boolean())
     document.fail(table.place_of("control"), "'control' must be true or false");
   report.control = texts.at("control").get<bool>();
@@ -333,6 +398,7 @@ DocketReport docket_report(const TomlDocument& document) {
   for (std::size_t i = 0; i < document.root.at("case").size(); ++i)
     report.rows.push_back(judge.row(fmt::format("/case/{}", i)));
   report.right = std::ranges::all_of(report.rows, &DocketRow::right);
+  report.decisive = decisive_numbers(document, report);
   return report;
 }
 

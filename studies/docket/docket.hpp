@@ -39,30 +39,22 @@ struct DocketReport {
   std::string name;  ///< of the file
   std::string title, link, program, version;
   std::string posted, asked, happened;  ///< facts of the thread: its numbers, the question, what came of it
-  std::string discussed;             ///< what the verdict rests on, and where it is wrong why; may be empty
-  std::vector<std::string> assumed;  ///< numbers that the thread does not have
-  bool control = false;              ///< every run was fine, or failed for another reason than its step
-  std::vector<DocketRow> rows;       ///< one for each run, at least one
-  bool right = false;                ///< of all rows
+  std::string discussed;              ///< what the verdict rests on, and where it is wrong why; may be empty
+  std::vector<std::string> assumed;   ///< numbers that the thread does not have
+  bool control = false;               ///< every run was fine, or failed for another reason than its step
+  std::vector<std::string> decisive;  ///< assumed numbers whose half or double changes a verdict
+  std::vector<DocketRow> rows;        ///< one for each run, at least one
+  bool right = false;                 ///< of all rows
 };
 HMAX_RECORD(DocketReport, name, title, link, program, version, posted, asked, happened, discussed, assumed,
-            control, rows, right);
+            decisive, control, rows, right);
 
-/// A report as its file has it, judged:
+/// A report as its file has it, judged. Its format is told in docs/reference/commands/reproduce.md:
 ///
-///   [report]                          # texts; control is true or false, assumed a list, discussed and model
-///   may be left title = "..."                     # out; model is an id of make_problem(), without it the
-///   formulas below are taken [equations]                       # as of problem_from(), with [parameters],
-///   [initial] and [problem]
-///   [[case]]                          # one for each run
-///   name = "E 3.45e6 Pa"
-///   method = "symplectic_euler"
-///   h = 0.01                          # a fixed step [s]: its stability; or
-///   rate = 60                         # frames a second, each one step: the stiffness shown; or
-///   rtol = 1e-6                       # with atol: an adaptive run of at most `steps` attempts
-///   error = 0.05                      # of these and of fixed steps: at the end, relative to the largest
-///   state cause = "step" set = {E = 3.45e6}                # parameters; t0 and t_end as of the file remedy
-///   = {method = "rk4"}         # any of these keys with another value: a run without fault
+///   - [report] has texts, `control`, the lists `assumed` and `vary`, and the id of a `model` unless
+///   - [equations], [parameters], [initial] and [problem] give formulas, as of problem_from();
+///   - each [[case]] is a run of a fixed step `h`, which is judged by its stability, of a `rate` of frames,
+///     by the stiffness shown, or of `rtol` and `atol`, or of `h` with an allowed `error`, by a run.
 ///
 /// @throws InputError  for what is missing, unknown or no number, with the line
 DocketReport docket_report(const TomlDocument& document);

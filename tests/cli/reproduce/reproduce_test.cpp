@@ -10,6 +10,7 @@
 
 #include "cli/reproduce/report_text.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
+#include "core/own_files.hpp"
 #include "plots/gnuplot.hpp"
 #include "tests/cli/html_links.hpp"
 #include "tests/cli/program.hpp"
@@ -179,6 +180,7 @@ TEST(ReproduceRealTime, ShowsWhatEverySettingMakesOfTheMaterial) {
   EXPECT_NE(page.find("| 1 | symplectic\\_euler |"), std::string::npos);
   EXPECT_NE(page.find("real_time.svg"), std::string::npos);
   expect_whole_pages(shell / "frames", 1);
+  EXPECT_TRUE(is_own_file(shell / "frames/real_time.json"));
 }
 
 TEST(ReproduceDocket, ComparesVerdictsWithThreads) {
@@ -199,6 +201,7 @@ TEST(ReproduceDocket, ComparesVerdictsWithThreads) {
     EXPECT_EQ(wrong.find("[" + title + "]") == std::string::npos, report.at("right").get<bool>()) << title;
   }
   expect_whole_pages(shell / "docket", 1);
+  EXPECT_TRUE(is_own_file(shell / "docket/docket.json"));
   expect_refused(shell.hmax("reproduce docket --files none.toml --output own"), "none.toml: no such file");
 }
 

@@ -57,7 +57,7 @@ cause = "step"
 )";
 
 TEST(Docket, IsJudgedAsItsThreadsEnd) {
-  std::ptrdiff_t right = 0, controls = 0;
+  std::ptrdiff_t right = 0, controls = 0, firm = 0;
   std::set<std::string> links, titles;
   for (const EmbeddedText& text : docket_texts()) {
     const DocketReport report = docket_report(parse_toml(text.text, std::string(text.name) + ".toml"));
@@ -72,11 +72,13 @@ TEST(Docket, IsJudgedAsItsThreadsEnd) {
     EXPECT_NE(report.control, of_step) << report.name;
     right += report.right ? 1 : 0;
     controls += report.control ? 1 : 0;
+    firm += report.right && report.decisive.empty() ? 1 : 0;
   }
   const auto count = std::ssize(docket_texts());
   EXPECT_GE(count, 24);
   EXPECT_GE(3 * controls, count);
   EXPECT_GE(10 * right, 9 * count);
+  EXPECT_GE(3 * firm, 2 * count);
 }
 
 TEST(Docket, FindsTheNumbersOfThreads) {
@@ -122,6 +124,32 @@ TEST(Docket, TakesNoRemedyThatIsNone) {
   // A control whose step is to blame is not right.
   EXPECT_FALSE(judged(with(swing, "\"step\"", "\"other\"")).right);
   EXPECT_TRUE(judged(with(with(swing, "\"step\"", "\"other\""), "0.21", "0.19")).right);
+}
+
+TEST(Docket, TellsAssumedNumbersThatDecide) {
+  const auto decisive = [](const std::string& text) { return judged(text).decisive; };
+  EXPECT_TRUE(decisive(swing).empty());
+  // The limit is 2 / w: half of w makes the step stable. Twice a step of 0.21 s is one that grows, too.
+  const std::string varied = with(swing, "control", "vary = [\"w\", \"h\"]\ncontrol");
+  EXPECT_EQ(decisive(varied), (std::vector<std::string>{"w", "h"}));
+  EXPECT_TRUE(decisive(with(varied, "0.21", "0.41")).empty());
+  EXPECT_EQ(decisive(with(with(varied, "0.21", "0.15"), "\"step\"", "\"none\"")),
+            (std::vector<std::string>{"w", "h"}));
+  // Also numbers in the id of a method or of a model.
+  EXPECT_EQ(decisive(with(with(varied, "[\"w\", \"h\"]", "[\"gamma\"]"), "symplectic_euler",
+                          "newmark:beta=0.25,gamma=0.5")),
+            std::vector<std::string>{"gamma"});
+  EXPECT_NE(refusal(with(varied, "\"w\"", "\"k\"")).find("my.toml:9: no number of the report is called 'k'"),
+            std::string::npos);
+  EXPECT_NE(refusal(with(varied, "\"w\"", "3")).find("my.toml:9: 'vary' must be a list of texts in quotes"),
+            std::string::npos);
+}
+
+TEST(Docket, TellsAModelThatGrowsFromLooseTolerances) {
+  // Of Robertson's reactions a loose run leaves the amounts that are above 0, and then grows.
+  const std::string loose = with(text_of_report("scipy-11274"), "atol = 1e-6", "atol = 2e-6");
+  EXPECT_EQ(judged(loose).rows.front().verdict, "accuracy");
+  EXPECT_EQ(judged(text_of_report("diffeq-921")).rows.front().verdict, "model");
 }
 
 TEST(Docket, JudgesStepsOfAMotion) {
