@@ -192,31 +192,8 @@ struct Question {
   PluginSettings settings;
 };
 
-/// @throws InputError  for options that do not belong together
-Question question_of(const ProbeOptions& options) {
-  if (options.plugin.empty() == options.scene.empty())
-    throw InputError(
-        "give a scene of MuJoCo (model.xml), the library of your stepper with --plugin FILE.so, or --example FOLDER to "
-        "begin with one");
-  Question question{
-      .scene = {options.scene, options.keyframe, !options.motion}, .plugin = {}, .settings = {}};
-  if (options.scene.empty()) {
-    if (!options.keyframe.empty())
-      throw InputError("--keyframe is one of a scene; give it in ARGUMENT of --plugin");
-    question.plugin = parse_plugin(options.plugin);
-  } else {
-    if (!options.stiffness.empty())
-      throw InputError("--stiffness is asked of a --plugin; what a scene shows is told without it");
-    question.plugin = plugin_of(question.scene);
-  }
-  // A scene comes to rest in one call.
-  question.settings.patience = options.timeout.value_or(options.scene.empty() ? 10 : 60);
-  return question;
-}
-
 /// From a hundredth to a hundred times the step size that the scene asks for, where none are given.
-ProbeSettings sizes_of(const ProbeOptions& options, const ForeignStepper& engine) {
-  const std::optional<double> own = engine.own_step();
+ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>& own) {
   if (!own && (!options.h0 || !options.h1))
     throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
   const double h0 = options.h0 ? *options.h0 : *own / 100, h1 = options.h1 ? *options.h1 : 100 * *own;
@@ -233,6 +210,31 @@ ProbeSettings sizes_of(const ProbeOptions& options, const ForeignStepper& engine
          .most_seconds = time_limit_of(options.time_limit),
          .remedy = "take a shorter --motion or a larger --h0, or raise --time-limit"});
   return settings;
+}
+
+/// @throws InputError  for options that do not belong together
+Question question_of(const ProbeOptions& options) {
+  if (options.plugin.empty() == options.scene.empty())
+    throw InputError(
+        "give a scene of MuJoCo (model.xml), the library of your stepper with --plugin FILE.so, or --example FOLDER to "
+        "begin with one");
+  if (options.h0 && options.h1) sizes_of(options, {});  // refused before anything is opened
+  Question question{
+      .scene = {options.scene, options.keyframe, !options.motion}, .plugin = {}, .settings = {}};
+  if (options.scene.empty()) {
+    if (!options.keyframe.empty())
+      throw InputError("--keyframe is one of a scene; give it in ARGUMENT of --plugin");
+    question.plugin = parse_plugin(options.plugin);
+    if (!options.stiffness.empty() && options.motion)
+      throw InputError("--stiffness is asked of a state of rest; remove --motion");
+  } else {
+    if (!options.stiffness.empty())
+      throw InputError("--stiffness is asked of a --plugin; what a scene shows is told without it");
+    question.plugin = plugin_of(question.scene);
+  }
+  // A scene comes to rest in one call.
+  question.settings.patience = options.timeout.value_or(options.scene.empty() ? 10 : 60);
+  return question;
 }
 
 /// What was found.
@@ -265,16 +267,13 @@ Answer answer_of(const ProbeOptions& options, Question question, Console& consol
   };
   question.settings.watch = leave;
   PluginStepper engine(question.plugin, question.settings);
-  if (!options.stiffness.empty()) {
-    if (options.motion) throw InputError("--stiffness is asked of a state of rest; remove --motion");
-    place_of_number(question.plugin.argument, options.stiffness);
-  }
+  if (!options.stiffness.empty()) place_of_number(question.plugin.argument, options.stiffness);
   Progress progress(console, "probe");
   const auto watch = [&](double share, std::string_view detail) {
     leave();
     progress.update(share, detail);
   };
-  ProbeSettings settings = sizes_of(options, engine);
+  ProbeSettings settings = sizes_of(options, engine.own_step());
   settings.watch = watch;
   Answer answer{.note = engine.note(), .limit = probe_steps(engine, settings), .own = {}, .stiffness = {}};
   if (!options.scene.empty()) answer.limit.model = std::filesystem::path(options.scene).filename().string();
