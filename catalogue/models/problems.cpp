@@ -246,8 +246,7 @@ Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
     if (is_plugin_id(id_or_file)) return make_plugin_problem(id_or_file, settings);
     if (is_matrices_id(id_or_file)) return make_matrix_problem(id_or_file, settings);
     if (is_tissue_id(id_or_file)) return make_tissue_problem(id_or_file, settings);
-    if (id_or_file.ends_with(".toml"))
-      return formula_problem(read_problem(id_or_file), id_or_file, settings);
+    if (id_or_file.ends_with(".toml")) return formula_problem(read_problem(id_or_file), id_or_file, settings);
     for (const LiverProblem& problem : liver_problems())
       if (problem.id == id_or_file) return oscillator_problem(problem, settings);
     std::optional<Problem> found;
