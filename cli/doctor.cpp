@@ -125,8 +125,9 @@ std::string modules_for_people(const Console& console) {
   }
   if (missing.empty()) return broken;
   return broken + console.strong("Not built: " + missing) +
-         (is_build_tree() ? fmt::format("; cmake --build {} --target{}\n", program_prefix().string(), targets)
-                          : "; install the package hmax-modules, or hmax from a build that has them\n");
+         (is_build_tree()
+              ? fmt::format("; cmake --build {} --target{}\n", program_prefix().string(), targets)
+              : "; install the packages hmax-modules and hmax-engines, or hmax from a build that has them\n");
 }
 
 Json report() {

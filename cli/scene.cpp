@@ -65,7 +65,7 @@ PluginName plugin_of(const SceneName& scene) {
   const fs::path module = module_file(mujoco_module);
   if (!fs::exists(module, ignored))
     throw InputError(
-        "this hmax has no module for MuJoCo; apt install libmujoco-dev, then configure and build hmax again");
+        "this hmax has no module for MuJoCo; install the package hmax-engines, or libmujoco-dev and build hmax again");
   PluginName plugin{
       .file = module, .name = {}, .argument = fs::absolute(scene.file).string(), .text = scene.file};
   if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;

@@ -92,10 +92,10 @@ def test_a_wheel_alone_needs_the_c_library_only(build, tmp_path):
     package = tmp_path / "package"
     with zipfile.ZipFile(made.stdout.strip()) as archive:
         archive.extractall(package)
-        program = package / "hmax_program/hmax"
-        assert archive.getinfo("hmax_program/hmax").external_attr >> 16 == stat.S_IFREG | 0o755
+        program = package / "hmax_program/bin/hmax"
+        assert archive.getinfo("hmax_program/bin/hmax").external_attr >> 16 == stat.S_IFREG | 0o755
     program.chmod(0o755)
-    for binary in [program, *package.glob("hmax/*.so"), *package.glob("hmax.libs/*")]:
+    for binary in [program, *package.rglob("*.so"), *package.glob("hmax.libs/*")]:
         told = subprocess.run(["ldd", binary], check=True, capture_output=True, text=True).stdout
         outside = {line.split()[0].split(".so")[0] for line in told.splitlines() if "=>" in line and str(package) not in line}
         assert outside <= {"libc", "libm", "libdl", "librt", "libpthread"}, told
