@@ -188,10 +188,14 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
   const double wanted = exact_sag(model, first);
   if (!(wanted > 0)) return Fidelity::none;
   constexpr double stride = 4, most = 1e10;
-  // Factors that sag too much, and little enough.
-  double low = 0, high = 0;
+  // Factors that sag too much, and little enough; each is sought near where the one before settles.
+  double low = 0, high = 0, before = 0;
+  Settled found;
   const auto look = [&](double factor) {
-    const Settled found = settle(method, model, factor, question);
+    found = before == 0
+                ? settle_to_stay(method, model, factor, question)
+                : settle(method, model, factor, question, found.loaded.q * std::min(1.0, before / factor));
+    before = factor;
     if (!found.found() || !(found.sag(model) > 0)) return false;
     (found.sag(model) > wanted ? low : high) = factor;
     return true;
@@ -208,8 +212,7 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
   while (high / low > 1 + 1e-5)
     if (!look(std::sqrt(low * high))) return Fidelity::none;
   const double factor = std::sqrt(low * high);
-  const Settled found = settle(method, model, factor, question);
-  if (!found.found() || grows(modes_of(method, model, factor, question, found.loaded.q)))
+  if (!look(factor) || grows(modes_of(method, model, factor, question, found.loaded.q)))
     return Fidelity::none;
   return factor * E;
 }
