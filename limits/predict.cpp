@@ -376,6 +376,12 @@ std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
 }
 
 Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes) {
+  if (method.part) {
+    Prediction row = predict(*method.part, point, modes);
+    scale_steps(row, method.parts);
+    row.method = method.id;
+    return row;
+  }
   Prediction row;
   row.problem = point.problem;
   row.material = point.material;
@@ -385,11 +391,9 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   row.state = point.state;
   if (!method.amplification) {
     if (!method.fixed_step) row.bound = Bound::error_control;
-    row.note =
-        !method.fixed_step ? "the method chooses its steps as it runs"
-        : method.unsuited
-            ? "its iterations couple all points, so that no mode alone tells what a step makes of it"
-            : "its steps are of parts; take the method without substeps, whose limit is that of a part";
+    row.note = !method.fixed_step
+                   ? "the method chooses its steps as it runs"
+                   : "its iterations couple all points, so that no mode alone tells what a step makes of it";
     return row;
   }
   row.note = obstacle(method, point.model);

@@ -605,8 +605,23 @@ void verify_from(const ModeStart& start, const ShowSteps& run, Prediction& row, 
   conclude(row, method, watch_runs(row, method, near, start, run, Outcome::reached_end, far));
 }
 
+void verify_parts(Prediction& row, const Method& method,
+                  const std::function<void(Prediction& of_part)>& verify_part) {
+  Prediction of_part = row;
+  of_part.method = method.part->id;
+  scale_steps(of_part, 1 / method.parts);
+  verify_part(of_part);
+  scale_steps(of_part, method.parts);
+  row.bound = of_part.bound;
+  row.note = of_part.note;
+  row.observed = of_part.observed;
+}
+
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch) {
+  if (method.part)
+    return verify_parts(row, method,
+                        [&](Prediction& of_part) { verify(of_part, *method.part, problem, near, watch); });
   if (grows_in_runs(row)) row.note += "; not verified: runs would show the growth of the model itself";
   if (!has_claim(row, method)) return;
   const Eigen::MatrixXd free_rigid =

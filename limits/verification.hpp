@@ -24,6 +24,11 @@ namespace hmax {
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch = {});
 
+/// The same of a method whose steps are of parts, by runs of one of them.
+/// @param verify_part  puts what those show into a row of that part
+void verify_parts(Prediction& row, const Method& method,
+                  const std::function<void(Prediction& of_part)>& verify_part);
+
 /// Steps of a method without a limit that are run.
 struct FarSteps {
   std::vector<double> h;  ///< [s], rising

@@ -50,6 +50,8 @@ Method in_parts(Method method, double parts) {
     spec.max_steps = static_cast<std::int64_t>(std::min(1e18, static_cast<double>(spec.max_steps) * parts));
     return spec;
   };
+  method.part = std::make_shared<const Method>(method);
+  method.parts = parts;
   method.bind = [part, parts, whole = method.bind](const Problem& problem) {
     Runner runner = whole(problem);
     runner.run = [part, parts, run = runner.run](const RunSpec& spec, const Sink& sink) {

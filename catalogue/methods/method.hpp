@@ -112,6 +112,12 @@ struct Method {
   /// Null for methods that only run adaptively, and for those whose steps couple all points of a body.
   std::shared_ptr<const Amplification> amplification{};
 
+  /// Of a method whose steps are of equal parts, the method of one; null: steps are whole.
+  std::shared_ptr<const Method> part{};
+  double parts = 1;
+  /// The method whose steps tell what limits those of this one.
+  [[nodiscard]] const Method& analysed() const { return part ? *part : *this; }
+
   /// Numbers of the method itself that a user may set, `newmark:beta=0.25,gamma=0.5`, with their values;
   /// `with` makes the method of other values and throws InputError for values that make no method.
   Parameters parameters{};

@@ -396,7 +396,8 @@ std::vector<std::vector<Prediction>> predicted_along_body(std::span<const Method
     Linearised near{.point = operating_point(problem, path.at[i], path.y[i])};
     near.modes = modes_along(problem, near.point);
     for (std::size_t k = 0; k < methods.size(); ++k)
-      if (methods[k].amplification && suits(methods[k], problem)) rows[i][k] = predict(methods[k], near);
+      if (methods[k].analysed().amplification && suits(methods[k], problem))
+        rows[i][k] = predict(methods[k], near);
   };
   // One factor at a time where they are large, by all threads: several fill the memory.
   if (problem.body->dofs() > most_cheaply_factored) {
@@ -435,7 +436,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
   std::vector<std::optional<TrajectoryLimit>> limits;
   for (const Method& method : methods) {
     limits.emplace_back();
-    if (!method.amplification || !suits(method, problem)) continue;
+    if (!method.analysed().amplification || !suits(method, problem)) continue;
     limits.back() = TrajectoryLimit{.t = path.at,
                                     .h_max = {},
                                     .least = std::numeric_limits<double>::quiet_NaN(),
@@ -477,7 +478,7 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
 
 std::optional<TrajectoryLimit> limit_along(const Method& method, const Problem& problem, double t_end,
                                            int points) {
-  if (!method.amplification || !suits(method, problem)) return std::nullopt;
+  if (!method.analysed().amplification || !suits(method, problem)) return std::nullopt;
   return limits_along({&method, 1}, problem, motion_path(problem, t_end, points)).front();
 }
 

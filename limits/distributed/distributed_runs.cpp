@@ -232,6 +232,9 @@ std::string why_not_stepped(const Method& method) {
 
 void verify(Prediction& row, const Method& method, const Linearised& near, DistributedModel& model,
             const std::function<bool()>& interrupted) {
+  if (method.part)
+    return verify_parts(
+        row, method, [&](Prediction& of_part) { verify(of_part, *method.part, near, model, interrupted); });
   if (!has_claim(row, method)) return;
   double fastest = 0;
   for (const ModeMargin& margin : row.modes) fastest = std::max(fastest, std::abs(margin.mode.lambda));

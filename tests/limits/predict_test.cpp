@@ -191,6 +191,33 @@ TEST(Prediction, IsWhatMethodsOfPositionsAndVelocitiesDoWhereDampingCouplesTheMo
   }
 }
 
+TEST(Prediction, OfStepsInPartsIsThatOfAPartTimesTheirNumberAsRunsShow) {
+  const Eigen::Index n = 3;
+  Structure chain{
+      .m = Eigen::VectorXd::Ones(n), .K = 20 * Eigen::MatrixXd::Identity(n, n), .C = Eigen::MatrixXd(n, n)};
+  chain.C << 0.3, 0.1, 0, 0.1, 0.2, 0, 0, 0, 0.4;
+  const Problem problem = problem_of(chain);
+  const Linearised near = linearised(problem);
+  for (const char* name : {"symplectic_euler", "stormer_verlet", "rk4", "newmark"}) {
+    const Method method = find_method(std::string(name) + ":substeps=3");
+    const Prediction whole = verified(find_method(name), problem, near),
+                     row = verified(method, problem, near);
+    EXPECT_EQ(row.bound, whole.bound) << name;
+    EXPECT_DOUBLE_EQ(*row.h_max, 3 * *whole.h_max) << name;
+    ASSERT_TRUE(row.observed && row.observed->confirms()) << name << row.note;
+    if (std::isinf(*row.h_max)) continue;
+    EXPECT_DOUBLE_EQ(row.observed->h_max, 3 * whole.observed->h_max) << name;
+    const auto left_of_a_push = [&](double share) {
+      Problem pushed = problem;
+      pushed.y0 = Eigen::VectorXd::Constant(2 * n, 1e-3);
+      const double h = share * *row.h_max;
+      return method.bind(pushed).run({.t_end = 3000 * h, .h = h}, {}).y.norm();
+    };
+    EXPECT_LT(left_of_a_push(0.99), 1e-3) << name;
+    EXPECT_FALSE(left_of_a_push(1.01) < 1) << name;
+  }
+}
+
 // m 1.45, c 8, k 6.7: zeta 1.28. Three forms of Verlet's method, three limits.
 TEST(Prediction, OfAnOverdampedLiverHasItsFrequencyBothRatesAndALimitForEachForm) {
   const Problem problem =

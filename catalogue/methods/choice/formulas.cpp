@@ -100,7 +100,7 @@ std::string_view why_no_stability(const Method& method) {
 std::optional<Formula> held_formula(std::string_view name) {
   for (const Pattern& pattern : patterns()) {
     const std::string_view prefix = pattern.prefix;
-    if (!name.starts_with(prefix)) continue;
+    if (!name.starts_with(prefix) || name.find(':', prefix.size()) != name.npos) continue;
     const std::optional<int> number = number_behind(name, prefix);
     if (!number || *number < pattern.least || *number > pattern.most)
       throw InputError(fmt::format("'{}' is no formula: {} of {}{} is a whole number from {} to {}", name,
