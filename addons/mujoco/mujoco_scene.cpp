@@ -44,6 +44,7 @@ struct Scene {
   Scene() = default;
   ~Scene() {
     mj_deleteData(d);
+    mj_deleteData(begin);
     mj_deleteModel(m);
     mj_deleteModel(original);
   }
@@ -51,7 +52,7 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 
   mjModel *m = nullptr, *original = nullptr;
-  mjData* d = nullptr;
+  mjData *d = nullptr, *begin = nullptr;  ///< `begin`: with the controls of the scene
   std::vector<Part> parts;
 };
 Scene& of(void* handle) { return *static_cast<Scene*>(handle); }
@@ -166,17 +167,14 @@ int create(const char* text, void** handle) {
   const int keyframe = argument.keyframe.empty() ? -1 : number_of_keyframe(scene->m, argument.keyframe);
   if (!argument.keyframe.empty() && keyframe < 0) return failed;
   scene->parts = parts_of(scene->m, most_parts);
-  mjData* begin = nullptr;
   const char* outcome = "";
   const int code = guarded([&] {
     scene->original = mj_copyModel(nullptr, scene->m);
     scene->d = mj_makeData(scene->m);
     if (keyframe >= 0) mj_resetDataKeyframe(scene->m, scene->d, keyframe);
-    if (!argument.settles) return;
-    begin = mj_copyData(nullptr, scene->m, scene->d);
-    outcome = settle(scene->m, scene->d, begin);
+    scene->begin = mj_copyData(nullptr, scene->m, scene->d);
+    if (argument.settles) outcome = settle(scene->m, scene->d, scene->begin);
   });
-  mj_deleteData(begin);
   static constexpr std::array<const char*, 3> integrators{"Euler", "RK4", "implicit"};
   std::snprintf(note, sizeof note, "MuJoCo %s, %s%s", mj_versionString(),
                 integrators.at(static_cast<std::size_t>(scene->m->opt.integrator)), outcome);
@@ -214,7 +212,10 @@ int step(void* handle, double h) {
   m->opt.timestep = h;
   const int before = resets(d);
   const int code = guarded([&] { mj_step(m, d); });
-  return code == HMAX_OK && resets(d) > before ? HMAX_DIVERGED : code;
+  if (code != HMAX_OK || resets(d) == before) return code;
+  // It was put back to the start of the file, without the controls of a keyframe.
+  mj_copyData(d, m, of(handle).begin);
+  return HMAX_DIVERGED;
 }
 
 /// The state, the start of the solver and the time.

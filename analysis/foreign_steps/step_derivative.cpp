@@ -166,8 +166,9 @@ MatrixXd StepDerivative::matrix_at(double increment, const std::function<void(do
 }
 
 VectorXd scales_of(const VectorXd& y) {
+  constexpr double rounding = 1e-12;  // of a state that settled at zero, in SI units
   const double largest = y.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) return VectorXd::Ones(y.size());
+  if (!(largest > rounding)) return VectorXd::Ones(y.size());
   return y.cwiseAbs().cwiseMax(0.01 * largest);
 }
 
