@@ -4,7 +4,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include "analysis/foreign_steps/step_probe.hpp"
+#include "analysis/foreign_steps/own_step.hpp"
 #include "limits/documents/method_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
@@ -31,6 +31,7 @@ class PythonStepper final : public ForeignStepper {
     std::vector<Index> quaternions;
     VectorXd scales;
     Eigen::SparseMatrix<double> pattern;  ///< shape (dim, dim), or empty
+    std::optional<double> own_step = {};  ///< [s]
   };
 
   PythonStepper(Functions functions, Facts facts, VectorXd y)
@@ -43,6 +44,7 @@ class PythonStepper final : public ForeignStepper {
   [[nodiscard]] std::vector<Index> quaternions() const override { return facts_.quaternions; }
   [[nodiscard]] VectorXd scales() const override { return facts_.scales; }
   [[nodiscard]] Eigen::SparseMatrix<double> pattern() const override { return facts_.pattern; }
+  [[nodiscard]] std::optional<double> own_step() const override { return facts_.own_step; }
 
   VectorXd state() override { return y_; }
   void set_state(const VectorXd& y) override {
@@ -103,20 +105,24 @@ py::object compare(const py::object& step, VectorXd y0, const std::string& name,
 py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0,
                  bool in_place, const std::string& name, bool single, std::vector<Index> quaternions,
                  VectorXd scales, Eigen::SparseMatrix<double> pattern, double h0, double h1,
-                 std::optional<double> motion, bool verify) {
+                 std::optional<double> motion, bool verify, std::optional<double> own_step) {
   PythonStepper engine({step, save, restore},
                        {.name = name,
                         .in_place = in_place,
                         .single = single,
                         .quaternions = std::move(quaternions),
                         .scales = std::move(scales),
-                        .pattern = std::move(pattern)},
+                        .pattern = std::move(pattern),
+                        .own_step = own_step},
                        std::move(y0));
-  const ProbeSettings settings{
-      .h0 = h0, .h1 = h1, .motion = motion, .observe = verify, .watch = [](double, std::string_view) {
-        call_back([] {});
-      }};
-  return to_python(with_callbacks([&] { return probe_json(probe_steps(engine, settings)); }));
+  const ProbeWatch watch = [](double, std::string_view) { call_back([] {}); };
+  const ProbeSettings settings{.h0 = h0, .h1 = h1, .motion = motion, .observe = verify, .watch = watch};
+  return to_python(with_callbacks([&] {
+    const ProbedLimit found = probe_steps(engine, settings);
+    auto document = probe_json(found);
+    if (const auto own = examine_own_step(engine, found, watch)) document.update(own_step_json(*own));
+    return document;
+  }));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ from ._answer import Answer
 from ._core import __version__
 from ._fidelity import fidelity
 from ._models import Body, Mesh, advise, predict, read_mesh
+from ._mujoco import check
 from ._probe import probe
 from ._runs import Run, integrate
 from ._stability import Limit, Modes, largest_stable_step, limits, methods, modes, region
@@ -20,6 +21,7 @@ __all__ = [
     "Run",
     "__version__",
     "advise",
+    "check",
     "fidelity",
     "integrate",
     "largest_stable_step",

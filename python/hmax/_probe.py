@@ -25,6 +25,7 @@ def probe(
     scales: Any = None,
     pattern: Optional[Matrix] = None,
     name: str = "step",
+    own_step: Optional[float] = None,
 ) -> Answer:
     """The largest stable step of a step function or an engine, from the Jacobian of its step and from running it.
 
@@ -46,12 +47,14 @@ def probe(
     pattern : shape (n, n), an entry (i, j) other than zero where number i after a step depends on number j before it; of many numbers
         it saves steps
     name : of the engine, for `model`
+    own_step : the step size that the engine takes [s], of which the answer tells more
 
     A state of numpy.float32 says that steps are computed in single precision.
 
     Returns the keys of `hmax probe --json`: `h_max` and `observed` [s] (inf: no growth up to h1; None: not found), `gap`, `state`
     ("equilibrium", "initial" or "motion"), `rows` by h (each with `settles`, `settled_moves` and `modes`), `moving`, `dim`, `steps`, `status`, `contradiction` (h_max and observed cannot
-    both be right; `status` says why).
+    both be right; `status` says why). Of `own_step` also: `timestep`, the same; `stable`; `substeps`, the smallest number of equal parts
+    that are stable; `settles`; `stiffness_shown` of the slowest mode.
 
     Exceptions of step, save and restore are raised as they are. Raises ValueError for other input that is wrong.
 
@@ -82,7 +85,7 @@ def probe(
     indices = [count("an index of quaternions", index, 0) for index in np.ravel(quaternions)]
     single = np.asarray(start).dtype == np.float32
     engine = (step, save, restore, y, in_place, str(name), single, indices, extent, _pattern(pattern, len(y)))
-    return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify)))
+    return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify), number("own_step", own_step)))
 
 
 def steps_fidelity(step: Any, y0: Any, h: Any, h0: Any, load: Any) -> Answer:

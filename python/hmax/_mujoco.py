@@ -1,0 +1,138 @@
+"""Scenes of the Python package mujoco."""
+
+from typing import Any, List, Optional
+
+import numpy as np
+
+from ._answer import Answer
+from ._arguments import number
+from ._probe import probe
+
+
+def check(
+    model: Any, data: Any = None, h0: Optional[float] = None, h1: Optional[float] = None, motion: Optional[float] = None, verify: bool = True
+) -> Answer:
+    """Whether a scene of the Python package mujoco is stable at its timestep, and its largest stable step.
+
+    The package itself steps, with the integrator, the controls and the contacts of the scene, whatever its version is. The scene settles
+    first: up to 60 s of its own steps, or of a tenth of them; where it does not come to rest, the limit is that of where it begins.
+    `hmax probe model.xml` tells also which part of a file owns the limit.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+    data : mujoco.MjData, the state to begin with and its controls; None: the initial state
+    h0, h1 : the smallest and the largest step size to look at [s]; a hundredth and a hundred times the timestep
+    motion : follow the motion of this length [s] from the state to begin with instead
+    verify : also run the scene on both sides of the limit
+
+    Model and data are left as they are. Returns the keys of hmax.probe with `own_step`: `timestep`, `stable`, `substeps`, `h_max`, ...
+
+    Raises ValueError for input that is wrong, ImportError without the package mujoco.
+
+    >>> import hmax
+    >>> import mujoco  # doctest: +SKIP
+    >>> found = hmax.check(mujoco.MjModel.from_xml_path("model.xml"))  # doctest: +SKIP
+    >>> print(f"{found.timestep} s of at most {found.h_max:.3g} s")  # doctest: +SKIP
+    0.002 s of at most 0.0131 s
+    """
+    import mujoco
+
+    if not isinstance(model, mujoco.MjModel):
+        raise ValueError("model is no mujoco.MjModel; give one, as of mujoco.MjModel.from_xml_path")
+    if data is not None and not isinstance(data, mujoco.MjData):
+        raise ValueError("data is no mujoco.MjData; give that of the model, or leave it out")
+    if model.nv == 0:
+        raise ValueError("nothing in the scene moves; give a body a joint")
+    timestep = float(model.opt.timestep)
+    scene = _Scene(mujoco, model, data)
+    try:
+        return probe(
+            scene.step,
+            scene.settle() if motion is None else scene.state(),
+            h0=timestep / 100 if number("h0", h0) is None else h0,
+            h1=(100 * timestep if motion is None else min(100 * timestep, motion)) if number("h1", h1) is None else h1,
+            save=scene.save,
+            restore=scene.restore,
+            motion=motion,
+            verify=verify,
+            quaternions=scene.quaternions(),
+            name="MuJoCo " + mujoco.mj_versionString(),
+            own_step=timestep,
+        )
+    finally:
+        model.opt.timestep = timestep
+
+
+class _Scene:
+    """A copy of the data of a model, as a step of hmax.probe: its state is qpos, qvel and the activations; the start of the solver and
+    the time are kept beside it."""
+
+    def __init__(self, mujoco: Any, model: Any, data: Any) -> None:
+        self._mujoco, self._model = mujoco, model
+        self._data = mujoco.MjData(model)
+        if data is not None:
+            mujoco.mj_copyData(self._data, model, data)
+        self._begin = mujoco.MjData(model)
+        mujoco.mj_copyData(self._begin, model, self._data)
+
+    def state(self) -> Any:
+        return np.concatenate([self._data.qpos, self._data.qvel, self._data.act])
+
+    def step(self, y: Any, h: float) -> Any:
+        data, model = self._data, self._model
+        data.qpos[:], data.qvel[:], data.act[:] = np.split(y, [model.nq, model.nq + model.nv])
+        model.opt.timestep = h
+        before = self._resets()
+        self._mujoco.mj_step(model, data)
+        if self._resets() == before:
+            return self.state()
+        # What diverges MuJoCo puts back to its initial state, without the controls.
+        self._mujoco.mj_copyData(data, model, self._begin)
+        return np.full(len(y), np.nan)
+
+    def save(self) -> Any:
+        return self._data.qacc_warmstart.copy(), self._data.time
+
+    def restore(self, kept: Any) -> None:
+        self._data.qacc_warmstart[:], self._data.time = kept
+
+    def quaternions(self) -> List[int]:
+        free, ball = (int(kind) for kind in (self._mujoco.mjtJoint.mjJNT_FREE, self._mujoco.mjtJoint.mjJNT_BALL))
+        joints = zip(self._model.jnt_type, self._model.jnt_qposadr)
+        return [int(first) + (3 if kind == free else 0) for kind, first in joints if kind in (free, ball)]
+
+    def settle(self) -> Any:
+        """Where the timestep brings the scene to rest; where it does not, where a tenth of it does; else the state of the beginning."""
+        begin, kept, h = self.state(), self.save(), float(self._model.opt.timestep)
+        for relaxed, size in ((False, h), (True, h / 10)):
+            y = self._rest(begin, size, relaxed)
+            if y is not None:
+                return y
+            self.restore(kept)
+        return begin
+
+    def _rest(self, y: Any, h: float, relaxed: bool) -> Any:
+        """The state after up to 60 s, or as soon as nothing moves; None where something still does.
+
+        relaxed : velocities are set to zero when they have passed a peak, which ends at rest without damping, too
+        """
+        fastest = speed = square = 0.0
+        resting = 0
+        for _ in range(min(100_000, int(60 / h))):
+            y = self.step(y, h)
+            if not np.isfinite(y).all():
+                return None
+            velocity = y[self._model.nq : self._model.nq + self._model.nv]
+            speed, before, square = float(np.abs(velocity).max()), square, float(velocity @ velocity)
+            fastest = max(fastest, speed)
+            resting = resting + 1 if speed <= 1e-14 * fastest else 0
+            if resting == 100:
+                break
+            if relaxed and square < before:
+                velocity[:] = square = 0.0
+        return y if speed <= 1e-4 * fastest else None
+
+    def _resets(self) -> int:
+        kinds = self._mujoco.mjtWarning
+        return sum(self._data.warning[int(kind)].number for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC))

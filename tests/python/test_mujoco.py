@@ -1,0 +1,68 @@
+"""hmax.check, with the scenes and the library that `hmax probe` is held against."""
+
+import json
+import pathlib
+
+import hmax
+import numpy as np
+import pytest
+
+mujoco = pytest.importorskip("mujoco", reason="without libmujoco-dev, or its Python package")
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "scripts/engines/scenes"
+
+# One joint without damping: J x'' = -k x by semi-implicit Euler, stable up to 2 sqrt(J / k).
+HINGE = """<mujoco><option timestep="{h}" gravity="0 0 0"/><worldbody><body>
+<joint name="hinge" type="hinge" axis="0 1 0" stiffness="{k}"/><inertial pos="0 0 0" mass="1" diaginertia="1 {J} 1"/>
+</body></worldbody></mujoco>"""
+
+
+def scene(tmp_path, text):
+    file = tmp_path / "scene.xml"
+    file.write_text(text)
+    return mujoco.MjModel.from_xml_path(str(file))
+
+
+def test_a_hinge_has_the_limit_of_an_oscillator(tmp_path):
+    model = scene(tmp_path, HINGE.format(h=0.05, k=100, J=0.25))
+    found = hmax.check(model)
+    assert found.h_max == pytest.approx(2 * np.sqrt(0.25 / 100), rel=1e-3)
+    assert found.gap == pytest.approx(0, abs=5e-3)
+    assert (found.timestep, found.stable, found.substeps) == (0.05, True, 1)
+    assert model.opt.timestep == 0.05
+
+
+def test_more_substeps_than_one_where_the_timestep_is_too_long(tmp_path):
+    found = hmax.check(scene(tmp_path, HINGE.format(h=0.22, k=100, J=0.25)))
+    assert (found.stable, found.substeps) == (False, 3)
+
+
+@pytest.mark.parametrize("name", ["cable", "robot_arm", "stack"])
+def test_scenes_have_the_limit_of_the_program(program, name):
+    file = str(SCENES / f"{name}.xml")
+    told = program("probe", file, "--no-runs", "--json")
+    if told.returncode != 0:
+        pytest.skip(told.stderr)
+    found = hmax.check(mujoco.MjModel.from_xml_path(file), verify=False)
+    assert found.h_max == pytest.approx(json.loads(told.stdout)["h_max"], rel=1e-3)
+
+
+def test_data_gives_the_beginning_and_its_controls_and_stays_as_it_is(tmp_path):
+    model = mujoco.MjModel.from_xml_path(str(SCENES / "robot_arm.xml"))
+    data = mujoco.MjData(model)
+    data.ctrl[:] = 0.1
+    mujoco.mj_step(model, data)
+    before = data.qpos.copy()
+    found = hmax.check(model, data, verify=False)
+    assert found.state == "equilibrium"
+    assert np.array_equal(data.qpos, before)
+
+
+def test_says_what_is_wrong(tmp_path):
+    with pytest.raises(ValueError, match="model is no mujoco.MjModel"):
+        hmax.check("model.xml")
+    model = scene(tmp_path, HINGE.format(h=0.05, k=400, J=0.25))
+    with pytest.raises(ValueError, match="data is no mujoco.MjData"):
+        hmax.check(model, model)
+    with pytest.raises(ValueError, match="nothing in the scene moves"):
+        hmax.check(scene(tmp_path, "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"))
