@@ -3,8 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "limits/documents/model_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "results/fingerprint.hpp"

@@ -1,7 +1,6 @@
 #include "advice/advise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 

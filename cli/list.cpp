@@ -1,5 +1,4 @@
 /// hmax list methods | problems | models | materials
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

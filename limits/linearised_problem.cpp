@@ -10,7 +10,6 @@
 #include "analysis/statics/equilibrium.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"

@@ -12,7 +12,6 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/dynamics/coupled_motion.hpp"
-#include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "integrators/structural/structural.hpp"

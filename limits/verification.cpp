@@ -13,7 +13,6 @@
 #include "analysis/dynamics/coupled_motion.hpp"
 #include "analysis/dynamics/growth.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
-#include "catalogue/methods/measured_amplification.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"

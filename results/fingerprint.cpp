@@ -1,6 +1,5 @@
 #include "results/fingerprint.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <set>
 #include <sstream>

@@ -15,7 +15,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
-#include "core/dense_solvers.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "problems/mesh/mesh_quality.hpp"

@@ -1,8 +1,6 @@
 #include "studies/scale_study.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 #include <sys/resource.h>
 
 #include <fmt/format.h>

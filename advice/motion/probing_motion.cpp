@@ -14,7 +14,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
-#include "core/numbers.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "limits/linearised_problem.hpp"
 #include "problems/mesh/topology.hpp"

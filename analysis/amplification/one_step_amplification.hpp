@@ -1,7 +1,6 @@
 /// The amplification of one-step methods, R(z), from the coefficients that they step with.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 

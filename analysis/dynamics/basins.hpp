@@ -1,7 +1,6 @@
 /// Basins of attraction: which place of rest a start leads to.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <span>
 #include <vector>

@@ -1,7 +1,6 @@
 /// The methods that step positions and velocities where damping couples the modes: all modes together.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 

@@ -2,7 +2,6 @@
 /// to the last bit.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>

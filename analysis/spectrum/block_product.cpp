@@ -1,6 +1,5 @@
 #include "analysis/spectrum/block_product.hpp"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "core/parallel_for.hpp"

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <span>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

@@ -15,7 +15,6 @@
 namespace hmax {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 

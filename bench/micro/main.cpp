@@ -1,6 +1,5 @@
 // Measures the explicit methods of hmax and of Boost.Odeint in one process and prints their ratios.
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <vector>
 

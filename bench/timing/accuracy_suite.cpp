@@ -1,6 +1,5 @@
 #include "bench/timing/accuracy_suite.hpp"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 

@@ -2,11 +2,8 @@
 #include "bench/timing/reference.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <memory>
-
-#include <fmt/format.h>
 
 #include "bench/timing/extrapolation_reference.hpp"
 #include "bench/timing/formula_reference.hpp"

@@ -1,7 +1,6 @@
 /// Runs that are saved to a file now and then, and go on from it with the same bits.
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include "bench/timing/row_meter.hpp"
 #include "bench/timing/sweep.hpp"

@@ -1,7 +1,5 @@
 #include "bench/timing/sweep_messages.hpp"
 
-#include <cstdint>
-#include <limits>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <set>
 #include <span>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 /// From types to erased calls: one method on one system becomes a Runner.
 #pragma once
 
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>

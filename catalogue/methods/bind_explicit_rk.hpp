@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <tuple>
 #include <type_traits>
-#include <utility>
 
 #include "catalogue/methods/bind.hpp"
 #include "integrators/explicit/explicit_rk.hpp"

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,6 +1,4 @@
 /// The Adams methods of the catalogue.
-#include <string>
-#include <type_traits>
 
 #include <fmt/format.h>
 

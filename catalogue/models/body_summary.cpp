@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/numbers.hpp"
 #include "problems/mesh/ten_node.hpp"
 
 namespace hmax {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <mutex>
 #include <numbers>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,6 @@
 /// Matrices of a user as problems of the catalogue: "matrices:stiffness=K.mtx,mass=M.mtx".
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>

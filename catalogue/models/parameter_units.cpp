@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 
 namespace hmax {

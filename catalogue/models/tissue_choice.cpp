@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

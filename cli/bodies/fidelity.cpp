@@ -12,7 +12,6 @@
 #include <fmt/ranges.h>
 
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
@@ -21,7 +20,6 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
-#include "core/own_files.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "plots/curves.hpp"

@@ -23,7 +23,6 @@
 #include "problems/mesh/mesh_parts.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
-#include "results/table.hpp"
 
 namespace hmax {
 

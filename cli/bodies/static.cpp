@@ -11,7 +11,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/static_comparison.hpp"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/numbers.hpp"
-#include "plots/pages/report.hpp"
+#include "plots/pages/markdown_text.hpp"
 
 namespace hmax {
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <limits>
 
-#include <fmt/format.h>
-
 #include "cli/reproduce/tissue_page.hpp"
 #include "studies/scale_study.hpp"
 

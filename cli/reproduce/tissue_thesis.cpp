@@ -9,7 +9,6 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/region_shape.hpp"
 #include "plots/curves.hpp"

@@ -1,11 +1,9 @@
 /// The options --checkpoint and --checkpoint-every of `hmax run`.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "bench/timing/run_checkpoint.hpp"
 #include "catalogue/methods/method.hpp"

@@ -1,6 +1,5 @@
 /// hmax run: one integration, where it ends and what it costs.
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -14,7 +13,6 @@
 #include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/run/checkpoint_option.hpp"

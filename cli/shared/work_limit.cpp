@@ -1,7 +1,6 @@
 #include "cli/shared/work_limit.hpp"
 
 #include <chrono>
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 /// Limits of the step for people, from their rows.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 

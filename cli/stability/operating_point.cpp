@@ -8,7 +8,6 @@
 #include "analysis/statics/static_solution.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
-#include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -1,5 +1,4 @@
 /// hmax stability numerical-damping: of one mode by formula, of a body by steps
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -17,7 +16,6 @@
 #include "core/numbers.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "limits/fidelity/fidelity.hpp"
-#include "results/table.hpp"
 
 namespace hmax {
 

@@ -1,6 +1,5 @@
 /// hmax stability frozen
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

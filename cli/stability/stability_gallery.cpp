@@ -1,7 +1,6 @@
 /// hmax stability gallery: every region on one page, and the liver's eigenvalues on their way out of three.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -18,7 +17,7 @@
 #include "cli/stability/stability_pictures.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
-#include "limits/predict.hpp"
+#include "limits/linearised_problem.hpp"
 #include "plots/draw.hpp"
 #include "plots/drawn/sliding.hpp"
 #include "plots/pages/report.hpp"

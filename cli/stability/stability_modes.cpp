@@ -18,7 +18,6 @@
 #include "core/errors.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/modes/fastest_mode.hpp"
-#include "limits/predict.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"

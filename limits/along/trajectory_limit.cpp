@@ -18,7 +18,6 @@
 #include "catalogue/methods/method.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"

@@ -5,7 +5,6 @@
 #include <limits>
 #include <list>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include "analysis/dynamics/oscillator_lanes.hpp"

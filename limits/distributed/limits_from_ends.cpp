@@ -1,6 +1,5 @@
 #include "limits/distributed/limits_from_ends.hpp"
 
-#include <array>
 #include <cmath>
 #include <memory>
 

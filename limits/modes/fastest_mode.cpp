@@ -1,6 +1,5 @@
 #include "limits/modes/fastest_mode.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SparseCore>
 #include <fmt/format.h>
 
 #include "analysis/amplification/amplification.hpp"

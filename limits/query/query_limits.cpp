@@ -1,7 +1,6 @@
 #include "limits/query/query_limits.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>

@@ -1,8 +1,5 @@
 #include "plots/pages/frame.hpp"
 
-#include <algorithm>
-#include <span>
-
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"

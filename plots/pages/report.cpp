@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "plots/draw.hpp"
 #include "plots/pages/markdown_page.hpp"

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "plots/draw.hpp"
 #include "plots/pages/markdown_text.hpp"

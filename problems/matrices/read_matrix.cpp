@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <system_error>
 
 #include "core/process/whole_file.hpp"
 #include "problems/matrices/matrix_readers.hpp"

@@ -1,6 +1,5 @@
 /// PETSc binary [balay2022petsc], as PetscViewerBinaryOpen writes matrices and vectors.
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 

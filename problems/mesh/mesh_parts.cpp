@@ -1,7 +1,6 @@
 #include "problems/mesh/mesh_parts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <numeric>
 

@@ -8,7 +8,6 @@
 #include <memory>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>

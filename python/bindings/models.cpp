@@ -1,6 +1,5 @@
 /// Meshes, bodies of soft tissue, and the advice of which integrator to take.
 #include <array>
-#include <cmath>
 #include <optional>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>

@@ -1,8 +1,6 @@
 /// Integration of a right-hand side that is a Python function, and of matrices.
 #include "python/bindings/runs.hpp"
 
-#include <cmath>
-#include <limits>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 

@@ -1,6 +1,5 @@
 #include "results/merge/merge_stores.hpp"
 
-#include <array>
 #include <optional>
 #include <set>
 #include <system_error>

@@ -1,9 +1,7 @@
 /// Numbers that others printed, compiled in; results/published/README.md says what they are.
 #pragma once
 
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "results/table.hpp"
 

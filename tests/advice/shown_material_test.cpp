@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>

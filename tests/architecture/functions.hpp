@@ -3,7 +3,6 @@
 
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace hmax::architecture {

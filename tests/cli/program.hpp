@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/results/scratch.hpp"

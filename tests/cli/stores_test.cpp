@@ -6,8 +6,6 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
-
 /// A store of ten rows whose times are `slowdown` times those of another one; `slow_row` three times that.
 void make_store(const std::filesystem::path& file, double slowdown, int slow_row = -1) {
   Store store = Store::open_or_create(file);

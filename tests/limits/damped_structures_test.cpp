@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
-#include "core/size_limits.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"

@@ -5,7 +5,6 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
-#include "limits/predict.hpp"
 #include "limits/steps/newton_step.hpp"
 #include "limits/verification.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"

@@ -2,7 +2,6 @@
 #include "limits/largest_stable_step.hpp"
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <stdexcept>

@@ -1,6 +1,5 @@
 /// Limits on meshes, predicted from their modes and observed by runs.
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,7 +13,6 @@
 #include "catalogue/models/problems.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
-#include "limits/modes/mode_start.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"
 #include "problems/tissue/body.hpp"

@@ -1,7 +1,6 @@
 /// Methods with a mistake in their coefficients, for tests of what notices it.
 #pragma once
 
-#include <utility>
 #include <variant>
 
 #include "analysis/amplification/one_step_amplification.hpp"

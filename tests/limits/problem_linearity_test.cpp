@@ -1,7 +1,6 @@
 #include "limits/problem_linearity.hpp"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,4 @@
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include <gtest/gtest.h>

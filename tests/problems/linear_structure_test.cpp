@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "integrators/explicit/explicit_rk.hpp"

@@ -1,9 +1,7 @@
 /// All problems of the test set, for suites that are typed by them.
 #pragma once
 
-#include <cstdint>
 #include <random>
-#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
 // A store against the world: kills, other processes, other programs' files, missing rights, full disks.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <fcntl.h>
 #include <functional>
 #include <random>

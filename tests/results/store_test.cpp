@@ -6,11 +6,9 @@
 #include <cstdint>
 #include <limits>
 #include <random>
-#include <set>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
 #include "tests/results/scratch.hpp"

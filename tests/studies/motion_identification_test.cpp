@@ -1,7 +1,5 @@
 #include "studies/motion_identification.hpp"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 namespace hmax {

@@ -1,7 +1,5 @@
 #include "studies/organ_study.hpp"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"

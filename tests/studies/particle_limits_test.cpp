@@ -1,7 +1,6 @@
 #include "studies/particle_limits.hpp"
 
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -9,8 +8,6 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
-#include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

@@ -1,7 +1,5 @@
 #include "studies/tool_contact.hpp"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 namespace hmax {

@@ -1,13 +1,11 @@
 #include "analysis/amplification/limits.hpp"
 
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "analysis/amplification/multistep_amplification.hpp"
-#include "analysis/amplification/one_step_amplification.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/methods/measured_amplification.hpp"

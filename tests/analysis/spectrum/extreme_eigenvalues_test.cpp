@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include <gtest/gtest.h>
 
@@ -17,7 +16,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 constexpr Index krylov = 0;

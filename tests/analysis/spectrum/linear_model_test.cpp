@@ -4,7 +4,6 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "catalogue/models/problems.hpp"
@@ -21,7 +20,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
-using Sparse = Eigen::SparseMatrix<double>;
 
 /// The linear model of a problem of the catalogue, whatever type binds it.
 LinearModel linear_model_of(const Problem& problem, double t, const VectorXd& y, JacobianFrom from) {

@@ -6,7 +6,6 @@
 #include <complex>
 #include <memory>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 

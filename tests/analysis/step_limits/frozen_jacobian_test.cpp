@@ -1,7 +1,6 @@
 #include "analysis/step_limits/frozen_jacobian.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 #include "bench/timing/dealing.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include <gtest/gtest.h>

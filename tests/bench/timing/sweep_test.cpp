@@ -16,7 +16,6 @@
 #include <unistd.h>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <sqlite3.h>
 
 #include "catalogue/methods/catalogue.hpp"

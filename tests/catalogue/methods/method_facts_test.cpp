@@ -7,7 +7,6 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/families.hpp"
 #include "catalogue/models/problems.hpp"
-#include "core/errors.hpp"
 
 namespace hmax {
 namespace {

@@ -1,5 +1,4 @@
 /// The structural methods of the catalogue: their parameters, the facts that follow from them, their runs.
-#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
 #include "catalogue/methods/tableau_file.hpp"
 
-#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>

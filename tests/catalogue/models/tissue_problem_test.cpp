@@ -11,7 +11,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
-#include "limits/predict.hpp"
+#include "limits/linearised_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/results/scratch.hpp"
 #include "tests/says.hpp"

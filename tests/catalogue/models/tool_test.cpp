@@ -8,7 +8,6 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_choice.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"

@@ -1,7 +1,6 @@
 #include "cli/reproduce/report_text.hpp"
 
 #include <cmath>
-#include <limits>
 #include <regex>
 #include <set>
 #include <stdexcept>

@@ -9,7 +9,6 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"

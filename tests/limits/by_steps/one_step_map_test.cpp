@@ -12,7 +12,6 @@ namespace hmax {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::VectorXd;
 
 Problem cubic(double c) {
   return make_problem("liver_cubic", {.material = "", .parameters = {{"c", c}}, .y0 = {}});

@@ -11,10 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/amplification/multistep_amplification.hpp"
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "analysis/amplification/stabilised_amplification.hpp"
-#include "analysis/amplification/structural_amplification.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "integrators/explicit/tableaux.hpp"

@@ -1,6 +1,5 @@
 /// Models of matrices that were damaged anywhere, through constraint rows, Lagrange multipliers, condensation
 /// and series: every one is refused in a sentence, or a model of finite numbers.
-#include <cmath>
 
 #include "tests/problems/matrices/matrix_folder.hpp"
 #include "tests/says.hpp"

@@ -1,7 +1,5 @@
 #include "problems/matrices/matrix_model.hpp"
 
-#include <cmath>
-
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 

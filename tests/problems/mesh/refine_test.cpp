@@ -1,6 +1,5 @@
 #include "problems/mesh/refine.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>

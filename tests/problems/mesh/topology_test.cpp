@@ -1,6 +1,5 @@
 #include "problems/mesh/topology.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include <Eigen/Geometry>

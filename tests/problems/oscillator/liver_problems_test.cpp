@@ -3,7 +3,6 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
-#include <string>
 
 #include <gtest/gtest.h>
 

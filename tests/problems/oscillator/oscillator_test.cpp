@@ -1,7 +1,6 @@
 #include "problems/oscillator/oscillator.hpp"
 
 #include <cmath>
-#include <concepts>
 #include <limits>
 #include <random>
 #include <string>

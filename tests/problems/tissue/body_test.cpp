@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
 
 #include <Eigen/Eigenvalues>

@@ -1,7 +1,5 @@
 #include "problems/tissue/surface_place.hpp"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "problems/mesh/files/mesh_names.hpp"

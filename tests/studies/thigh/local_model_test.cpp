@@ -1,6 +1,5 @@
 #include "studies/thigh/local_model.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 #include <gtest/gtest.h>

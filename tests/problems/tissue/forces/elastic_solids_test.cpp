@@ -15,7 +15,6 @@ namespace hmax {
 namespace {
 
 using namespace tissue_tests;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Cholesky = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;

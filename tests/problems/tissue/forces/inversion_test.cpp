@@ -1,6 +1,5 @@
 /// Bodies that come back from flat, mirrored and random states, as those of every model that says so do.
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
 

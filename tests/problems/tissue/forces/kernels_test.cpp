@@ -1,6 +1,5 @@
 #include "problems/tissue/forces/kernels.hpp"
 
-#include <cstring>
 #include <tuple>
 #include <vector>
 

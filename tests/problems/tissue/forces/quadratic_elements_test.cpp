@@ -1,7 +1,4 @@
 /// Tetrahedra of ten nodes against closed forms: shape, mass, bending.
-#include <cmath>
-#include <numbers>
-#include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -14,7 +11,6 @@ namespace hmax {
 namespace {
 
 using namespace tissue_tests;
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
