@@ -22,16 +22,16 @@
 namespace hmax {
 
 struct AdviceQuestion {
-  double rate = 0;               ///< frames a second [Hz]
-  double tolerance = 0.01;       ///< error of the motion, relative to its largest displacement
-  std::optional<double> budget;  ///< CPU time of a frame [s]; the whole frame where there is none
-  bool least_error = false;      ///< rank by error within the budget, not by cost within the tolerance
-  std::size_t frames = 1000;     ///< that the best methods are timed for
+  double rate = 0;                 ///< frames a second [Hz]
+  double tolerance = 0.01;         ///< error of the motion, relative to its largest displacement
+  std::optional<double> budget{};  ///< CPU time of a frame [s]; the whole frame where there is none
+  bool least_error = false;        ///< rank by error within the budget, not by cost within the tolerance
+  std::size_t frames = 1000;       ///< that the best methods are timed for
   double within = std::numeric_limits<double>::infinity();  ///< elapsed time of the answer [s]
   bool material = true;  ///< also what the steps of rows show of the material of a body
   double proof = 60;  ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
-  std::vector<Method> methods;       ///< to choose from
-  std::optional<UserMotion> motion;  ///< in place of the probing motion
+  std::vector<Method> methods{};       ///< to choose from
+  std::optional<UserMotion> motion{};  ///< in place of the probing motion
 
   [[nodiscard]] double frame() const { return 1 / rate; }
   [[nodiscard]] double frame_budget() const { return budget.value_or(frame()); }
@@ -118,7 +118,7 @@ struct OtherModel {
   std::string_view id;
   double load_share = 1, gravity_share = 1;  ///< as Advice has them
   double scale = 0;                          ///< the largest displacement of the motion [m]
-  std::optional<Inversion> inversion;        ///< the first element that the motion inverts
+  std::optional<Inversion> inversion{};      ///< the first element that the motion inverts
 };
 
 struct Advice {

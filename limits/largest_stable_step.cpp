@@ -31,12 +31,7 @@ Problem problem_of(const AnySystem& system, const Eigen::VectorXd& y) {
         fmt::format("the state has {} numbers, but the system has {}; give one number for each unknown",
                     y.size(), system.dim()));
   require_differences_are_affordable(system);
-  Problem problem;
-  problem.id = "system";
-  problem.y0 = y;
-  problem.t_end = 1;
-  problem.system = system;
-  return problem;
+  return {.id = "system", .y0 = y, .t_end = 1, .system = system};
 }
 
 StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const Linearised& near,

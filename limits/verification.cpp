@@ -479,7 +479,7 @@ double memory_of(const Method& method, const Problem& problem) {
 /// What runs have shown, and the words for it where they do not agree with the prediction.
 struct Finding {
   Observation seen;
-  std::string contradiction, excuse;
+  std::string contradiction{}, excuse{};
 };
 
 /// The steps at which a method that is unstable at no step is run: those that users take, and far beyond.
@@ -488,7 +488,7 @@ FarSteps far_steps(const Problem& problem, const ModeStart& start, const Rates& 
   if (!problem.body && start.large) return short_far_steps(rates.fastest);
   // Of a large structure: where a step carries what velocities there are too far, it is not linear.
   const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
-  return {.h = steps_without_limit(problem, farthest), .most = start.mode_alone ? 512 : 4096, .note = {}};
+  return {.h = steps_without_limit(problem, farthest), .most = start.mode_alone ? 512 : 4096};
 }
 
 /// Runs of a method that is unstable at no step.
@@ -532,8 +532,7 @@ Finding watch_limit(const Prediction& row, const Method& method, const Linearise
                   ? fmt::format("integration does not show this limit: {} steps of 1.001 of it do not grow",
                                 limit.steps)
                   : fmt::format("integration does not show this limit: {} steps of 0.999 of it grow",
-                                limit.steps),
-          .excuse = {}};
+                                limit.steps)};
 }
 
 /// What runs from `start` show of a row.

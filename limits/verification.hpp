@@ -33,7 +33,7 @@ void verify_parts(Prediction& row, const Method& method,
 struct FarSteps {
   std::vector<double> h;  ///< [s], rising
   std::int64_t most = 0;  ///< steps of the last h; 100 of the others
-  std::string note;       ///< what is left out; may be empty
+  std::string note{};     ///< what is left out; may be empty
 };
 /// Of a structure whose steps take long.
 /// @param fastest  |lambda| of the fastest mode [1/s]

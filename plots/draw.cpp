@@ -652,7 +652,7 @@ FigureFiles draw(const Figure& figure, const std::filesystem::path& directory, c
                      "; choose another");
 
   const FigureSource source = source_of(figure, name);
-  FigureFiles files{.base = directory / name, .made = {}, .problem = {}, .alt = alt_text(figure)};
+  FigureFiles files{.base = directory / name, .alt = alt_text(figure)};
   const auto file = [&](const char* extension) { return directory / (name + extension); };
   check_figure_files(directory, name);
   write_file(file(".gp"), source.script, opening_of(name));

@@ -13,9 +13,9 @@ namespace hmax {
 struct FigureFiles {
   std::filesystem::path base;  ///< directory / name without extension
   std::vector<std::filesystem::path>
-      made;              ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
-  std::string problem;   ///< empty when drawn; otherwise one sentence with the remedy
-  std::string alt = {};  ///< what is seen, in words
+      made{};             ///< every file that exists now: .gp, .dat, and .svg, .png, .pdf when drawn
+  std::string problem{};  ///< empty when drawn; otherwise one sentence with the remedy
+  std::string alt = {};   ///< what is seen, in words
   bool drawn() const { return problem.empty(); }
 };
 

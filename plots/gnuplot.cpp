@@ -22,9 +22,9 @@ constexpr int cannot_start = 127;
 constexpr int cannot_enter = 126;
 
 struct Finished {
-  int code;            ///< exit code, or -1 when ended by a signal or never started
-  bool late = false;   ///< ended because it took too long
-  std::string errors;  ///< what it wrote to standard error, at most 4 KiB
+  int code;              ///< exit code, or -1 when ended by a signal or never started
+  bool late = false;     ///< ended because it took too long
+  std::string errors{};  ///< what it wrote to standard error, at most 4 KiB
 };
 
 Finished run(const std::filesystem::path& directory, std::array<const char*, 4> arguments, double seconds) {
@@ -54,7 +54,7 @@ Finished run(const std::filesystem::path& directory, std::array<const char*, 4> 
   }
   setpgid(child, child);  // as the child does: whoever is first
   close(pipe_ends[1]);
-  Finished finished{.code = -1, .errors = {}};
+  Finished finished{.code = -1};
   std::array<char, 1024> buffer;
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);

@@ -17,9 +17,9 @@ namespace hmax {
 /// y_i' = equations[i].second, in the order in which the user wrote them.
 struct FormulaDefinition {
   std::string name;
-  std::vector<std::pair<std::string, std::string>> equations;  ///< state name, formula of its derivative
-  std::vector<std::pair<std::string, double>> parameters;      ///< name, value
-  std::vector<double> y0;                                      ///< one number for each equation
+  std::vector<std::pair<std::string, std::string>> equations{};  ///< state name, formula of its derivative
+  std::vector<std::pair<std::string, double>> parameters{};      ///< name, value
+  std::vector<double> y0{};                                      ///< one number for each equation
   double t0 = 0;
   double t_end = 100;  ///< before t0: backwards in time
   /// The positions and the velocity of each; both empty: as the equations x' = v say.

@@ -13,7 +13,7 @@ namespace hmax {
 struct AccuracyRow {
   std::string problem, method;
   std::string setting;  ///< "h=0.2", "rtol=1e-4 control=pi", "h=0.2 jacobian=frozen"
-  std::string outcome;
+  std::string outcome{};
   double error_end = 0;      ///< max norm at the end; NaN where the end was not reached
   double error_samples = 0;  ///< largest over samples of the dense output
   std::int64_t steps = 0, rejected = 0, rhs = 0, jacobian = 0, factorisations = 0, newton = 0;

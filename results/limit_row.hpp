@@ -20,7 +20,7 @@ struct OperatingPointKey {
   std::string y0;          ///< initial state, as RowKey::y0
   std::string model;       ///< digest of the right-hand side, so that a changed file is another model
   std::string asked;       ///< the state that was asked for: equilibrium | rest
-  std::string path;        ///< what limits are also looked for along: motion | load; empty for nothing
+  std::string path{};      ///< what limits are also looked for along: motion | load; empty for nothing
   double t_end = 0;        ///< end of that motion [s]; 0 without one
 
   auto operator<=>(const OperatingPointKey&) const = default;

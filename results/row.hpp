@@ -13,7 +13,7 @@ namespace hmax {
 /// What identifies a measurement; two rows with equal keys measure the same thing.
 struct RowKey {
   std::string problem;     ///< catalogue id, or the name a user's file gives itself
-  std::string material;    ///< material id, empty when the problem has none
+  std::string material{};  ///< material id, empty when the problem has none
   std::string parameters;  ///< all parameters, "m=1.45 c=2 ...", shortest digits that read back equal
   std::string y0;          ///< initial state, "0.5,1"
   std::string method;      ///< method id

@@ -12,9 +12,9 @@ namespace hmax {
 /// Columns of equal length. Written as CSV with `# key: value` lines above the header; numbers are written
 /// with the shortest digits that read back equal, non-finite ones as nan, inf, -inf.
 struct Table {
-  std::vector<std::pair<std::string, std::string>> notes;  ///< key, value; order kept
-  std::vector<std::string> columns;                        ///< names with units, "x [m]"
-  std::vector<std::vector<double>> values;                 ///< values[column][row]
+  std::vector<std::pair<std::string, std::string>> notes{};  ///< key, value; order kept
+  std::vector<std::string> columns;                          ///< names with units, "x [m]"
+  std::vector<std::vector<double>> values{};                 ///< values[column][row]
 };
 
 /// Replaces the file in one move, so that a failure leaves the old one; makes the folder when it is missing.

@@ -30,10 +30,6 @@ struct OneNumber {
 /// One step, or NaN where it was not solved.
 double stepped(const Method& method, bool cubic, double y0, double h) {
   const Problem problem{.id = "one number",
-                        .material = "",
-                        .note = "",
-                        .parameters = {},
-                        .states = {},
                         .y0 = Eigen::VectorXd::Constant(1, y0),
                         .t_end = h,
                         .system = AnySystem(OneNumber{cubic})};

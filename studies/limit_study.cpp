@@ -92,8 +92,7 @@ std::vector<LimitCase> limit_cases() {
   for (const LiverMaterial& material : liver_materials())
     for (const char* end : {":light", ":heavy"}) {
       const std::string id = std::string(material.id) + end;
-      cases.push_back({id, "benchmark liver",
-                       make_problem("liver_benchmark", {.material = id, .parameters = {}, .y0 = {}}), true});
+      cases.push_back({id, "benchmark liver", make_problem("liver_benchmark", {.material = id}), true});
     }
   std::vector<OscillatorParameters> seen;
   for (const LiverFamily& family : liver_families()) {

@@ -267,7 +267,7 @@ Claims claims_on_benchmark() {
 }  // namespace
 
 Problem forced_liver(const OscillatorParameters& parameters, const Eigen::Vector2d& y0) {
-  ProblemSettings settings{.material = {}, .parameters = {}, .y0 = {y0[0], y0[1]}};
+  ProblemSettings settings{.y0 = {y0[0], y0[1]}};
   for (const auto& [name, value] : oscillator_parameter_names)
     settings.parameters.emplace_back(std::string(name), parameters.*value);
   return make_problem("liver_forced", settings);

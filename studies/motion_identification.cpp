@@ -24,9 +24,7 @@ using Unknowns = Eigen::Vector2d;
 Problem pressed_phantom(std::string_view model, std::string_view mesh, const Unknowns& u) {
   return make_problem(
       tissue_id(model, mesh, "press"),
-      {.material = {},
-       .parameters = {{"E", std::exp(u[0])}, {"alpha", std::exp(u[1])}, {"force", 0.2}, {"mass", 1.45}},
-       .y0 = {}});
+      {.parameters = {{"E", std::exp(u[0])}, {"alpha", std::exp(u[1])}, {"force", 0.2}, {"mass", 1.45}}});
 }
 
 /// Displacements of every free point every 10 ms, one after the other; empty where the run ends early.

@@ -61,9 +61,8 @@ std::vector<StressCurve> stress_curves(double young, double poisson) {
 
 SkinEffect skin_effect(std::string_view mesh, std::string_view material) {
   const auto pressed = [&](double skin) {
-    return make_problem(
-        tissue_id("fem_green", mesh, "press"),
-        {.material = std::string(material), .parameters = {{"force", 0.2}, {"skin", skin}}, .y0 = {}});
+    return make_problem(tissue_id("fem_green", mesh, "press"),
+                        {.material = std::string(material), .parameters = {{"force", 0.2}, {"skin", skin}}});
   };
   const auto step = [](const Problem& problem) {
     return predict(find_method("symplectic_euler"), linearised(problem, AskedState::rest))

@@ -27,7 +27,7 @@ Problem pressed(std::string_view model, std::string_view mesh, std::string_view 
                 Parameters more = {}) {
   more.emplace_back("force", 0.2);
   return make_problem(tissue_id(model, mesh, "press"),
-                      {.material = std::string(material), .parameters = std::move(more), .y0 = {}});
+                      {.material = std::string(material), .parameters = std::move(more)});
 }
 
 /// @param springs  that the problem has, or edges of its mesh
@@ -101,8 +101,8 @@ std::vector<ModelCost> model_costs(const std::vector<std::string>& meshes, std::
   for (const std::string& mesh : meshes)
     for (const char* model : {"mass_spring", "fem_green"}) {
       all.push_back({.mesh = mesh, .model = model});
-      const Problem problem = make_problem(tissue_id(model, mesh, "gravity"),
-                                           {.material = std::string(material), .parameters = {}, .y0 = {}});
+      const Problem problem =
+          make_problem(tissue_id(model, mesh, "gravity"), {.material = std::string(material)});
       const Eigen::VectorXd zero = Eigen::VectorXd::Zero(problem.body->dofs());
       tasks.push_back(
           repeated([body = problem.body, zero, f = zero]() mutable { body->force(0, zero, zero, f); }));
@@ -111,7 +111,7 @@ std::vector<ModelCost> model_costs(const std::vector<std::string>& meshes, std::
         runner.repeat({.t_end = steps * h, .h = h}, runs);
       });
     }
-  const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 7, .keep_going = {}});
+  const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 7});
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i].force = timings[3 * i].least();
     all[i].plain = timings[3 * i + 1].least();

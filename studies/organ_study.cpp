@@ -57,8 +57,7 @@ Eigen::VectorXd turned(const TissueBody& body, double angle) {
 
 Problem body_of(std::string_view model, std::string_view mesh, const char* load, Parameters parameters) {
   parameters.emplace_back("E", study_modulus);
-  return make_problem(tissue_id(model, mesh, load),
-                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(tissue_id(model, mesh, load), {.parameters = std::move(parameters)});
 }
 
 PressedVolume measured(const Problem& problem, const Eigen::VectorXd& q) {
@@ -164,10 +163,10 @@ std::vector<LoadedIterations> loaded_iterations(std::string_view mesh, std::stri
                                                 const std::vector<double>& forces) {
   std::vector<LoadedIterations> all;
   for (const double force : forces) {
-    const StaticModel model = static_model(
-        make_problem(tissue_id("fem_green", mesh, "press"),
-                     {.material = std::string(material), .parameters = {{"force", force}}, .y0 = {}}),
-        1);
+    const StaticModel model =
+        static_model(make_problem(tissue_id("fem_green", mesh, "press"),
+                                  {.material = std::string(material), .parameters = {{"force", force}}}),
+                     1);
     const auto iterations = [&](StaticMethod method) {
       const StaticSolution solution =
           solve_static(model, {.method = method, .iterations = 2000}, thread_cpu_seconds);
@@ -195,7 +194,7 @@ LinearSolutions linear_solutions(const StaticModel& model) {
         u = f;
         solver.solve(u);
       })};
-  const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 5, .keep_going = {}});
+  const std::vector<Timing> timings = time_interleaved(tasks, {.repetitions = 5});
   return {.dofs = model.dofs,
           .invert = timings[0].least(),
           .factor = timings[1].least(),

@@ -23,14 +23,12 @@ namespace {
 Problem weighing(const ParticleBody& body, double g) {
   const double mass = body.particle_mass * static_cast<double>(mesh_by_name(body.mesh).point_count());
   return make_problem(tissue_id("mass_spring", body.mesh, "gravity"),
-                      {.material = {},
-                       .parameters = {{"E", body.young},
+                      {.parameters = {{"E", body.young},
                                       {"mass", mass},
                                       {"equal_masses", 1},
                                       {"alpha", body.damper / mass},
                                       {"damper", body.damper_time},
-                                      {"g", g}},
-                       .y0 = {}});
+                                      {"g", g}}});
 }
 
 bool hangs(const ParticleBody& body) {

@@ -21,15 +21,14 @@ namespace {
 /// A load with all that is compared with.
 struct LoadedBody {
   ProbingMotion motion;
-  std::map<double, ReferenceMotion> references;  ///< by rate
+  std::map<double, ReferenceMotion> references{};  ///< by rate
 };
 
 LoadedBody loaded_body(const RealTimeQuestion& question, const char* load, const Watcher& watcher) {
-  LoadedBody made{
-      .motion = probing_motion(make_problem(fmt::format("fem_neo_hookean/{}@{}", load, question.body),
-                                            {.material = question.material, .parameters = {}, .y0 = {}}),
-                               watcher),
-      .references = {}};
+  LoadedBody made{.motion =
+                      probing_motion(make_problem(fmt::format("fem_neo_hookean/{}@{}", load, question.body),
+                                                  {.material = question.material}),
+                                     watcher)};
   constexpr double tolerance = 1e-3;
   for (const double rate : question.rates)
     made.references.emplace(rate, reference_motion(made.motion, 1 / rate, tolerance, watcher));
@@ -79,7 +78,7 @@ void show_material(RealTimeRow& row, const Method& method, const FidelityModel& 
 RealTimeRow measured_row(const RealTimeQuestion& question, const Candidate& candidate, double rate,
                          const LoadedBody& pressed, const LoadedBody& grasped, const FidelityModel& model,
                          const Watcher& watcher) {
-  RealTimeRow row{.rate = rate, .method = candidate.words(), .family = {}, .status = {}};
+  RealTimeRow row{.rate = rate, .method = candidate.words()};
   if (const Family* family = family_of(candidate.method)) row.family = family->words;
   row.steps = steps_that_hold(candidate, {&pressed, &grasped}, rate, watcher);
   if (row.steps == 0) {
@@ -129,10 +128,9 @@ std::vector<RealTimeRow> real_time_study(const RealTimeQuestion& question,
   const Watcher watcher = [&] { progress(static_cast<double>(rows.size()) / total, next); };
   const LoadedBody pressed = loaded_body(question, "press", watcher),
                    grasped = loaded_body(question, "pull", watcher);
-  const FidelityModel model =
-      fidelity_model(make_problem(fmt::format("fem_neo_hookean/press@{}", question.body),
-                                  {.material = question.material, .parameters = {}, .y0 = {}}),
-                     watcher);
+  const FidelityModel model = fidelity_model(
+      make_problem(fmt::format("fem_neo_hookean/press@{}", question.body), {.material = question.material}),
+      watcher);
   for (const double rate : question.rates)
     for (const Candidate& candidate : candidates) {
       next = fmt::format("{} at {} Hz", candidate.method.id, rate);

@@ -23,7 +23,7 @@ struct RealTimeRow {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
   double rate = 0;  ///< [Hz]
-  std::string method, family;
+  std::string method, family{};
   std::int64_t steps = 1;  ///< in a frame; of explicit methods as many as hold both motions
   double error_pressed = none, error_grasped = none;  ///< of the motion, relative to its largest displacement
   double frame_p99 = none;                            ///< CPU time of a frame [s]
@@ -32,7 +32,7 @@ struct RealTimeRow {
   double stiffness_ceiling = none;                    ///< [Pa]
   double damping_added = none;                        ///< to the damping ratio of the slowest mode
   double frequency_shift = none;                      ///< relative, of that mode
-  std::string status;
+  std::string status{};
 };
 HMAX_RECORD(RealTimeRow, rate, method, family, steps, error_pressed, error_grasped, frame_p99, frames, missed,
             stiffness_shown, stiffness_ceiling, damping_added, frequency_shift, status);

@@ -58,8 +58,7 @@ double peak_memory() {
 ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
                   const std::function<bool()>& keep_going) {
   const MeshOnDisk file(mesh, folder);
-  const Problem problem = make_problem(tissue_id("fem_green", file.name(), "gravity"),
-                                       {.material = {}, .parameters = {}, .y0 = {}, .unit = 1});
+  const Problem problem = make_problem(tissue_id("fem_green", file.name(), "gravity"), {.unit = 1});
   const TissueBody& body = *problem.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
   Eigen::VectorXd f = zero;

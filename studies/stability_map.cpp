@@ -97,8 +97,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<StabilityMap> maps;
   for (const Method& method : methods)
-    maps.push_back(
-        {.method = method.id, .x = x, .y = y, .h_max = std::vector<double>(points, nan), .note = {}});
+    maps.push_back({.method = method.id, .x = x, .y = y, .h_max = std::vector<double>(points, nan)});
   std::vector<std::size_t> noted(methods.size(), points);  // the point that the note is of
   std::mutex notes;
   const auto note = [&](std::size_t method, std::size_t point, const std::string& text) {

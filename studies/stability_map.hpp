@@ -29,7 +29,7 @@ struct StabilityMap {
   /// [s], h_max[row * x.values.size() + column], rows along y. Infinity where every step is stable, 0 where
   /// none is, NaN where the model itself grows, a body has no equilibrium, or the analysis does not cover it.
   std::vector<double> h_max;
-  std::string note;  ///< why there are NaN, from the first of them
+  std::string note{};  ///< why there are NaN, from the first of them
 
   [[nodiscard]] double at(std::size_t column, std::size_t row) const {
     return h_max[row * x.values.size() + column];

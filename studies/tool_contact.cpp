@@ -49,7 +49,7 @@ bool touches(const SphereTool& tool, const Eigen::Vector3d& centre, const std::a
 
 Problem with_tool(std::string_view mesh, std::string_view material, Parameters parameters) {
   return make_problem(tissue_id("fem_green", mesh, "tool"),
-                      {.material = std::string(material), .parameters = std::move(parameters), .y0 = {}});
+                      {.material = std::string(material), .parameters = std::move(parameters)});
 }
 
 /// The sum of the elastic forces on the free points: what a tool on them holds in equilibrium.
@@ -109,7 +109,7 @@ ViewSearch view_search(std::string_view mesh, std::string_view material) {
     if (!std::ranges::binary_search(found, t)) ++search.missed;
   }
   const std::array task{repeated([&] { triangles_in(volume, points, triangles); })};
-  search.seconds = time_interleaved(task, {.repetitions = 5, .keep_going = {}}).front().least();
+  search.seconds = time_interleaved(task, {.repetitions = 5}).front().least();
   return search;
 }
 

@@ -53,7 +53,7 @@ Path path_of(const AnalysedModel& model, const Watcher& watcher) {
       return motion_path(problem, model.motion.t_end, 400, watcher);
     } catch (const InputError&) {  // what the explicit method of the path does not follow
     }
-  return thinned({.at = reference.t, .y = reference.y, .note = {}}, affordable_states(problem));
+  return thinned({.at = reference.t, .y = reference.y}, affordable_states(problem));
 }
 
 /// The smaller of two limits of which either may be missing.
@@ -104,10 +104,7 @@ CandidateLimit limit_of_frozen_spring(const Candidate& candidate, const Analysed
   const auto method = linearly_implicit_method(candidate.method.id);
   if (!method) return {};
   const double exit = frozen_spring_exit(*method, model.stiffened);
-  return {.h_max = std::isinf(exit)    ? infinity
-                   : model.fastest > 0 ? exit / model.fastest
-                                       : unknown,
-          .status = {}};
+  return {.h_max = std::isinf(exit) ? infinity : model.fastest > 0 ? exit / model.fastest : unknown};
 }
 
 /// @param at_start, along  of the method as it is: at the start, and the least of all places
@@ -118,7 +115,7 @@ CandidateLimit limit_of(const Candidate& candidate, const CandidateLimit& at_sta
   if (is_of_modes) return along;
   const Eigen::Index states = model.motion.problem.y0.size();
   if (states <= small) return limit_by_steps(candidate, at_start, model, watcher);
-  if (states <= most_states_stepped) return {.status = {}, .pending = true};
+  if (states <= most_states_stepped) return {.pending = true};
   return is_frozen(candidate) && !is_truncated(candidate) ? limit_of_frozen_spring(candidate, model)
                                                           : CandidateLimit{};
 }
@@ -144,8 +141,7 @@ std::vector<Linearised> places_of(const AnalysedModel& model, const Path& path,
 
 /// The least limit of the method as it is: at the start, and along the motion.
 CandidateLimit limit_of_modes(const Prediction& start, const std::optional<TrajectoryLimit>& along) {
-  CandidateLimit limit{.h_max = lesser(start.h_max.value_or(unknown), along ? along->least : unknown),
-                       .status = {}};
+  CandidateLimit limit{.h_max = lesser(start.h_max.value_or(unknown), along ? along->least : unknown)};
   if (std::isnan(limit.h_max)) limit.status = start.note;
   limit.of_start = start.h_max && !(along && !std::isnan(along->least));
   if (limit.of_start)
@@ -178,7 +174,7 @@ void predict_limits(AnalysedModel& model, const std::vector<Candidate>& all, con
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (progress) progress(i);
     if (is_costly(all[i].method, problem)) {
-      model.limits.push_back({.status = {}, .pending = true});
+      model.limits.push_back({.pending = true});
       continue;
     }
     const Prediction start = predict(all[i].method, model.near);

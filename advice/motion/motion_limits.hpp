@@ -18,7 +18,7 @@ namespace hmax {
 struct CandidateLimit {
   double h_max =
       std::numeric_limits<double>::quiet_NaN();  ///< [s]; infinity: no step is unstable, NaN: not known
-  std::string status;                            ///< why it is not known
+  std::string status{};                          ///< why it is not known
   bool of_start = false;                         ///< of the start alone: none is known along the motion
   bool pending = false;                          ///< not sought yet: pending_limit() does
 };

@@ -15,8 +15,8 @@ namespace hmax {
 /// A problem whose own motion is what is judged.
 struct ProbingMotion {
   Problem problem;
-  double t_end = 0;   ///< [s]
-  std::string words;  ///< what acts, and how it comes and goes
+  double t_end = 0;     ///< [s]
+  std::string words{};  ///< what acts, and how it comes and goes
   double load_share = 1,
          gravity_share = 1;  ///< of what the problem has; less where that has no equilibrium, or is not tried
 };
@@ -32,9 +32,9 @@ ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {}
 /// A body as it rests under gravity, which is scaled by the largest share 1, 1/2, ..., 1/64 with an
 /// equilibrium; without gravity where there is none, or none acts.
 struct RestingBody {
-  Problem problem;    ///< y0 is the equilibrium without other loads
-  std::string words;  ///< " beside gravity"; empty where none acts
-  double share = 1;   ///< of gravity
+  Problem problem;      ///< y0 is the equilibrium without other loads
+  std::string words{};  ///< " beside gravity"; empty where none acts
+  double share = 1;     ///< of gravity
 };
 RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher = {});
 
@@ -53,9 +53,9 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
 struct ReferenceMotion {
   std::vector<double> t;           ///< [s], the first is 0
   std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
-  double scale = 0;        ///< the largest displacement of a body [m], or the largest range of a state
-  Eigen::VectorXd ranges;  ///< of what is no body: max |y_i - y_i(0)|, shape (dim); else empty
-  double error_bound = 0;  ///< of the instants, relative as relative_error()
+  double scale = 0;          ///< the largest displacement of a body [m], or the largest range of a state
+  Eigen::VectorXd ranges{};  ///< of what is no body: max |y_i - y_i(0)|, shape (dim); else empty
+  double error_bound = 0;    ///< of the instants, relative as relative_error()
 };
 
 /// The largest stable steps at the start of a motion [s]; 0: not known.

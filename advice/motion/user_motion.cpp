@@ -41,7 +41,7 @@ UserMotion read_user_motion(const std::filesystem::path& file) {
   if (!t)
     throw InputError(fmt::format("{}: there is no column t; write the times in seconds into one", name));
   check_times(*t, name);
-  UserMotion motion{.name = name, .points = {}, .along = {}, .t_end = t->back()};
+  UserMotion motion{.name = name, .t_end = t->back()};
   const auto take = [&](const std::array<const char*, 3>& names) {
     std::size_t found = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {

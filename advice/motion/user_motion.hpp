@@ -17,10 +17,10 @@ struct UserMotion {
   enum class Kind { forces, displacements };
 
   Kind kind = Kind::forces;
-  std::string name;                    ///< of the file
-  std::vector<TetMesh::Index> points;  ///< that they act on; forces on none act at the far end of the body
-  std::array<std::shared_ptr<const SampledCurve>, 3> along;  ///< [N], of all points together, or [m]
-  double t_end = 0;                                          ///< [s]
+  std::string name;                      ///< of the file
+  std::vector<TetMesh::Index> points{};  ///< that they act on; forces on none act at the far end of the body
+  std::array<std::shared_ptr<const SampledCurve>, 3> along{};  ///< [N], of all points together, or [m]
+  double t_end = 0;                                            ///< [s]
 };
 
 /// Reads CSV with a column t [s] from 0 on and the columns fx, fy, fz [N] or x, y, z [m]. Between its lines

@@ -119,7 +119,7 @@ bool singles_never_leave(const Amplification& single) {
 /// The limit of steps that no single oscillation leaves, whatever the matrices are; nothing for others.
 std::optional<CoupledLimit> without_exit(const MotionMap& map, const Amplification& single) {
   if (!map.lumped.empty() || !singles_never_leave(single)) return std::nullopt;
-  return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
+  return CoupledLimit{.h_max = infinity, .proved = true};
 }
 
 }  // namespace
@@ -405,12 +405,10 @@ bool CoupledMotion::lumping_keeps_stable(double h) const {
 // Proofs first: nothing moves, no oscillation ever leaves, all leave at -1; then central differences with
 // lumped damping; strides as the last resort.
 std::optional<CoupledLimit> CoupledMotion::first_exit(const Amplification& single) const {
-  if (rate_ == 0)
-    return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
+  if (rate_ == 0) return CoupledLimit{.h_max = infinity, .proved = true};
   if (!symmetric_) return by_strides(std::nullopt);
   if (map_.lumped.empty() && has_no_negative_eigenvalue(k_) && has_no_negative_eigenvalue(c_)) {
-    if (singles_never_leave(single))
-      return CoupledLimit{.h_max = infinity, .shape = {}, .displacement = {}, .of_shape = {}, .proved = true};
+    if (singles_never_leave(single)) return CoupledLimit{.h_max = infinity, .proved = true};
     if (singles_leave_at_minus_one(single, map_))
       if (const auto h = leaves_at_minus_one()) return with_shape(*h, -1, true);
   }

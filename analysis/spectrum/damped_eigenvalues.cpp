@@ -169,7 +169,7 @@ class QuadraticSpace {
 /// has equal residuals, so both or none count.
 DampedEigenvalues converged_of(const RitzSpectrum& ritz, const ScaledMatrices& matrices) {
   constexpr double krylov_tolerance = 1e-9;  // residual over modulus
-  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  DampedEigenvalues result{.rest = std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < ritz.values.size(); ++i) {
     const Complex lambda = ritz.values[i].value;
     if (!(ritz.values[i].residual <= krylov_tolerance * std::abs(lambda))) break;
@@ -259,7 +259,7 @@ DampedEigenvalues DampedSearch::first(std::size_t most, Index most_products) {
 
 DampedEigenvalues DampedSearch::found(std::size_t count) const {
   const QuadraticSpace& space = state_->space;
-  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  DampedEigenvalues result{.rest = std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < count; ++i) {
     Complex lambda = space.values()[i];
     // An undamped motion must not grow by rounding.
@@ -298,7 +298,7 @@ DampedEigenvalues many_damped_eigenvalues(const ScaledMatrices& matrices, const 
   VectorXd start = start_vector(2 * n).normalized();
   start.head(n) += fast;
   start.tail(n) += fast;
-  DampedEigenvalues result{.lambda = {}, .shapes = {}, .rest = std::numeric_limits<double>::infinity()};
+  DampedEigenvalues result{.rest = std::numeric_limits<double>::infinity()};
   // A restart would keep all: there is none.
   visit_ritz_spectra(
       companion, start, {.basis = most, .kept = most, .most_products = most + stride, .conditions = false},

@@ -15,8 +15,8 @@ namespace hmax {
 /// Each lambda and its conjugate are a pair with omega = |lambda| and zeta = -Re(lambda) / |lambda|;
 /// eigenvalues of large modulus are what limits explicit steps.
 struct DampedEigenvalues {
-  std::vector<std::complex<double>> lambda;  ///< the largest first, conjugates side by side [1/s]
-  std::vector<Eigen::VectorXcd> shapes;      ///< u of each lambda, of length 1 in the norm of M, shape (n)
+  std::vector<std::complex<double>> lambda{};  ///< the largest first, conjugates side by side [1/s]
+  std::vector<Eigen::VectorXcd> shapes{};      ///< u of each lambda, of length 1 in the norm of M, shape (n)
   /// No other eigenvalue is larger in modulus, as far as an iteration can say [1/s];
   /// infinity where it found none.
   double rest = 0;

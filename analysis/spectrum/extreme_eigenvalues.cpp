@@ -159,7 +159,7 @@ class Scaled {
 ExtremeStiffnesses dense_stiffnesses(const Scaled& scaled, Index count, bool largest) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver{scaled.matrix()};
   const Index n = scaled.size();
-  ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, count)};
+  ExtremeStiffnesses result{.shapes = MatrixXd(n, count)};
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index(0));
   const VectorXd& kappa = solver.eigenvalues();
@@ -187,7 +187,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   const Sparse shifted = scaled.shifted(shift);
   PanelFactor<double> factor;
   factor.analyse(shifted);
-  ExtremeStiffnesses result{.kappa = {}, .shapes = MatrixXd(n, 0), .converged = false};
+  ExtremeStiffnesses result{.shapes = MatrixXd(n, 0), .converged = false};
   if (!factor.factor(shifted)) return result;
   result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
   const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) { scaled.solve(factor, x, y); };
@@ -235,7 +235,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
                                                {.tolerance = tolerance,
                                                 .most_products = n > most_factored ? 5000 : 600,
                                                 .with_vector = with_shapes});
-    result = {.kappa = {pair.value}, .shapes = {}, .converged = pair.converged};
+    result = {.kappa = {pair.value}, .converged = pair.converged};
     if (with_shapes) result.shapes = scaled.mass.root_solve(pair.vector);
   } else {
     const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);

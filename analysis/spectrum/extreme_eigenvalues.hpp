@@ -41,9 +41,9 @@ LargestEigenvalues largest_eigenvalues(const Eigen::SparseMatrix<double>& J, Eig
 /// Eigenvalues of K u = kappa M u from one end of the spectrum, and their shapes.
 /// omega = sqrt(kappa) is the natural frequency [rad/s] of an undamped mode.
 struct ExtremeStiffnesses {
-  std::vector<double> kappa;  ///< shape (count) [1/s^2]
-  Eigen::MatrixXd shapes;     ///< shape (n, count), shapes^T M shapes = I [kg^-1/2]
-  bool converged = true;      ///< false: fewer than were asked for
+  std::vector<double> kappa{};  ///< shape (count) [1/s^2]
+  Eigen::MatrixXd shapes{};     ///< shape (n, count), shapes^T M shapes = I [kg^-1/2]
+  bool converged = true;        ///< false: fewer than were asked for
   /// Of smallest_stiffnesses: how many kappa are negative by more than 1e-8 of a bound of the largest, which
   /// the signs of the pivots of the factor say (Sylvester's law of inertia).
   Eigen::Index negative = 0;

@@ -61,10 +61,10 @@ struct LinearModel {
   Eigen::VectorXd y;  ///< the state, shape (n)
   /// J(i, j) = d f_i / d y_j, shape (n, n). Of sparse mechanical systems it is assembled by each call: it
   /// takes twice the memory of K and C together, and most limits need only those.
-  std::function<AnyMatrix()> J;
+  std::function<AnyMatrix()> J{};
   JacobianOrigin origin = JacobianOrigin::analytic;
-  std::optional<MechanicalPart> mechanical;  ///< of second-order systems, where y = (q, v)
-  std::function<AnyMatrix()> J_stiff;        ///< of the stiff part of split systems, shape (n, n); else empty
+  std::optional<MechanicalPart> mechanical{};  ///< of second-order systems, where y = (q, v)
+  std::function<AnyMatrix()> J_stiff{};  ///< of the stiff part of split systems, shape (n, n); else empty
 };
 
 /// |A - B| / |A| of the Jacobians of two models of one system, in the norm of Frobenius.
@@ -365,7 +365,7 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
   static_assert(!Eigen::NumTraits<typename S::State::Scalar>::IsComplex, "a linear model is real");
   using Real = real_of<typename S::State>;
   const auto at = static_cast<Real>(t);
-  LinearModel model{.t = t, .y = y.template cast<double>(), .J = {}, .mechanical = {}, .J_stiff = {}};
+  LinearModel model{.t = t, .y = y.template cast<double>()};
   detail::require_finite_state(t, model.y);
 
   const bool analytic = from == JacobianFrom::analytic_if_any && has_jacobian(system);

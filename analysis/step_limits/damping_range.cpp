@@ -148,7 +148,7 @@ double least_damping_per_stiffness(const MechanicalPart& part) {
 }
 
 RangeLimit smallest_exit(const DampingRange& range, const ExitsOf& exits, int samples) {
-  RangeLimit limit{.h_max = std::numeric_limits<double>::infinity(), .mode = {}};
+  RangeLimit limit{.h_max = std::numeric_limits<double>::infinity()};
   struct Place {
     std::size_t edge;
     double from, to;

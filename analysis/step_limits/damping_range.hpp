@@ -68,7 +68,7 @@ double least_damping_per_stiffness(const MechanicalPart& part);
 /// The smallest first exit in a range, and where.
 struct RangeLimit {
   double h_max = 0;  ///< [s]; infinity without one
-  MechanicalMode mode;
+  MechanicalMode mode{};
 };
 
 /// The smallest first exit of oscillating pairs, gamma^2 < 4 kappa, of the range. An exit falls with the rate

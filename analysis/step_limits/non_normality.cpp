@@ -205,7 +205,7 @@ class KreissSearch {
   std::priority_queue<BoundedInterval> queue_;
 };
 
-constexpr KreissConstant unbounded{.value = infinity, .bound = infinity, .at = {}};
+constexpr KreissConstant unbounded{.value = infinity, .bound = infinity};
 
 }  // namespace
 

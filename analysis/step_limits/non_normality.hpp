@@ -26,9 +26,9 @@ NonNormality non_normality(const Eigen::MatrixXd& J);
 
 /// The largest value that a search has found, and what no value can exceed to rounding.
 struct KreissConstant {
-  double value = 1;         ///< >= 1; infinity where exponentials are unbounded
-  double bound = 1;         ///< >= value, by 1e-4 unless the search grew too long
-  std::complex<double> at;  ///< z of the largest value; infinity where the supremum lies there
+  double value = 1;           ///< >= 1; infinity where exponentials are unbounded
+  double bound = 1;           ///< >= value, by 1e-4 unless the search grew too long
+  std::complex<double> at{};  ///< z of the largest value; infinity where the supremum lies there
 };
 
 /// The Kreiss constant of y' = J y,

@@ -14,7 +14,7 @@ namespace {
 template <class Grows, class FirstExit>
 StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& first_exit_of,
                      Exits wanted = Exits::all) {
-  StepLimit limit{.h_max = infinity, .of_modes = std::vector<double>(count, infinity), .growing = {}};
+  StepLimit limit{.h_max = infinity, .of_modes = std::vector<double>(count, infinity)};
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = wanted == Exits::all ? k : count - 1 - k;
     if (grows(i)) {

@@ -11,12 +11,12 @@ namespace hmax {
 
 /// The answer for a whole spectrum.
 struct StepLimit {
-  double h_max = 0;              ///< [s]; infinity when no step of any size is unstable
-  std::size_t limiting = 0;      ///< index of the mode that sets it
-  std::vector<double> of_modes;  ///< the first exit of each mode alone [s]; infinity without one
+  double h_max = 0;                ///< [s]; infinity when no step of any size is unstable
+  std::size_t limiting = 0;        ///< index of the mode that sets it
+  std::vector<double> of_modes{};  ///< the first exit of each mode alone [s]; infinity without one
   /// Modes that grow in the model itself, Re lambda > 0. They are no limit of a step: a method that followed
   /// them would grow as well.
-  std::vector<std::size_t> growing;
+  std::vector<std::size_t> growing{};
 };
 
 /// Re lambda of an eigenvalue that was computed in double is zero when it is less than this of |lambda|.

@@ -129,8 +129,7 @@ AccuracyPlan accuracy_plan(const std::vector<std::string>& methods, const std::v
   });
   for (const SuiteProblem& entry : suite_problems()) {
     const std::size_t p = plan.problems.size();
-    plan.problems.push_back(
-        make_problem(entry.id, {.material = {}, .parameters = entry.parameters, .y0 = entry.y0}));
+    plan.problems.push_back(make_problem(entry.id, {.parameters = entry.parameters, .y0 = entry.y0}));
     if (entry.derivatives != Derivatives::own) take_derivatives_away(plan.problems[p], entry.derivatives);
     const std::size_t first_case = plan.cases.size();
     for (const Method& method : chosen) {
@@ -150,7 +149,7 @@ AccuracyPlan accuracy_plan(const std::vector<std::string>& methods, const std::v
 namespace {
 
 AccuracyRow named_row(const AccuracyCase& one, const Problem& problem) {
-  return {.problem = problem.id, .method = one.method.id, .setting = one.setting, .outcome = {}};
+  return {.problem = problem.id, .method = one.method.id, .setting = one.setting};
 }
 
 AccuracyRow run_case(const AccuracyCase& one, const Problem& problem, const Reference& reference) {

@@ -140,7 +140,7 @@ const RunCheckpoint::Part* RunCheckpoint::find(std::string_view name) const {
 
 RunCheckpoint::Part& RunCheckpoint::part_of(const std::string& name) {
   const auto found = std::ranges::find(parts_, name, &Part::name);
-  return found == parts_.end() ? parts_.emplace_back(Part{.name = name, .state = {}, .output = {}}) : *found;
+  return found == parts_.end() ? parts_.emplace_back(Part{.name = name}) : *found;
 }
 
 double RunCheckpoint::resumes_at(std::string_view name) const {

@@ -31,7 +31,7 @@ KeptOutput kept_output(Sink sink, Members&... members) {
 struct CheckpointOptions {
   std::filesystem::path file;
   double every = 60;             ///< between two savings [s], of the clock on the wall; 0: after each step
-  std::vector<RunFact> facts;    ///< what has to be the same for a run to go on
+  std::vector<RunFact> facts{};  ///< what has to be the same for a run to go on
   std::function<bool()> stop{};  ///< asked after each step: save and end by InterruptedRun
   std::function<void(double t)> progress{};          ///< called about every millisecond
   std::function<void(const std::string&)> remark{};  ///< where saving fails, which ends no run
@@ -72,9 +72,9 @@ class RunCheckpoint {
     std::string name;
     bool finished = false;
     double t = 0, cpu_seconds = 0, elapsed_seconds = 0;
-    std::string state, output;  ///< bytes of the run under way, and of its KeptOutput
-    RunRecord record{};         ///< of a finished run
-    std::string note{};         ///< what its `note` refers to
+    std::string state{}, output{};  ///< bytes of the run under way, and of its KeptOutput
+    RunRecord record{};             ///< of a finished run
+    std::string note{};             ///< what its `note` refers to
 
     void visit_state(auto& visit) {
       Stats& s = record.stats;

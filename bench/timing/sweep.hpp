@@ -71,13 +71,13 @@ struct SweepBlock {
 /// A sweep that was checked from end to end before anything runs.
 struct SweepPlan {
   SweepSpec spec;
-  std::vector<Problem> problems;
-  std::vector<Method> methods;
-  std::vector<SweepBlock> blocks;
-  std::vector<LeftOut> left_out;  ///< methods that no block runs
+  std::vector<Problem> problems{};
+  std::vector<Method> methods{};
+  std::vector<SweepBlock> blocks{};
+  std::vector<LeftOut> left_out{};  ///< methods that no block runs
   /// All that decides the rows, as JSON with every default filled in and the text of users' files: two plans
   /// with equal texts measure the same rows.
-  std::string canonical;
+  std::string canonical{};
 
   [[nodiscard]] std::int64_t rows() const;
 };

@@ -210,11 +210,11 @@ SweepRequest sweep_from(const TomlDocument& document) {
   // Names are looked up here, where their line is still known.
   read.at("problems", [&] {
     for (const std::string& name : request.problems.value_or(std::vector<std::string>{}))
-      make_problem(name, {.material = {}, .parameters = {}, .y0 = {}, .unit = request.unit});
+      make_problem(name, {.unit = request.unit});
   });
   read.at("materials", [&] {
     for (const std::string& id : expanded(request.materials.value_or(std::vector<std::string>{})))
-      make_problem("liver_benchmark", {.material = id, .parameters = {}, .y0 = {}});
+      make_problem("liver_benchmark", {.material = id});
   });
   read.at("methods", [&] { choose_methods(request.methods.value_or(std::vector<std::string>{}), {}); });
   read.at("control", [&] {

@@ -309,7 +309,7 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
 
 SweepPlan plan_sweep(const SweepSpec& spec) {
   check_settings(spec);
-  SweepPlan plan{.spec = spec, .problems = {}, .methods = {}, .blocks = {}, .left_out = {}, .canonical = {}};
+  SweepPlan plan{.spec = spec};
   for (const SweepProblem& problem : spec.problems)
     plan.problems.push_back(make_problem(problem.name, problem.settings));
   ChosenMethods chosen = methods_of(spec, plan.problems);

@@ -25,7 +25,7 @@ struct TimingOptions {
   int repetitions = 9;         ///< samples of each candidate, at least 1
   double min_sample_s = 2e-3;  ///< CPU time of one sample, for the clock to resolve it well [s]
   /// Asked before every sample; false ends the timing. Empty: never asked.
-  std::function<bool()> keep_going;
+  std::function<bool()> keep_going{};
 };
 
 /// What was measured of one candidate.

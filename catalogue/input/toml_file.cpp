@@ -175,7 +175,7 @@ TomlDocument parse_toml(std::string_view text, std::string name) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   check_text(text, name);
-  TomlDocument document{.name = std::move(name), .root = Json::object(), .lines = {}};
+  TomlDocument document{.name = std::move(name), .root = Json::object()};
   try {
     const toml::table table = toml::parse(masked(text));
     document.root = converted(table, "", document);

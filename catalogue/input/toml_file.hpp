@@ -17,7 +17,7 @@ struct TomlDocument {
   std::string name;  ///< the file as the user wrote it
   nlohmann::ordered_json
       root;  ///< an object; keys in the order of the file; integers, numbers (also inf and nan)
-  std::map<std::string, int> lines;  ///< place -> line, from 1
+  std::map<std::string, int> lines{};  ///< place -> line, from 1
 
   /// The line of a place, or of the nearest place around it; 0 for the file as a whole.
   [[nodiscard]] int line(std::string_view place) const;

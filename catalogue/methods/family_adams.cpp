@@ -14,7 +14,6 @@ namespace {
 
 Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
   return {.id = fmt::format("{}_{}", prefix, k),
-          .aliases = {},
           .order = k,
           .error_order = 0,
           .stages = mode == AdamsMode::pece ? 2 : 1,

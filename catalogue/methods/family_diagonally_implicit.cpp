@@ -33,7 +33,6 @@ Method diagonally_implicit() {
   int stages = 0;
   for (const long double weight : T::tableau.b) stages += weight != 0;
   Method method{.id = std::string(T::id),
-                .aliases = {},
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = stages,
@@ -41,8 +40,7 @@ Method diagonally_implicit() {
                 .needs_jacobian = true,
                 .a_stable = T::a_stable,
                 .l_stable = T::l_stable,
-                .source = std::string(T::source),
-                .bind = {}};
+                .source = std::string(T::source)};
   if (unseen_part<T>() > 0)
     method.note = fmt::format("its error estimate does not see a jump in time in the first {} of a step",
                               to_text(unseen_part<T>()));

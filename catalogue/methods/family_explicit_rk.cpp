@@ -42,13 +42,11 @@ constexpr bool misses_quadrature(const ButcherTableau<S>& tableau) {
 template <class T>
 Method explicit_rk(std::size_t index) {
   Method method{.id = std::string(T::id),
-                .aliases = {},
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = static_cast<int>(T::tableau.stages),
                 .source = std::string(T::source),
-                .first_same_as_last = is_fsal(T::tableau),
-                .bind = {}};
+                .first_same_as_last = is_fsal(T::tableau)};
   if (misses_quadrature(T::tableau))
     method.note = "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
   for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
@@ -73,13 +71,11 @@ Method make_method(const RuntimeTableau& tableau) {
       throw InputError(fmt::format(
           "the tableau is called '{}' like a method of hmax; give it a `name` of its own", tableau.name));
   Method method{.id = tableau.name,
-                .aliases = {},
                 .family = "explicit_runge_kutta",
                 .order = tableau.computed_order,
                 .error_order = error_order_of(tableau),
                 .stages = static_cast<int>(tableau.stages()),
-                .source = "the user's tableau",
-                .bind = {}};
+                .source = "the user's tableau"};
   method.bind = [tableau](const Problem& problem) { return bind_to(tableau, problem); };
   method.amplification = shared(runge_kutta_amplification(tableau.a, tableau.b, tableau.computed_order));
   return method;

@@ -13,7 +13,6 @@ namespace {
 template <class T>
 Method imex() {
   return {.id = std::string(T::id),
-          .aliases = {},
           .order = T::order,
           .error_order = T::error_order,
           .stages = static_cast<int>(T::tableau.stages),

@@ -84,7 +84,6 @@ struct Facts {
 template <template <class> class Fixed, template <class> class Steered>
 Method line(const std::vector<Method>& all, const Facts& facts) {
   Method method{.id = facts.id,
-                .aliases = {},
                 .order = facts.order,
                 .error_order = facts.error_order,
                 .stages = facts.stages,
@@ -99,8 +98,7 @@ Method line(const std::vector<Method>& all, const Facts& facts) {
                 .own_control = true,
                 .linearly_implicit = facts.linearly_implicit,
                 .dense_equations = facts.is_implicit,
-                .steps_back = facts.steps_back,
-                .bind = {}};
+                .steps_back = facts.steps_back};
   if (!facts.same_as.empty()) {
     const auto own = std::ranges::find(all, facts.same_as, &Method::id);
     if (own == all.end())

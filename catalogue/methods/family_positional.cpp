@@ -55,8 +55,7 @@ class LastBody {
 template <class Make>
 Method positional(std::string id, std::string source, PositionalVerbs verbs, const Parameters& values,
                   const Make& make) {
-  Method method{
-      .id = std::move(id), .aliases = {}, .order = 1, .stages = 1, .source = std::move(source), .bind = {}};
+  Method method{.id = std::move(id), .order = 1, .stages = 1, .source = std::move(source)};
   method.is_explicit = false;
   method.needs_second_order = true;
   const int iterations = count_of(method.id, values, 0), substeps = count_of(method.id, values, 1);

@@ -10,7 +10,6 @@ namespace hmax {
 
 void add_radau(std::vector<Method>& all) {
   all.push_back({.id = "radau_iia_5",
-                 .aliases = {},
                  .order = 5,
                  .error_order = 4,
                  .stages = 3,

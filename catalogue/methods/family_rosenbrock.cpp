@@ -18,7 +18,6 @@ namespace {
 template <class T>
 Method rosenbrock() {
   Method method{.id = std::string(T::id),
-                .aliases = {},
                 .order = T::order,
                 .error_order = T::error_order,
                 .stages = static_cast<int>(T::tableau.stages),
@@ -27,8 +26,7 @@ Method rosenbrock() {
                 .a_stable = T::a_stable,
                 .l_stable = T::l_stable,
                 .source = std::string(T::source),
-                .linearly_implicit = true,
-                .bind = {}};
+                .linearly_implicit = true};
   method.amplification = shared(rosenbrock_amplification(T::tableau, T::order));
   for (const std::string_view alias : T::aliases) method.aliases.emplace_back(alias);
   method.bind = [](const Problem& problem) {

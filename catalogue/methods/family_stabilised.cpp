@@ -13,7 +13,6 @@ namespace {
 template <class Polynomials>
 Method stabilised() {
   return {.id = std::string(Polynomials::id),
-          .aliases = {},
           .order = 2,
           .error_order = 3,
           .stages = 0,  // chosen at run time

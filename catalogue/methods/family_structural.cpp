@@ -23,8 +23,7 @@ Method structural(std::string id, std::vector<std::string> aliases, int order, s
                 .aliases = std::move(aliases),
                 .order = order,
                 .stages = 1,
-                .source = std::move(source),
-                .bind = {}};
+                .source = std::move(source)};
   method.needs_second_order = true;
   return method;
 }

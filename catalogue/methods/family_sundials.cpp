@@ -137,7 +137,6 @@ std::shared_ptr<const Amplification> amplification_of(const sundials::Method& ch
 Method line(const Facts& facts, const sundials::Method& choice) {
   const bool is_cvode = choice.package == Package::cvode_adams || choice.package == Package::cvode_bdf;
   Method method{.id = facts.id,
-                .aliases = {},
                 .order = facts.order,
                 .error_order = facts.error_order,
                 .stages = facts.stages,
@@ -149,8 +148,7 @@ Method line(const Facts& facts, const sundials::Method& choice) {
                 .source = is_cvode ? "hindmarsh2005sundials" : "reynolds2023arkode",
                 .fixed_step = !is_cvode,
                 .own_control = true,
-                .needs_split = choice.package == Package::imex || choice.package == Package::mri,
-                .bind = {}};
+                .needs_split = choice.package == Package::imex || choice.package == Package::mri};
   method = with_number(method, choice);
   method.amplification = amplification_of(choice, facts.order);
   if (method.needs_jacobian) let_choose_klu(method, choice);

@@ -31,8 +31,6 @@ struct Spiral {
 
 Problem spiral(const Eigenmode& mode) {
   return {.id = "spiral",
-          .material = {},
-          .note = {},
           .parameters = {{"re", mode.lambda.real()}, {"im", mode.lambda.imag()}},
           .states = {"u", "v"},
           .y0 = Eigen::Vector2d(1, 0),

@@ -28,12 +28,12 @@ struct MatrixModel;  // problems/matrices/matrix_model.hpp
 
 /// A problem with all its numbers fixed.
 struct Problem {
-  std::string id;                                          ///< catalogue id, or the name of a user's file
-  std::string material;                                    ///< empty when it has none
-  std::string note;                                        ///< one line: where it comes from
-  std::vector<std::pair<std::string, double>> parameters;  ///< name, value; in the order of the model
-  std::vector<std::string> states;                         ///< names of the components of y
-  Eigen::VectorXd y0;
+  std::string id;                                            ///< catalogue id, or the name of a user's file
+  std::string material{};                                    ///< empty when it has none
+  std::string note{};                                        ///< one line: where it comes from
+  std::vector<std::pair<std::string, double>> parameters{};  ///< name, value; in the order of the model
+  std::vector<std::string> states{};                         ///< names of the components of y
+  Eigen::VectorXd y0{};
   double t_end = 0;  ///< default end time [s]
   bool has_exact_solution = false;
   bool stiff = false;  ///< by its nature: explicit methods need tiny steps for stability alone
@@ -58,10 +58,10 @@ struct Problem {
 
 /// What a user may change of a problem.
 struct ProblemSettings {
-  std::string material;                                    ///< empty: the problem's own
-  std::vector<std::pair<std::string, double>> parameters;  ///< --set name=value
-  std::vector<double> y0;                                  ///< empty: the problem's own
-  std::optional<double> unit = std::nullopt;               ///< of a mesh file: metres in one of its units
+  std::string material{};                                    ///< empty: the problem's own
+  std::vector<std::pair<std::string, double>> parameters{};  ///< --set name=value
+  std::vector<double> y0{};                                  ///< empty: the problem's own
+  std::optional<double> unit = std::nullopt;                 ///< of a mesh file: metres in one of its units
   /// Of formulas: the time at which runs begin, and at which they end, before it to go backwards [s].
   std::optional<double> t0 = std::nullopt, t_end = std::nullopt;
 };
@@ -82,7 +82,7 @@ enum class CarriedAcceleration { none, damped_only, always };
 /// or the family to learn what a method does.
 struct Method {
   std::string id;
-  std::vector<std::string> aliases;
+  std::vector<std::string> aliases{};
   std::string family{};  ///< id of its family (families.hpp), set where the catalogue takes it
   int order = 0;         ///< 0 with !fixed_step: chosen in the run
   int error_order = 0;   ///< err = O(h^error_order), of the lowest order where that is chosen in the run; 0:
@@ -90,7 +90,7 @@ struct Method {
   int stages = 0;        ///< 0: chosen in the run
   bool is_explicit = true, needs_jacobian = false, a_stable = false, l_stable = false;
   std::string engine{own_engine};   ///< or the library that runs it, with its version
-  std::string source;               ///< bibliography key
+  std::string source{};             ///< bibliography key
   bool fixed_step = true;           ///< false: only adaptive runs
   bool own_control = false;         ///< steers adaptive runs by rules of its own, not by RunSpec::control
   bool needs_second_order = false;  ///< positions and velocities, M q'' = F
@@ -106,7 +106,7 @@ struct Method {
   /// What else keeps it from a problem, "takes ..."; empty words where nothing does, null where nothing ever
   /// does.
   std::function<std::string(const Problem&)> unsuited{};
-  std::function<Runner(const Problem&)> bind;
+  std::function<Runner(const Problem&)> bind{};
   /// Null for methods that only run adaptively, and for those whose steps couple all points of a body.
   std::shared_ptr<const Amplification> amplification{};
 

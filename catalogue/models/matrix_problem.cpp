@@ -327,11 +327,8 @@ Problem make_matrix_problem(const std::string& id, const ProblemSettings& settin
     start = start_from(*model, given, "--y0");
   }
   Problem problem{.id = id,
-                  .material = "",
                   .note = note_of(*model),
-                  .parameters = {},
                   .states = state_names(*model),
-                  .y0 = {},
                   .t_end = default_end(*model),
                   .system = system_of(*model, alpha, beta)};
   problem.y0 = start;

@@ -230,7 +230,7 @@ std::array<std::string, 2> axis_names(const Problem& problem) {
 Table orbit(const Problem& problem, const Vector2d& start, double t_end, const Window& window,
             double length) {
   const auto names = axis_names(problem);
-  Table table{.notes = {}, .columns = {names[0], names[1]}, .values = {{}, {}}};
+  Table table{.columns = {names[0], names[1]}, .values = {{}, {}}};
   const Vector2d margin = 2 * window.size();
   Vector2d last = start;
   double gone = 0;

@@ -86,7 +86,6 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
   Problem problem{.id = std::string(liver.id),
                   .material = material,
                   .note = std::string(liver.note),
-                  .parameters = {},
                   .states = {"x", "v"},
                   .y0 = liver.y0,
                   .t_end = liver.t_end,
@@ -117,9 +116,7 @@ Problem test_set_problem(const ProblemSettings& settings) {
   set_parameters(parameters, Wide::Parameters::names, settings, Wide::id);
   const Wide system(parameters);
   Problem problem{.id = std::string(Wide::id),
-                  .material = "",
                   .note = fmt::format("{} [{}]", Wide::note, Wide::source),
-                  .parameters = {},
                   .states = system.states(),
                   .y0 = system.y0().template cast<double>(),
                   .t_end = Wide::t_end,
@@ -209,10 +206,8 @@ Problem formula_problem(FormulaDefinition definition, const std::string& file,
   FormulaSystem system(std::move(definition));
   const FormulaDefinition& d = system.definition();
   Problem problem{.id = d.name,
-                  .material = "",
                   .note = fmt::format("formulas of {}", file),
                   .parameters = d.parameters,
-                  .states = {},
                   .y0 = system.y0(),
                   .t_end = std::abs(d.t_end - d.t0),
                   .system = Oscillator{},

@@ -14,7 +14,7 @@ Table motion(const Problem& problem, const Method& method, double tolerance, dou
   const RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = tolerance, .atol = tolerance, .every = every};
   check(spec, method, problem);
 
-  Table table{.notes = {}, .columns = {"t [s]", "x [m]", "v [m/s]", "a [m/s^2]"}, .values = {{}, {}, {}, {}}};
+  Table table{.columns = {"t [s]", "x [m]", "v [m/s]", "a [m/s^2]"}, .values = {{}, {}, {}, {}}};
   const RunRecord record = method.bind(problem).run(spec, [&](double t, const auto& y) {
     Eigen::Vector2d state = y, slope;
     oscillator->rhs(t, state, slope);

@@ -169,12 +169,10 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                                       body->mesh().element_count(),
                                       body->mesh().has_ten_nodes() ? " of ten nodes" : "", body->dofs()),
                   .parameters = named_values(parameters),
-                  .states = {},
                   .y0 = body->y0(),
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
-                  .tetrahedron_numbers = {},
                   .idle = idle_parameters(id, parameters),
                   .support_by_default = has_default_support(settings)};
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)

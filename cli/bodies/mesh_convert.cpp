@@ -51,10 +51,8 @@ ProblemSettings settings_of(const MeshCommand& options) {
   MeshOptions acting;
   acting.gravity = options.gravity;
   acting.supports = options.supports;
-  ProblemSettings settings{.material = options.material,
-                           .parameters = {{"g", 0}, {"support", 0}},
-                           .y0 = {},
-                           .unit = options.metres()};
+  ProblemSettings settings{
+      .material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .unit = options.metres()};
   for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
   for (const std::string& assignment : options.set)
     settings.parameters.push_back(parse_assignment("--set", assignment));

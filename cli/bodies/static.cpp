@@ -294,10 +294,10 @@ struct StaticAnswer {
   StaticSolution solution;
   double load_scale, seconds;          ///< CPU time of one thread, elapsed time where --jobs is given [s]
   std::optional<std::size_t> threads;  ///< that --jobs has asked for
-  std::string outcome, status;
+  std::string outcome{}, status{};
   double least_volume, energy;
-  std::optional<ToolReport> tool;
-  std::optional<SuggestedSupport> suggested_support;
+  std::optional<ToolReport> tool{};
+  std::optional<SuggestedSupport> suggested_support{};
 };
 
 StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const StaticSettings& settings,
@@ -324,12 +324,8 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
                       .load_scale = scale,
                       .seconds = seconds,
                       .threads = threads,
-                      .outcome = {},
-                      .status = {},
                       .least_volume = 0,
-                      .energy = 0,
-                      .tool = {},
-                      .suggested_support = {}};
+                      .energy = 0};
   answer.outcome = outcome_of(problem, answer.solution);
   answer.status =
       scale == 1 ? status_without_equilibrium(problem, answer.solution) : status_of(problem, answer.solution);

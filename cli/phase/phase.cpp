@@ -278,10 +278,7 @@ PhaseView view_of(const PhaseOptions& options) {
                  .t = driven ? std::optional(t) : std::nullopt,
                  .still = still,
                  .field = planar_field(problem, t, window.size()),
-                 .window = window,
-                 .equilibria = {},
-                 .check = {},
-                 .remarks = {}};
+                 .window = window};
   require_finite(view);
   EquilibriumSet found = search_equilibria(view.field, window);
   view.equilibria = std::move(found.points);

@@ -36,9 +36,9 @@ struct PhaseView {
   Problem still;            ///< the problem without its time
   PlanarField field;
   Window window;
-  std::vector<Equilibrium> equilibria;
-  DegreeCheck check;                 ///< what the border of the window tells of them
-  std::vector<std::string> remarks;  ///< whole sentences
+  std::vector<Equilibrium> equilibria{};
+  DegreeCheck check{};                 ///< what the border of the window tells of them
+  std::vector<std::string> remarks{};  ///< whole sentences
 };
 
 /// --window. @throws InputError

@@ -58,8 +58,7 @@ Figure picture(const PhaseView& view, const Basins& found) {
   BasinMap map{.columns = found.columns,
                .rows = found.rows,
                .x = {w.lower(0), w.upper(0)},
-               .v = {w.lower(1), w.upper(1)},
-               .attractor = {}};
+               .v = {w.lower(1), w.upper(1)}};
   for (const int fate : found.fate)
     map.attractor.push_back(fate < 0 ? -1 : number[static_cast<std::size_t>(fate)]);
   const auto names = axis_names(view.problem);

@@ -26,7 +26,7 @@ struct MapView {
   double h;
   PlanarMap map;
   FixedPointSearch fixed;
-  std::vector<bool> spurious;  ///< of each fixed point
+  std::vector<bool> spurious{};  ///< of each fixed point
   std::vector<PeriodTwo> period_two;
 };
 
@@ -38,7 +38,6 @@ MapView map_of(const PhaseView& view, const PhaseOptions& options) {
                .h = *options.h,
                .map = map,
                .fixed = search_fixed_points(map, view.window),
-               .spurious = {},
                .period_two = find_period_two(map, view.window)};
   for (const FixedPoint& point : seen.fixed.points)
     seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, view.window));

@@ -111,7 +111,7 @@ struct Section {
   Settled motion;
   std::optional<Exponent> exponent;  ///< per period of the force; nothing when the motion diverges
   Window searched;                   ///< for motions of one period
-  FixedPointSearch periodic;
+  FixedPointSearch periodic{};
 
   /// [1/s]
   [[nodiscard]] double lyapunov() const { return exponent->value / drive_period; }
@@ -138,8 +138,7 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
       .exponent = motion.exponent,
       .searched = options.window.empty()
                       ? window_of_motions(problem, whole ? points : std::vector<VectorXd>{}, period)
-                      : parse_window(options.window),
-      .periodic = {}};
+                      : parse_window(options.window)};
   if (motion.settling == Settling::periodic)
     section.exponent =
         largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());

@@ -62,7 +62,7 @@ ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vect
 /// the frequency of the cubic spring, so this sweep is short and keeps to the methods that are drawn.
 SweepSpec self_exciting_sweep() {
   SweepSpec spec;
-  spec.problems = {{"liver_forced", {.material = {}, .parameters = {{"c", -2}}, .y0 = {}}}};
+  spec.problems = {{"liver_forced", {.parameters = {{"c", -2}}}}};
   spec.methods = {"explicit_euler", "dormand_prince_54", "rosenbrock_23", "adams_pece", "trapezoidal"};
   spec.t_end = 10;
   return spec;

@@ -137,7 +137,7 @@ std::vector<ShownMethod> one_of_each_order() {
 std::vector<Row> without_lost_runs(std::vector<Row> rows, const OscillatorParameters& p,
                                    const Eigen::Vector2d& y0, double t_end) {
   double size = 0;
-  const LabelledTable curve = curve_of({.label = {}, .parameters = p}, y0, t_end);
+  const LabelledTable curve = curve_of({.parameters = p}, y0, t_end);
   for (const std::size_t column : {1U, 2U})
     for (const double value : curve.table.values[column]) size = std::max(size, std::abs(value));
   for (Row& row : rows)
@@ -166,7 +166,7 @@ Table run_times(const std::vector<Row>& rows, const std::string& mode, const std
     if (row.key.mode == mode && row.outcome == "reached_end")
       by_step[row.key.h][row.key.method] =
           std::stod(fmt::format("{:.3g}", summarise(row.cpu_s).median * 1e3));
-  Table table{.notes = {}, .columns = {"h [s]"}, .values = {{}}};
+  Table table{.columns = {"h [s]"}, .values = {{}}};
   for (const ShownMethod& method : list) {
     table.columns.push_back((method.label.empty() ? method.id : method.label) + " [ms]");
     table.values.emplace_back();

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
                      Parameters parameters) {
   return make_problem(tissue_id(model, mesh, load),
-                      {.material = study_material, .parameters = std::move(parameters), .y0 = {}});
+                      {.material = study_material, .parameters = std::move(parameters)});
 }
 
 std::string made_of(const Problem& problem) {
@@ -78,7 +78,6 @@ void the_meshes(TissuePage& tissue) {
 void deflections(TissuePage& tissue) {
   BodyPicture bodies{
       .title = fmt::format("The liver under {:g} N: springs deform more than elements", pressing),
-      .colours = {},
       .columns = 2};
   for (const auto& [model, key, title] :
        {std::tuple{"mass_spring", "deflection_springs", "Mass-spring"},

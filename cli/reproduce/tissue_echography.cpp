@@ -30,8 +30,7 @@ void draw_slices(TissuePage& tissue, const Echography& study) {
           fmt::format("Synthetic: voxels with speckle, no acoustics. The probe presses the middle of the "
                       "skin by {:g} mm. Lines: vein and bone as finite elements with regions have them.",
                       1000 * study.press.depth),
-      .pixel = study.pixel,
-      .images = {}};
+      .pixel = study.pixel};
   for (const EchoImage& image : study.images) {
     PixelImage& shown = picture.images.emplace_back(PixelImage{image.title, image.grey});
     if (!image.vein.empty()) shown.lines.push_back({"wall of the vein", 4, image.vein});

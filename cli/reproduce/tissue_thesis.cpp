@@ -115,7 +115,7 @@ void regions_and_eigenvalues(TissuePage& tissue) {
     chosen.push_back(find_method(id));
     shapes.push_back(shape_of(id, region_boundary(stable_at(*chosen.back().amplification), window)));
   }
-  Figure figure{.footer = {}, .panel_height = frame.height};
+  Figure figure{.panel_height = frame.height};
   figure.columns = static_cast<int>(masses.size());
   ParticleBody body{.mesh = tissue.options.mesh(), .damper_time = 0.002};
   std::vector<std::vector<double>> rates;  // of each mass, of each method

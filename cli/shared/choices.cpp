@@ -178,7 +178,7 @@ ProblemSettings ProblemChoice::settings() const {
   if (!body.unit.empty() && body.mesh.empty() && !is_tissue_id(problem))
     throw InputError(fmt::format(
         "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", named));
-  ProblemSettings settings{.material = material, .parameters = {}, .y0 = {}, .unit = body.metres()};
+  ProblemSettings settings{.material = material, .unit = body.metres()};
   settings.parameters = body.parameters();
   if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
     throw InputError(fmt::format(

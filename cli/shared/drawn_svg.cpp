@@ -14,20 +14,18 @@ namespace hmax {
 
 DrawnSvg drawn_svg(const Figure& figure, const std::string& name) {
   if (!gnuplot_available())
-    return {.svg = {},
-            .alt = {},
-            .problem = "gnuplot is not installed; apt-get install gnuplot-nox, then ask again"};
+    return {.problem = "gnuplot is not installed; apt-get install gnuplot-nox, then ask again"};
   try {
     const TemporaryFolder folder;
     const FigureFiles made = draw(figure, folder.path(), name);
-    if (!made.drawn()) return {.svg = {}, .alt = {}, .problem = made.problem};
+    if (!made.drawn()) return {.problem = made.problem};
     std::ifstream in(made.base.string() + ".svg", std::ios::binary);
     std::string svg{std::istreambuf_iterator<char>(in), {}};
     // Behind the line that says it is XML.
     svg.insert(svg.find('\n') + 1, "<!-- " + std::string(own_mark) + " -->\n");
-    return {.svg = std::move(svg), .alt = made.alt, .problem = {}};
+    return {.svg = std::move(svg), .alt = made.alt};
   } catch (const InputError& error) {
-    return {.svg = {}, .alt = {}, .problem = error.what()};
+    return {.problem = error.what()};
   }
 }
 

@@ -8,9 +8,9 @@
 namespace hmax {
 
 struct DrawnSvg {
-  std::string svg;      ///< with the mark of files of hmax; empty where it could not be drawn
-  std::string alt;      ///< what is seen, in words
-  std::string problem;  ///< why not, one sentence with the remedy; else empty
+  std::string svg{};      ///< with the mark of files of hmax; empty where it could not be drawn
+  std::string alt{};      ///< what is seen, in words
+  std::string problem{};  ///< why not, one sentence with the remedy; else empty
 };
 
 /// By gnuplot, in a folder of its own that does not stay.

@@ -178,9 +178,9 @@ Section section_of(const Chapter& chapter, const fs::path& folder) {
   });
   section.figures.push_back(draw(each, folder, "each_" + chapter.stem));
   for (const auto& [parts, stem, caption] :
-       {std::tuple{PartsChoice{.fast = "0,-1,-3,-10", .ratios = {}}, "beside_stiff_",
+       {std::tuple{PartsChoice{.fast = "0,-1,-3,-10"}, "beside_stiff_",
                    "beside a stiff part: the region of what is not stiff, and how far it may swing"},
-        {PartsChoice{.fast = {}, .ratios = "1.2,2"}, "old_jacobian_",
+        {PartsChoice{.ratios = "1.2,2"}, "old_jacobian_",
          "with a frozen Jacobian, z = hλ being so many times what it says"}}) {
     Figure told{.title = fmt::format("{} {}", chapter.title, caption), .columns = 2, .panel_height = 300};
     const auto panels = parallel_map(chapter.formulas.size(), [&](std::size_t i) -> std::vector<Panel> {
@@ -234,7 +234,7 @@ FigureFiles kept(const std::string& svg, const fs::path& folder, const std::stri
                  const std::string& alt) {
   const fs::path file = folder / (name + ".svg");
   write_file(file, svg);
-  return {.base = folder / name, .made = {file}, .problem = {}, .alt = alt};
+  return {.base = folder / name, .made = {file}, .alt = alt};
 }
 
 Section sliding_section(const fs::path& folder) {

@@ -179,7 +179,6 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
   Figure figure{.title = shrinks ? fmt::format("In the shaded parts more {} shrinks the largest stable step",
                                                maps.front().x.name)
                                  : "The largest stable step over two parameters",
-                .panels = {},
                 .columns = maps.size() > 1 ? 2 : 1,
                 .footer = footer,
                 .panel_height = maps.size() > 1 ? 360 : 420};
@@ -198,8 +197,8 @@ Figure picture(const std::vector<StabilityMap>& maps, const MapOptions& options,
 struct MapStudy {
   MapAxis x, y;
   Problem bare;  ///< where the axes vary nothing
-  std::vector<StabilityMap> maps;
-  std::optional<FigureFiles> figure;
+  std::vector<StabilityMap> maps{};
+  std::optional<FigureFiles> figure{};
 };
 
 /// The axes, which have to be given and to fit together.
@@ -241,8 +240,7 @@ void check_length(const MapOptions& options, const MapStudy& study, const Proble
 
 MapStudy study_of(const MapOptions& options, Console& console) {
   auto [x, y] = axes_of(options);
-  MapStudy study{
-      .x = std::move(x), .y = std::move(y), .bare = options.problem.make(), .maps = {}, .figure = {}};
+  MapStudy study{.x = std::move(x), .y = std::move(y), .bare = options.problem.make()};
   const ProblemSettings settings = options.problem.settings();
   const ProblemAt problem_at = options.rayleigh
                                    ? over_rayleigh(options.problem.id(), settings)

@@ -166,7 +166,6 @@ NamedFigure picture_of(const Formula& formula, const std::vector<PartRegion>& re
   Figure figure{
       .title = split ? fmt::format("{}: where the rest of f is stable beside a stiff part z_fast", formula.id)
                      : fmt::format("{} with a frozen Jacobian that says z₀ for z = hλ", formula.id),
-      .panels = {},
       .columns = regions.size() > 1 || split ? 2 : 1,
       .panel_height = split ? 400 : 300};
   figure.panels = panels_of(formula, regions, look, figure.panel_height);

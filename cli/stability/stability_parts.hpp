@@ -13,8 +13,9 @@ namespace hmax {
 
 /// --fast and --ratios of `hmax stability region`
 struct PartsChoice {
-  std::string fast;  ///< of implicit-explicit methods: z of the stiff part, real or imaginary, "0,-1,-10,5i"
-  std::string ratios;  ///< of linearly implicit methods: lambda over what the Jacobian says it is
+  std::string
+      fast{};  ///< of implicit-explicit methods: z of the stiff part, real or imaginary, "0,-1,-10,5i"
+  std::string ratios{};  ///< of linearly implicit methods: lambda over what the Jacobian says it is
 
   void add_to(CLI::App& command);
   [[nodiscard]] bool any() const { return !fast.empty() || !ratios.empty(); }

@@ -134,7 +134,7 @@ class Events {
     std::vector<std::size_t> order(found_.at.size());
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return found_.at[i]; });
-    Path path{.at = {}, .y = {}, .note = regular_.note, .tolerances = regular_.tolerances};
+    Path path{.note = regular_.note, .tolerances = regular_.tolerances};
     std::size_t k = 0;
     const auto put = [&](double t, const Eigen::VectorXd& y) {
       if (!path.at.empty() && path.at.back() == t) return;
@@ -263,7 +263,7 @@ std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
   if (!(t_end > 0 && std::isfinite(t_end)))
     throw InputError(
         fmt::format("the end time is {} s but must be positive and finite; give another", to_text(t_end)));
-  Path path{.at = {0}, .y = {}};
+  Path path{.at = {0}};
   const std::vector<double> times = times_of_matrices(problem);
   std::ranges::copy_if(times, std::back_inserter(path.at), [&](double t) { return t > 0 && t < t_end; });
   if (!times.empty()) path.at.push_back(t_end);
@@ -437,7 +437,6 @@ std::vector<std::optional<TrajectoryLimit>> limits_along(std::span<const Method>
     limits.emplace_back();
     if (!method.analysed().amplification || !suits(method, problem)) continue;
     limits.back() = TrajectoryLimit{.t = path.at,
-                                    .h_max = {},
                                     .least = std::numeric_limits<double>::quiet_NaN(),
                                     .y_least = path.y.front(),
                                     .tolerances = path.tolerances};

@@ -15,8 +15,8 @@ namespace hmax {
 
 /// States that a model passes.
 struct Path {
-  std::vector<double> at;            ///< the instant of each [s], or its share of the load
-  std::vector<Eigen::VectorXd> y;    ///< shape (dim) each
+  std::vector<double> at{};          ///< the instant of each [s], or its share of the load
+  std::vector<Eigen::VectorXd> y{};  ///< shape (dim) each
   std::string note = {};             ///< why it ends early; empty when it does not
   MotionTolerances tolerances = {};  ///< of a motion
 };
@@ -52,10 +52,10 @@ Path load_path(const Problem& problem, int points = 40, const Watcher& watcher =
 /// quickly, and a shorter one unstable where modes turn into one another. Runs tell, see limit_from_start().
 struct TrajectoryLimit {
   std::vector<double> t,  ///< as Path::at
-      h_max;  ///< [s], of the modes that do not grow; NaN without an answer, infinity where nothing limits
+      h_max{};  ///< [s], of the modes that do not grow; NaN without an answer, infinity where nothing limits
   double least = 0;  ///< the smallest of them; infinity when nothing limits, NaN when no point has an answer
   double t_least = 0;                                            ///< where it occurs, as Path::at
-  Eigen::VectorXd y_least;                                       ///< the state there, shape (dim)
+  Eigen::VectorXd y_least{};                                     ///< the state there, shape (dim)
   double growing = 0;                                            ///< share of the points whose tangent grows
   double grows_from = std::numeric_limits<double>::quiet_NaN();  ///< the first of them, as Path::at
   std::string note = {};             ///< why points have no answer; empty where all have one, or only grow

@@ -18,9 +18,9 @@ namespace hmax {
 /// A matrix by rows: columns and values of row i lie in [first[i], first[i + 1]). All counts from 0.
 struct MatrixRows {
   std::int64_t rows = 0, columns = 0;
-  std::vector<std::int64_t> first;  ///< shape (rows + 1)
-  std::vector<int> column;          ///< shape (entries), rising within a row
-  std::vector<double> value;        ///< shape (entries)
+  std::vector<std::int64_t> first{};  ///< shape (rows + 1)
+  std::vector<int> column{};          ///< shape (entries), rising within a row
+  std::vector<double> value{};        ///< shape (entries)
 };
 
 /// A structure whose rows each process makes by itself, some at a time. K has no negative eigenvalue.
@@ -39,16 +39,16 @@ struct StructurePieces {
   bool has_damping = false;  ///< beside alpha M + beta K
   /// Of rows begin to end, of which there is one at least.
   /// @throws std::exception  one sentence
-  std::function<Rows(std::int64_t begin, std::int64_t end)> rows;
-  std::function<Lengths(std::int64_t begin, std::int64_t end)> lengths;
+  std::function<Rows(std::int64_t begin, std::int64_t end)> rows{};
+  std::function<Lengths(std::int64_t begin, std::int64_t end)> lengths{};
 };
 
 /// M q'' + (C + alpha M + beta K) q' + K q = 0 with matrices in files, or in pieces.
 struct DistributedStructure {
-  std::string stiffness, mass, damping;   ///< files; damping may be empty
-  std::optional<StructurePieces> pieces;  ///< in the place of files
-  bool lumped = false;                    ///< masses are the sums of the rows of M
-  double alpha = 0, beta = 0;             ///< [1/s], [s]
+  std::string stiffness, mass, damping;     ///< files; damping may be empty
+  std::optional<StructurePieces> pieces{};  ///< in the place of files
+  bool lumped = false;                      ///< masses are the sums of the rows of M
+  double alpha = 0, beta = 0;               ///< [1/s], [s]
   /// Reads a file that the library behind the engine cannot: called by rank 0 alone, which then deals out the
   /// rows. A column of masses is a diagonal matrix.
   /// @throws std::exception  one sentence

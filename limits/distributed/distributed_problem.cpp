@@ -21,11 +21,7 @@ namespace {
 StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
   constexpr int axes = 3;
   const auto point = [](std::int64_t row) { return static_cast<BodyPieces::Index>(row / axes); };
-  StructurePieces pieces{.unknowns = body->dofs(),
-                         .together = axes,
-                         .has_damping = body->has_dampers(),
-                         .rows = {},
-                         .lengths = {}};
+  StructurePieces pieces{.unknowns = body->dofs(), .together = axes, .has_damping = body->has_dampers()};
   pieces.rows = [body, point](std::int64_t begin, std::int64_t end) {
     const BodyPieces::Piece piece = body->piece(point(begin), point(end));
     StructurePieces::Rows rows{.stiffness = matrix_rows(piece.stiffness), .damping = {}, .mass = {}};
@@ -56,8 +52,7 @@ DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings
         "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
   std::vector<std::string> remarks = remarks_on_points(loaded.origin->file);
   loaded.origin = nullptr;
-  DistributedProblem body{.structure = {},
-                          .parameters = named_values(parameters),
+  DistributedProblem body{.parameters = named_values(parameters),
                           .body = summary_of(loaded.mesh, made),
                           .remarks = std::move(remarks)};
   try {
@@ -87,10 +82,7 @@ DistributedProblem distributed_problem(const std::string& id, const ProblemSetti
       throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
     (name == "alpha" ? alpha : beta) = value;
   }
-  return {.structure = distributed_structure(matrix_files(id), alpha, beta),
-          .parameters = {},
-          .body = {},
-          .remarks = {}};
+  return {.structure = distributed_structure(matrix_files(id), alpha, beta)};
 }
 
 }  // namespace hmax

@@ -14,10 +14,10 @@ namespace hmax {
 
 /// Matrices, or a body at rest.
 struct DistributedProblem {
-  DistributedStructure structure;
-  std::vector<std::pair<std::string, double>> parameters;  ///< of a body, as Problem has them
-  std::optional<BodySummary> body;
-  std::vector<std::string> remarks;  ///< remarks_on_points (catalogue/models/mesh_choice.hpp)
+  DistributedStructure structure{};
+  std::vector<std::pair<std::string, double>> parameters{};  ///< of a body, as Problem has them
+  std::optional<BodySummary> body{};
+  std::vector<std::string> remarks{};  ///< remarks_on_points (catalogue/models/mesh_choice.hpp)
 };
 
 /// Each process reads or makes the mesh of a body, which is small beside the matrices.

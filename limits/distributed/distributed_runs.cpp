@@ -133,11 +133,10 @@ class DistributedSystem {
 /// Runs of the rows of this process. One that ends early here ends everywhere, and the other way round: each
 /// run has one last word with all others.
 ShowSteps steps_of(const Method& method, const ModeStart& start, Shared shared, double fastest) {
-  Problem problem;
-  problem.id = "rows";
-  problem.y0 = start.displacement;
-  problem.t_end = 1;
-  problem.system = AnySystem(DistributedSystem(shared, fastest));
+  Problem problem{.id = "rows",
+                  .y0 = start.displacement,
+                  .t_end = 1,
+                  .system = AnySystem(DistributedSystem(shared, fastest))};
   return [runner = method.bind(problem), shared](double h, std::int64_t steps, const auto& show) {
     RunSpec spec;
     spec.t_end = h * static_cast<double>(steps);

@@ -53,7 +53,7 @@ void set_range(DistributedModel& model, ModeSet& modes) {
   range.most_c = ends.gamma_max;
   range.most_k = ends.kappa_max * (1 + ends.residual);
   const auto first = [&model](std::size_t most) {
-    DampedEigenvalues found{.lambda = model.largest_damped(most), .shapes = {}, .rest = 0};
+    DampedEigenvalues found{.lambda = model.largest_damped(most), .rest = 0};
     found.rest = std::abs(found.lambda.back());
     return found;
   };
@@ -75,7 +75,7 @@ void set_range(DistributedModel& model, ModeSet& modes) {
 }  // namespace
 
 MatrixRows matrix_rows(const Eigen::SparseMatrix<double, Eigen::RowMajor>& matrix) {
-  MatrixRows rows{.rows = matrix.rows(), .columns = matrix.cols(), .first = {}, .column = {}, .value = {}};
+  MatrixRows rows{.rows = matrix.rows(), .columns = matrix.cols()};
   rows.first.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
   rows.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
   rows.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
@@ -99,10 +99,7 @@ Problem pair_with_ends(const std::string& id, const StructureEnds& ends) {
   }
   model.unknowns = {0, 1};
   Problem pair{.id = id,
-               .material = {},
-               .note = {},
                .parameters = {{"alpha", ends.alpha}, {"beta", ends.beta}},
-               .states = {},
                .y0 = Eigen::VectorXd::Zero(4),
                .t_end = 1,
                .system = system_of(model, ends.alpha, ends.beta)};
@@ -150,7 +147,6 @@ DistributedStructure distributed_structure(const MatrixFiles& files, double alph
   return {.stiffness = files.stiffness,
           .mass = files.mass,
           .damping = files.damping,
-          .pieces = {},
           .lumped = files.lumped,
           .alpha = alpha,
           .beta = beta,

@@ -124,7 +124,7 @@ LimitOnCurve limit_on_curve(const Amplification& amplification, const Mechanical
     curve.kappa_min = modes.slow_end->of(part, curve);
     least = smallest_exit(curve, exits);
   }
-  LimitOnCurve limit{.h_max = least.h_max, .mode = mode_of(curve.at(least.kappa)), .modes = {}, .note = {}};
+  LimitOnCurve limit{.h_max = least.h_max, .mode = mode_of(curve.at(least.kappa))};
   std::vector<MechanicalMode> shown;
   if (!modes.slow_end || !is_of_fastest) shown.push_back(curve.at(curve.kappa_min));
   shown.push_back(curve.at(curve.kappa_max));

@@ -48,10 +48,11 @@ bool set_curve(const LinearModel& model, ModeSet& modes, Eigen::Index small = mo
 
 /// The least limit of a method along the curve of all modes between those ends.
 struct LimitOnCurve {
-  double h_max = 0;               ///< [s]
-  Mode mode;                      ///< that sets it
-  std::vector<ModeMargin> modes;  ///< both ends as far as known, and the limiting mode where it lies between
-  std::string note;               ///< a sentence where it does: no mode may lie exactly there
+  double h_max = 0;  ///< [s]
+  Mode mode;         ///< that sets it
+  std::vector<ModeMargin>
+      modes{};         ///< both ends as far as known, and the limiting mode where it lies between
+  std::string note{};  ///< a sentence where it does: no mode may lie exactly there
 };
 
 /// @param radius  that the method is told [1/s]

@@ -181,10 +181,10 @@ bool set_largest(const LinearModel& model, ModeSet& modes) {
 
 LimitInRange limit_in_range(const Amplification& amplification, const MechanicalPart& part,
                             const ModeSet& modes, double radius) {
-  LimitInRange limit{.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
+  LimitInRange limit{.h_max = infinity};
   std::vector<MechanicalMode> inside;
   const auto take = [&](const std::vector<Complex>& lambda) {
-    limit = {.h_max = infinity, .mode = {}, .modes = {}, .unstable_from = {}};
+    limit = {.h_max = infinity};
     std::vector<Eigenmode> found;
     for (const Complex each : lambda)
       if (each.imag() >= 0) found.emplace_back(each);

@@ -63,11 +63,11 @@ bool set_largest(const LinearModel& model, ModeSet& modes);
 
 /// The limit of a method on such a structure.
 struct LimitInRange {
-  double h_max = 0;               ///< no mode is unstable at smaller steps [s]
-  Mode mode;                      ///< that sets it, or that bounds it
-  std::vector<ModeMargin> modes;  ///< the largest eigenvalues
+  double h_max = 0;                 ///< no mode is unstable at smaller steps [s]
+  Mode mode{};                      ///< that sets it, or that bounds it
+  std::vector<ModeMargin> modes{};  ///< the largest eigenvalues
   std::optional<double>
-      unstable_from;  ///< where no mode is known to be unstable just beyond h_max: from here [s]
+      unstable_from{};  ///< where no mode is known to be unstable just beyond h_max: from here [s]
 };
 
 /// The least first exit of the largest eigenvalues, where the range says that no other mode leaves before;

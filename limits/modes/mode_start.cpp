@@ -54,8 +54,7 @@ StructureProducts products_of(const MechanicalPart& part) {
           .stiffness_times =
               [K](const VectorXd& x) {
                 return std::visit([&](const auto& held) -> VectorXd { return held * x; }, *K);
-              },
-          .add_up = {}};
+              }};
 }
 
 /// From a displacement and a velocity, and a hundredth of everything else.

@@ -102,9 +102,6 @@ double of_motion(const Method& method) {
   for (const auto& [stiffer, damped] : {std::pair{0.05, 0.1}, {0.3, 0.05}, {0.1, 0.4}}) {
     const TwoBodies bodies{stiffer, damped};
     const Problem problem{.id = "two_bodies",
-                          .material = {},
-                          .note = {},
-                          .parameters = {},
                           .states = {"q1", "q2", "v1", "v2"},
                           .y0 = Eigen::Vector4d(1, -0.3, 0.2, 0.5),
                           .t_end = 1,

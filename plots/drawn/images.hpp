@@ -31,7 +31,7 @@ struct PixelImage {
 struct ImagePicture {
   std::string title, caption;
   double pixel;  ///< [m]
-  std::vector<PixelImage> images;
+  std::vector<PixelImage> images{};
 };
 
 /// The text of the SVG, 900 pixels wide, with two images in a row. The same picture gives the same bytes.

@@ -126,7 +126,7 @@ std::string bytes_of(const fs::path& folder, const fs::path& file) {
 struct Picture {
   cmark_node* place;  ///< shows it
   bool figure;        ///< in a paragraph of its own
-  std::string file, link, alt;
+  std::string file, link{}, alt;
   enum class Kind { svg, png };
   std::vector<std::pair<Kind, std::string>> forms = {};
   std::size_t form = 0;  ///< number of forms: a link only
@@ -158,11 +158,8 @@ std::vector<Picture> take_pictures(Document& document, const fs::path& folder) {
   for (cmark_node* image : document.all("image")) {
     // Nodes in headings are copied, and those in other pictures gone with them.
     if (is_below(image, "image") || is_below(image, "heading")) continue;
-    Picture picture{.place = nullptr,
-                    .figure = false,
-                    .file = cmark_node_get_url(image),
-                    .link = {},
-                    .alt = words_of(image)};
+    Picture picture{
+        .place = nullptr, .figure = false, .file = cmark_node_get_url(image), .alt = words_of(image)};
     picture.link = picture.file;
     cmark_node* outer = image;
     if (cmark_node* parent = cmark_node_parent(outer);

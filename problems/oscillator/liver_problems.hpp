@@ -33,7 +33,7 @@ const LiverProblem& liver_problem(std::string_view id);
 
 /// One curve of a figure.
 struct LiverFamilyMember {
-  std::string label;  ///< what distinguishes it, with its unit: "m = 1.2 kg", "male_fat"
+  std::string label{};  ///< what distinguishes it, with its unit: "m = 1.2 kg", "male_fat"
   OscillatorParameters parameters;
 };
 

@@ -53,8 +53,7 @@ std::shared_ptr<Body> make_body(const std::string& mesh, const std::string& mode
                                 const std::string& material, const std::string& load,
                                 const Values& parameters, const std::optional<std::array<double, 3>>& gravity,
                                 const std::vector<std::string>& supports, std::optional<double> unit) {
-  Recipe recipe{tissue_id(model, mesh, load),
-                {.material = material, .parameters = parameters, .y0 = {}, .unit = unit}};
+  Recipe recipe{tissue_id(model, mesh, load), {.material = material, .parameters = parameters, .unit = unit}};
   for (std::size_t i = 0; gravity && i < gravity->size(); ++i)
     recipe.settings.parameters.emplace_back(gravity_names[i], (*gravity)[i]);
   for (const std::string& set : supports)
@@ -177,7 +176,7 @@ py::object advise_named(const std::string& id, const std::string& material, cons
                         const std::vector<double>& y0, double rate, double tolerance,
                         std::optional<double> budget_ms, bool least_error, std::vector<std::string> methods,
                         std::size_t frames, double within) {
-  return advise_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+  return advise_recipe({id, {.material = material, .parameters = parameters, .y0 = y0}},
                        {rate, tolerance, budget_ms, least_error, std::move(methods), frames, within});
 }
 
@@ -241,7 +240,7 @@ py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
 py::object predict_named(const std::string& id, const std::string& material, const Values& parameters,
                          const std::vector<double>& y0, std::vector<std::string> methods, std::string at,
                          std::string along, bool verify, std::optional<double> t_end) {
-  return predict_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
+  return predict_recipe({id, {.material = material, .parameters = parameters, .y0 = y0}},
                         {std::move(methods), std::move(at), std::move(along), verify, t_end});
 }
 
@@ -277,8 +276,8 @@ py::object fidelity_of_body(const Body& body, double rate, const std::vector<std
 py::object fidelity_named(const std::string& id, const std::string& material, const Values& parameters,
                           const std::vector<double>& y0, double rate, const std::vector<std::string>& names,
                           bool verify, bool ceiling, std::optional<double> enter) {
-  return fidelity_of_recipe({id, {.material = material, .parameters = parameters, .y0 = y0, .unit = {}}},
-                            rate, names, verify, ceiling, enter);
+  return fidelity_of_recipe({id, {.material = material, .parameters = parameters, .y0 = y0}}, rate, names,
+                            verify, ceiling, enter);
 }
 
 }  // namespace

@@ -89,11 +89,7 @@ struct Finished {
 };
 
 Problem problem_of(AnySystem system, VectorXd y0, std::string id, double t_end) {
-  Problem problem;
-  problem.id = std::move(id);
-  problem.y0 = std::move(y0);
-  problem.t_end = t_end;
-  problem.system = std::move(system);
+  Problem problem{.id = std::move(id), .y0 = std::move(y0), .t_end = t_end, .system = std::move(system)};
   for (Index i = 0; i < problem.y0.size(); ++i) problem.states.push_back(fmt::format("y[{}]", i));
   return problem;
 }

@@ -23,7 +23,7 @@ Table differences_per_column(const Table& table) {
   if (table.values.empty() || table.values[0].empty()) {
     throw std::invalid_argument("Differences need a table with at least one row.");
   }
-  Table result{.notes = table.notes, .columns = table.columns, .values = {}};
+  Table result{.notes = table.notes, .columns = table.columns};
   for (std::size_t c = 0; c < table.values.size(); ++c) {
     const std::vector<double>& column = table.values[c];
     std::vector<double> changed;

@@ -144,8 +144,7 @@ Deformation deformation_of(GridField field) {
 PressedBlock::PressedBlock(const ThighAnatomy& anatomy, const ThighPress& press) : lines_(lines_of(anatomy)) {
   const TetMesh mesh = mesh_between(lines_, anatomy, press.one_tissue);
   const auto body = std::make_shared<const TissueBody>(mesh, settings_of(mesh, anatomy, press));
-  problem_ =
-      with_body(make_problem("fem_neo_hookean@phantom", {.material = {}, .parameters = {}, .y0 = {}}), body);
+  problem_ = with_body(make_problem("fem_neo_hookean@phantom", {}), body);
   problem_.y0 = body->y0();
 }
 
@@ -281,7 +280,7 @@ void outline(EchoImage& image, const ThighAnatomy& anatomy, const SliceFrame& fr
 double seconds_of(const std::function<void()>& once) {
   const OneThread alone;
   const std::array task{repeated(once)};
-  return time_interleaved(task, {.repetitions = 7, .min_sample_s = 2e-2, .keep_going = {}}).front().least();
+  return time_interleaved(task, {.repetitions = 7, .min_sample_s = 2e-2}).front().least();
 }
 
 }  // namespace

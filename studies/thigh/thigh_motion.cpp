@@ -114,8 +114,7 @@ ThighRun sampled(const Problem& problem, const std::string& id, const RunSpec& s
   }
   const std::array<std::function<void(std::int64_t)>, 1> task{
       [&](std::int64_t runs) { runner.repeat(spec, runs); }};
-  const auto timing =
-      time_interleaved(task, {.repetitions = 5, .min_sample_s = 2e-3, .keep_going = {}}).front();
+  const auto timing = time_interleaved(task, {.repetitions = 5, .min_sample_s = 2e-3}).front();
   run.real_time = spec.t_end / timing.least();
   return run;
 }
@@ -135,10 +134,8 @@ double error_beside(const ThighRun& run, const ThighRun& reference) {
 Problem driven_thigh(const Thigh& thigh, ThighDrive drive, double t_end) {
   Parameters parameters{{"mass", drive.mass}, {"damping", drive.damping}};
   return {.id = "thigh",
-          .material = "",
           .note = "points of skin on springs, pressed by a probe",
           .parameters = std::move(parameters),
-          .states = {},
           .y0 = Eigen::VectorXd::Zero(2 * thigh.points()),
           .t_end = t_end,
           .system = AnySystem(ThighMotion(thigh, std::move(drive)))};

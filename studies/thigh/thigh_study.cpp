@@ -135,7 +135,7 @@ void measure_costs(ThighStudy& study, const ThighNetwork& network) {
   const std::vector<std::function<void(std::int64_t)>> tasks{
       repeated([&] { used = network.forces(u)[0]; }), repeated([&] { used = thigh.forces(u)[0]; }),
       repeated([&] { used = press(thigh, pressed, depth).front().force; })};
-  const auto timings = time_interleaved(tasks, {.repetitions = 7, .min_sample_s = 2e-3, .keep_going = {}});
+  const auto timings = time_interleaved(tasks, {.repetitions = 7, .min_sample_s = 2e-3});
   study.network_seconds = timings[0].least();
   study.force_seconds = timings[1].least();
   study.equilibrium_seconds = timings[2].least();

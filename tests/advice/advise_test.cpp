@@ -76,8 +76,7 @@ TEST(ProbingMotion, HalvesALoadThatHasNoEquilibrium) {
 }
 
 TEST(ProbingMotion, BeginsWithASmallShareOfTheLoadOfALargeBody) {
-  const Problem problem =
-      make_problem("fem_green/gravity@ball:n=8", {.material = {}, .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("fem_green/gravity@ball:n=8", {});
   ASSERT_GT(problem.body->dofs(), 5000);
   const RestingBody resting = resting_under_gravity(problem);
   const double share =
@@ -277,8 +276,7 @@ TEST(Proof, FailsBeyondTheLimit) {
 /// Fibres that buckle make steps below the limit unstable, in long runs alone.
 TEST(Proof, TakesShorterStepsWhereLongRunsAreNotStable) {
   const Problem problem =
-      make_problem("fem_green@beam:n=1",
-                   {.material = {}, .parameters = {{"E", 5e4}, {"fibre_E", 2e5}, {"fibre_x", 1}}, .y0 = {}});
+      make_problem("fem_green@beam:n=1", {.parameters = {{"E", 5e4}, {"fibre_E", 2e5}, {"fibre_x", 1}}});
   const AdviceQuestion asked = question(100, {"symplectic_euler"}, problem);
   const Advice advice = advise(problem, asked);
   ASSERT_NE(advice.recommended(), nullptr);
@@ -398,7 +396,7 @@ TEST(RelativeError, IsThatOfEachStateInItsOwnRange) {
 }
 
 TEST(ReferenceMotion, IsRefusedWhereNothingMoves) {
-  const Problem rests = make_problem("liver_linear", {.material = {}, .parameters = {}, .y0 = {0, 0}});
+  const Problem rests = make_problem("liver_linear", {.y0 = {0, 0}});
   EXPECT_THROW(reference_motion(probing_motion(rests), 0.1, 0.01), InputError);
 }
 
@@ -452,7 +450,7 @@ TEST(Advise, PredictsLimitsThatNoModeTells) {
 
 TEST(LoadMargin, IsOpenWhereNothingStiffens) {
   const auto make = [](const std::string& load) {
-    return make_problem("fem_cauchy/" + load + "@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+    return make_problem("fem_cauchy/" + load + "@cube:n=2", {});
   };
   const Problem problem = make("press");
   const Advice advice = advise(problem, question(100, {"symplectic_euler"}, problem));
@@ -463,8 +461,7 @@ TEST(LoadMargin, IsOpenWhereNothingStiffens) {
 }
 
 TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
-  const Problem problem =
-      make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 0}}, .y0 = {1, 0}});
+  const Problem problem = make_problem("liver_cubic", {.parameters = {{"c", 0}}, .y0 = {1, 0}});
   const Candidate candidate{find_method("symplectic_euler"), {}, {}};
   const ProbingMotion motion = probing_motion(problem);
   const ReferenceMotion reference = reference_motion(motion, 0.1, 0.01);
@@ -487,9 +484,9 @@ TEST(LoadMargin, MovesWhatMovesABody) {
   EXPECT_EQ(larger.problem.body->settings().forces.front().force,
             3 * probing_motion(pressed).problem.body->settings().forces.front().force);
   // A tool that went further would touch elsewhere.
-  EXPECT_TRUE(std::isnan(load_margin({find_method("symplectic_euler"), {}, {}}, 1e-4,
-                                     {.problem = touched, .t_end = 1, .words = ""}, {}, {})
-                             .holds));
+  EXPECT_TRUE(std::isnan(
+      load_margin({find_method("symplectic_euler"), {}, {}}, 1e-4, {.problem = touched, .t_end = 1}, {}, {})
+          .holds));
 }
 
 TEST(Remedies, NameTheBudgetAndTheRateThatWouldSuffice) {

@@ -12,8 +12,7 @@
 namespace hmax {
 
 inline Problem cube(const std::string& load, std::vector<std::pair<std::string, double>> parameters = {}) {
-  return make_problem("fem_green/" + load + "@cube:n=2",
-                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem("fem_green/" + load + "@cube:n=2", {.parameters = std::move(parameters)});
 }
 
 inline AdviceQuestion question(double rate, const std::vector<std::string>& names, const Problem& problem) {

@@ -18,8 +18,7 @@ double parameter(const Problem& problem, const std::string& name) {
 }
 
 TEST(Remaking, OtherParametersReplaceThoseThatWereSet) {
-  const Remaking make =
-      remaking("liver_forced", {.material = "", .parameters = {{"c", 3}, {"m", 2}}, .y0 = {}});
+  const Remaking make = remaking("liver_forced", {.parameters = {{"c", 3}, {"m", 2}}});
   const Problem changed = make.with({{"c", 7}});
   EXPECT_EQ(parameter(changed, "c"), 7);
   EXPECT_EQ(parameter(changed, "m"), 2);
@@ -28,8 +27,7 @@ TEST(Remaking, OtherParametersReplaceThoseThatWereSet) {
 }
 
 TEST(Remaking, ABodyIsMadeOnACoarserAndOnAMendedMesh) {
-  const Remaking make = remaking(tissue_id("fem_green", "ball:n=8", "press"),
-                                 {.material = "", .parameters = {{"E", 4000}}, .y0 = {}});
+  const Remaking make = remaking(tissue_id("fem_green", "ball:n=8", "press"), {.parameters = {{"E", 4000}}});
   ASSERT_TRUE(make.coarser);
   const Problem coarser = make.coarser(), same = make.with({});
   EXPECT_LT(coarser.body->mesh().tetrahedron_count(), same.body->mesh().tetrahedron_count() / 4);

@@ -21,8 +21,7 @@ namespace {
 
 /// A body whose motions are over within seconds.
 Problem damped_body() {
-  return make_problem("fem_neo_hookean/press@phantom",
-                      {.material = {}, .parameters = {{"alpha", 5}}, .y0 = {}});
+  return make_problem("fem_neo_hookean/press@phantom", {.parameters = {{"alpha", 5}}});
 }
 
 /// f . q at the end of a run from the body without load: f the load, at rest after ten seconds.

@@ -37,14 +37,12 @@ Sparse chain(const OfSpring& of_spring) {
 /// Stiff springs about one mass, of which those on one side are damped.
 Problem damped_chain(double stiffness, double damping) {
   constexpr int middle = n / 3;
-  Problem problem;
-  problem.id = "chain";
-  problem.y0 = Eigen::VectorXd::Zero(2 * n);
-  problem.t_end = 1;
-  problem.system = linear_structure(
-      chain([&](int i) { return stiffness * (1 + 3 * std::exp(-std::pow((i - middle) / 5.0, 2))); }),
-      Eigen::VectorXd::Ones(n), chain([&](int i) { return i < middle ? damping : 0; }));
-  return problem;
+  return {.id = "chain",
+          .y0 = Eigen::VectorXd::Zero(2 * n),
+          .t_end = 1,
+          .system = linear_structure(
+              chain([&](int i) { return stiffness * (1 + 3 * std::exp(-std::pow((i - middle) / 5.0, 2))); }),
+              Eigen::VectorXd::Ones(n), chain([&](int i) { return i < middle ? damping : 0; }))};
 }
 
 TEST(DampedStructures, AreObservedInAFewSteps) {

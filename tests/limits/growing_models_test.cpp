@@ -39,12 +39,11 @@ TEST(GrowingModel, HasTheLimitOfItsOtherModesAndATimeScale) {
 }
 
 TEST(GrowingModel, IsVerifiedWhereRunsDoNotSeeItsGrowth) {
-  Problem problem;
-  problem.id = "first";
-  problem.y0 = Eigen::VectorXd::Zero(3);
-  problem.t_end = 1;
-  const auto row_of = [&](double growth) {
-    problem.system = AnySystem(First{Eigen::Vector3d(growth, -14000, -1).asDiagonal()});
+  const auto row_of = [](double growth) {
+    const Problem problem{.id = "first",
+                          .y0 = Eigen::VectorXd::Zero(3),
+                          .t_end = 1,
+                          .system = AnySystem(First{Eigen::Vector3d(growth, -14000, -1).asDiagonal()})};
     const Linearised near = linearised(problem);
     Prediction row = predict(find_method("rk4"), near);
     verify(row, find_method("rk4"), problem, near);

@@ -20,8 +20,7 @@ Problem imported_problem(const std::string& model, const std::string& mesh, std:
   const Scratch scratch;
   const std::string file = (scratch / "mesh.msh").string();
   write_text(file, msh_text(imported_mesh(mesh, seed)));
-  return make_problem(model + "/press@" + file,
-                      {.material = {}, .parameters = {{"force", 0.1}}, .y0 = {}, .unit = 1.0});
+  return make_problem(model + "/press@" + file, {.parameters = {{"force", 0.1}}, .unit = 1.0});
 }
 
 class ImportedBodies : public ::testing::TestWithParam<const char*> {};
@@ -63,7 +62,7 @@ TEST(ImportedBodies, TakeFewerIterationsAtALooserTolerance) {
 }
 
 TEST(NewtonStep, IsTheLongestThatIsSolvedAndTellsItsError) {
-  const Problem problem = make_problem("fem_green@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("fem_green@cube:n=2", {});
   const Method method = find_method("implicit_euler");
   const auto step = largest_newton_step(method, problem);
   ASSERT_TRUE(step);

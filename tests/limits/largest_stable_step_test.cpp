@@ -171,8 +171,7 @@ TEST(LargestStableStep, OfAConsistentMassMatrixHasItsEigenvalues) {
 
 TEST(LargestStableStep, OfTheMatricesOfABodyIsThatOfTheBody) {
   for (const double beta : {0.0, 1e-4}) {
-    const Problem problem = make_problem(
-        "fem_green@phantom", {.material = {}, .parameters = {{"beta", beta}, {"g", 0}}, .y0 = {}});
+    const Problem problem = make_problem("fem_green@phantom", {.parameters = {{"beta", beta}, {"g", 0}}});
     ASSERT_TRUE(problem.body);
     const Linearised near = linearised(problem, AskedState::rest);
     const MechanicalPart& part = near.point.model.mechanical.value();

@@ -26,7 +26,7 @@ using Numbers = std::vector<std::pair<std::string, double>>;
 /// Without its weight unless g is given.
 Problem mesh_problem(const std::string& id, Numbers numbers) {
   numbers.insert(numbers.begin(), {"g", 0});
-  return make_problem(id, {.material = {}, .parameters = std::move(numbers), .y0 = {}});
+  return make_problem(id, {.parameters = std::move(numbers)});
 }
 
 /// Every finite limit is observed within half a percent, and every "unbounded" holds.
@@ -79,15 +79,13 @@ TEST(MeshLimits, OfFibresHaveAClosedFormAndAreObserved) {
   for (const char* model :
        {"fem_green", "fem_cauchy", "fem_corotational", "fem_neo_hookean", "fem_nodal_pressure"}) {
     const Problem problem =
-        make_problem(fmt::format("{}@{}", model, file), {.material = {},
-                                                         .parameters = {{"g", 0},
+        make_problem(fmt::format("{}@{}", model, file), {.parameters = {{"g", 0},
                                                                         {"support", 0},
                                                                         {"E", 1e-4},
                                                                         {"nu", 0},
                                                                         {"rho", rho},
                                                                         {"fibre_E", fibres},
                                                                         {"fibre_x", -3}},
-                                                         .y0 = {},
                                                          .unit = 1});
     const Prediction row = predict(find_method("central_difference"), linearised(problem));
     ASSERT_TRUE(row.h_max) << model << ": " << row.note;
@@ -99,10 +97,8 @@ TEST(MeshLimits, OfFibresHaveAClosedFormAndAreObserved) {
 
 TEST(MeshLimits, SayThatTheStiffnessOfFibresJumpsAtRestAndNotUnderALoad) {
   const auto state = [](const std::string& model, double g) {
-    return linearised(
-               make_problem(
-                   model + "@cube:n=1",
-                   {.material = {}, .parameters = {{"g", g}, {"fibre_E", 2e4}, {"fibre_x", 1}}, .y0 = {}}))
+    return linearised(make_problem(model + "@cube:n=1",
+                                   {.parameters = {{"g", g}, {"fibre_E", 2e4}, {"fibre_x", 1}}}))
         .point.state;
   };
   EXPECT_NE(state("fem_green", 0).find("fibres buckle from here on"), std::string::npos);

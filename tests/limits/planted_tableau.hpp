@@ -16,12 +16,10 @@ inline void require_kept(const PlantedTableau&) {}
 /// What make_method() makes of a tableau, without the check.
 inline Method planted_method(const RuntimeTableau& wrong) {
   Method method{.id = wrong.name,
-                .aliases = {},
                 .family = "explicit_runge_kutta",
                 .order = wrong.computed_order,
                 .stages = static_cast<int>(wrong.stages()),
-                .source = "a test",
-                .bind = {}};
+                .source = "a test"};
   method.bind = [tableau = PlantedTableau{wrong}](const Problem& problem) {
     return std::visit(
         [&](const auto& system) { return detail::bind_coefficients(tableau, 0, system, problem.y0); },

@@ -63,15 +63,14 @@ int expect_observed(const std::vector<Method>& methods, const Problem& problem) 
 
 TEST(Prediction, IsWhatEveryMethodDoesOnTheBenchmarkLivers) {
   for (const char* material : {"male_slim:light", "female_fat:heavy", "male_normal:heavy"}) {
-    const Problem problem =
-        make_problem("liver_benchmark", {.material = material, .parameters = {}, .y0 = {}});
+    const Problem problem = make_problem("liver_benchmark", {.material = material});
     const std::vector<Method> all = choose_methods({"all"}, {problem});
     EXPECT_EQ(expect_observed(all, problem), std::ranges::count_if(all, &Method::fixed_step)) << material;
   }
 }
 
 TEST(Prediction, IsWhatMethodsDoWithoutDamping) {
-  const Problem problem = make_problem("liver_linear", {.material = {}, .parameters = {{"c", 0}}, .y0 = {}});
+  const Problem problem = make_problem("liver_linear", {.parameters = {{"c", 0}}});
   const Linearised near = linearised(problem);
   int unstable = 0, bounded = 0;
   for (const Method& method : choose_methods({"explicit_runge_kutta", "adams", "structural"}, {problem})) {
@@ -108,14 +107,13 @@ TEST(Prediction, IsWhatMethodsDoWithoutDamping) {
 }
 
 TEST(Prediction, IsWhatMethodsDoOnAChainOfManyModes) {
-  const Problem problem = make_problem("spring_chain", {.material = {}, .parameters = {{"n", 4}}, .y0 = {}});
+  const Problem problem = make_problem("spring_chain", {.parameters = {{"n", 4}}});
   const std::vector<Method> methods = choose_methods(
       {"explicit_runge_kutta", "stabilised", "structural", "adams_bashforth_3", "abm_pece_4", "abm_pec_2"},
       {problem});
   EXPECT_EQ(expect_observed(methods, problem), static_cast<int>(methods.size()));
 
-  const Problem undamped =
-      make_problem("spring_chain", {.material = {}, .parameters = {{"n", 4}, {"c", 0}}, .y0 = {}});
+  const Problem undamped = make_problem("spring_chain", {.parameters = {{"n", 4}, {"c", 0}}});
   EXPECT_EQ(
       expect_observed(choose_methods({"structural", "rk4", "abm_pece_2", "implicit_midpoint"}, {undamped}),
                       undamped),
@@ -154,9 +152,6 @@ struct Structure {
 Problem problem_of(const Structure& structure) {
   const Eigen::Index dim = structure.dim();
   return {.id = "structure",
-          .material = "",
-          .note = "",
-          .parameters = {},
           .states = std::vector<std::string>(static_cast<std::size_t>(dim), "y"),
           .y0 = Eigen::VectorXd::Zero(dim),
           .t_end = 1,
@@ -220,8 +215,7 @@ TEST(Prediction, OfStepsInPartsIsThatOfAPartTimesTheirNumberAsRunsShow) {
 
 // m 1.45, c 8, k 6.7: zeta 1.28. Three forms of Verlet's method, three limits.
 TEST(Prediction, OfAnOverdampedLiverHasItsFrequencyBothRatesAndALimitForEachForm) {
-  const Problem problem =
-      make_problem("liver_benchmark", {.material = "male_fat", .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("liver_benchmark", {.material = "male_fat"});
   const double m = 1.45, c = 8, k = 6.7, omega = std::sqrt(k / m), zeta = c / (2 * std::sqrt(k * m));
   const double spread = std::sqrt(c * c - 4 * k * m);
   const Linearised near = linearised(problem);
@@ -247,7 +241,7 @@ TEST(Prediction, OfAnOverdampedLiverHasItsFrequencyBothRatesAndALimitForEachForm
 }
 
 TEST(Prediction, NamesTheModeThatSetsTheStepWhichNeedNotBeTheLargestOfTheSpectrum) {
-  const Problem problem = make_problem("spring_chain", {.material = {}, .parameters = {{"n", 6}}, .y0 = {}});
+  const Problem problem = make_problem("spring_chain", {.parameters = {{"n", 6}}});
   const Linearised near = linearised(problem);
   const Prediction row = predict(find_method("explicit_euler"), near);
   ASSERT_TRUE(row.h_max && row.limiting);
@@ -320,7 +314,7 @@ TYPED_TEST(PlantedMistake, InAnyCoefficientThatTheStepReadsIsNoticedByRunning) {
   std::vector<Problem> problems;
   std::vector<Linearised> near;
   for (const double c : {1.5, 8.0}) {
-    problems.push_back(make_problem("liver_linear", {.material = {}, .parameters = {{"c", c}}, .y0 = {}}));
+    problems.push_back(make_problem("liver_linear", {.parameters = {{"c", c}}}));
     near.push_back(linearised(problems.back()));
   }
   const auto noticed_by_running = [&](const Method& code, const Method& claimed) {
@@ -365,8 +359,8 @@ TYPED_TEST(PlantedMistake, InAnyCoefficientThatTheStepReadsIsNoticedByRunning) {
 }
 
 TEST(Prediction, OfANeighbourIsContradictedByTheCode) {
-  const Problem damped = make_problem("liver_linear", {.material = {}, .parameters = {{"c", 1.5}}, .y0 = {}});
-  const Problem undamped = make_problem("liver_linear", {.material = {}, .parameters = {{"c", 0}}, .y0 = {}});
+  const Problem damped = make_problem("liver_linear", {.parameters = {{"c", 1.5}}});
+  const Problem undamped = make_problem("liver_linear", {.parameters = {{"c", 0}}});
   const Linearised near_damped = linearised(damped), near_undamped = linearised(undamped);
   for (const auto& [code, claimed] : {std::pair{"adams_bashforth_3", "adams_bashforth_2"},
                                       {"adams_bashforth_3", "adams_bashforth_4"},
@@ -397,9 +391,7 @@ TEST(Prediction, SaysWhatElseLimitsTheStep) {
   const auto bound = [](const char* method, const Problem& problem) {
     return predict(find_method(method), linearised(problem));
   };
-  const auto cubic = [](double c) {
-    return make_problem("liver_cubic", {.material = {}, .parameters = {{"c", c}}, .y0 = {}});
-  };
+  const auto cubic = [](double c) { return make_problem("liver_cubic", {.parameters = {{"c", c}}}); };
   // The model grows by itself: no step is to blame.
   const Prediction grows = bound("rk4", cubic(-0.2));
   EXPECT_EQ(grows.bound, Bound::model);
@@ -453,15 +445,14 @@ TEST(Prediction, AsksThePointForCostlyFactsOnlyWhereTheMethodNeedsThem) {
   EXPECT_EQ(row_of("implicit_euler").bound, Bound::accuracy);
   const int same = std::exchange(models, 0);
   EXPECT_GE(same, 2) << "in both directions";
-  elsewhere = linearised(make_problem("liver_linear", {.material = {}, .parameters = {{"k1", 80}}, .y0 = {}}))
-                  .point.model;
+  elsewhere = linearised(make_problem("liver_linear", {.parameters = {{"k1", 80}}})).point.model;
   EXPECT_EQ(row_of("implicit_euler").bound, Bound::newton);
   EXPECT_EQ(models, 1) << "the first one that differs is enough";
   EXPECT_EQ(radii, 1);
 }
 
 TEST(Prediction, OfACubicSpringAtRestIsThatOfItsTangent) {
-  const Problem problem = make_problem("liver_cubic", {.material = {}, .parameters = {{"c", 2}}, .y0 = {}});
+  const Problem problem = make_problem("liver_cubic", {.parameters = {{"c", 2}}});
   const Linearised near = linearised(problem);
   EXPECT_TRUE(near.point.at_equilibrium);
   EXPECT_NE(near.point.state.find("equilibrium (0, 0)"), std::string::npos) << near.point.state;
@@ -542,9 +533,6 @@ struct NoRate {
 
 Problem problem_of(AnySystem system) {
   return {.id = "own",
-          .material = "",
-          .note = "",
-          .parameters = {},
           .states = {"x", "v"},
           .y0 = Eigen::Vector2d(0.5, 1),
           .t_end = 1,

@@ -25,12 +25,7 @@ struct Called {
 
 template <class Acceleration>
 Problem called(Acceleration acceleration, Eigen::Vector2d y0) {
-  Problem problem;
-  problem.id = "called";
-  problem.y0 = y0;
-  problem.t_end = 1;
-  problem.system = AnySystem(Called<Acceleration>{acceleration});
-  return problem;
+  return {.id = "called", .y0 = y0, .t_end = 1, .system = AnySystem(Called<Acceleration>{acceleration})};
 }
 
 double least_of(const Problem& problem, double t_end) {
@@ -45,7 +40,7 @@ constexpr double of_contact = 0.002838770974763,  // omega = 1000 rad/s, c = 10 
 
 TEST(LinearityOf, IsThatOfTheStructure) {
   const auto of = [](const char* id, Parameters parameters = {}) {
-    return linearity_of(make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}));
+    return linearity_of(make_problem(id, {.parameters = std::move(parameters)}));
   };
   EXPECT_EQ(of("liver_cubic"), Linearity::nonlinear);
   EXPECT_EQ(of("liver_cubic", {{"k3", 0}}), Linearity::linear);
@@ -105,11 +100,7 @@ struct Drag {
 
 template <class Sys>
 Problem drag(Sys system, double x0) {
-  Problem problem;
-  problem.id = "drag";
-  problem.y0 = Eigen::Vector2d(x0, 0);
-  problem.system = AnySystem(system);
-  return problem;
+  return {.id = "drag", .y0 = Eigen::Vector2d(x0, 0), .system = AnySystem(system)};
 }
 
 TEST(LimitAlongAMotion, OfDampingIsSeenInAllUnitsOfValueAndTime) {
@@ -157,11 +148,8 @@ struct Stopped {
 };
 
 TEST(LimitFromAStart, IsJudgedByTheTrueMotionUpToATenthOfTheRun) {
-  Problem problem;
-  problem.id = "stopped";
-  problem.y0 = Eigen::VectorXd::Zero(1);
-  problem.t_end = 3;
-  problem.system = AnySystem(Stopped{});
+  Problem problem{
+      .id = "stopped", .y0 = Eigen::VectorXd::Zero(1), .t_end = 3, .system = AnySystem(Stopped{})};
   const MotionSize motion = size_of_motion(problem, 3);
   EXPECT_NEAR(motion.positions, 2.0001, 1e-6);
   const auto limit = limit_from_start(find_method("rk4"), problem, 3, 2.785e-4, motion);

@@ -34,11 +34,10 @@ Linearised pendulums(double spin) {
     C.emplace_back(2 * k, 2 * k + 1, -2 * spin);
     C.emplace_back(2 * k + 1, 2 * k, 2 * spin);
   }
-  Problem problem;
-  problem.id = "pendulums";
-  problem.y0 = Eigen::VectorXd::Zero(4 * pairs);
-  problem.t_end = 1;
-  problem.system = linear_structure(from(K), Eigen::VectorXd::Ones(2 * pairs), from(C));
+  Problem problem{.id = "pendulums",
+                  .y0 = Eigen::VectorXd::Zero(4 * pairs),
+                  .t_end = 1,
+                  .system = linear_structure(from(K), Eigen::VectorXd::Ones(2 * pairs), from(C))};
   return linearised(problem, 0, problem.y0);
 }
 

@@ -12,8 +12,7 @@ namespace {
 
 /// The states that a run from rest shows after a displacement of the liver model without its cubic spring.
 std::vector<Eigen::VectorXd> shown(const char* method, double force, double h, std::int64_t steps) {
-  const Problem problem =
-      make_problem("liver_forced", {.material = {}, .parameters = {{"k3", 0}, {"P", force}}, .y0 = {}});
+  const Problem problem = make_problem("liver_forced", {.parameters = {{"k3", 0}, {"P", force}}});
   std::vector<Eigen::VectorXd> states;
   const auto outcome = std::make_shared<Outcome>();
   const ShowSteps run =
@@ -36,8 +35,7 @@ TEST(StepsOf, OfADrivenModelShowItsFreeMotionToTheEnd) {
 
 /// Runs of one method beside the limit of another: both sides must be as predicted.
 TEST(Verify, DisagreesWhereOneSideOfALimitAloneIsAsPredicted) {
-  const Problem problem =
-      make_problem("liver_linear", {.material = {}, .parameters = {{"c", 1.5}}, .y0 = {}});
+  const Problem problem = make_problem("liver_linear", {.parameters = {{"c", 1.5}}});
   const Linearised near = linearised(problem);
   const auto agrees = [&](const char* code, const char* claim) {
     Method method = find_method(code);

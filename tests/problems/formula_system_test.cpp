@@ -258,8 +258,7 @@ TEST(FormulaSystem, PowersMayBeWrittenAsInOtherLanguages) {
 
 /// A system of n states y1, y2, ... started at (0.3, 0.7, 1.1, ...), with a = 2 and z = 0.
 FormulaSystem system_of(const std::vector<std::string>& formulas) {
-  FormulaDefinition definition{
-      .name = "f", .equations = {}, .parameters = {{"a", 2}, {"z", 0}}, .y0 = {}, .t0 = 0.5};
+  FormulaDefinition definition{.name = "f", .parameters = {{"a", 2}, {"z", 0}}, .t0 = 0.5};
   for (std::size_t i = 0; i < formulas.size(); ++i) {
     definition.equations.emplace_back("y" + std::to_string(i + 1), formulas[i]);
     definition.y0.push_back(0.3 + 0.4 * static_cast<double>(i));
@@ -491,8 +490,7 @@ TEST(FormulaSystem, BreakpointsOfPeriodicConditionsAreAllThere) {
 
 TEST(FormulaSystem, PositionsAndTheirVelocitiesAreRecognised) {
   const auto system = [](std::vector<std::pair<std::string, std::string>> equations) {
-    FormulaDefinition definition{
-        .name = "s", .equations = std::move(equations), .parameters = {{"k", 3}}, .y0 = {}};
+    FormulaDefinition definition{.name = "s", .equations = std::move(equations), .parameters = {{"k", 3}}};
     for (std::size_t i = 0; i < definition.equations.size(); ++i)
       definition.y0.push_back(static_cast<double>(i + 1));
     return FormulaSystem(definition);
@@ -534,7 +532,7 @@ TEST(FormulaSystem, PositionsAndTheirVelocitiesAreRecognised) {
 
 /// A chain of `count` masses with cubic springs to the ground, positions after velocities.
 FormulaDefinition long_chain(int count) {
-  FormulaDefinition chain{.name = "chain", .equations = {}, .parameters = {{"k", 3}}, .y0 = {}};
+  FormulaDefinition chain{.name = "chain", .parameters = {{"k", 3}}};
   const auto q = [&](int i) { return i < 0 || i >= count ? std::string("0") : "q" + std::to_string(i); };
   for (int i = 0; i < count; ++i) {
     const std::string v = "v" + std::to_string(i);
@@ -587,7 +585,7 @@ TEST(FormulaSystem, OfManyLooselyCoupledEquationsHasSparseMatrices) {
 
 TEST(FormulaSystem, OfManyEquationsThatMeetInASumHasFullMatrices) {
   const int n = 210;
-  FormulaDefinition all{.name = "all", .equations = {}, .parameters = {}, .y0 = {}};
+  FormulaDefinition all{.name = "all"};
   std::string sum = "0";
   for (int i = 0; i < n; ++i) sum += " + x" + std::to_string(i);
   for (int i = 0; i < n; ++i) all.equations.emplace_back("x" + std::to_string(i), sum);
@@ -606,7 +604,6 @@ TEST(FormulaSystem, OfManyEquationsThatMeetInASumHasFullMatrices) {
 TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
   FormulaDefinition definition{.name = "s",
                                .equations = {{"x", "y"}, {"y", "x"}},
-                               .parameters = {},
                                .y0 = {1, 2},
                                .positions = {"y"},
                                .velocities = {"x"}};
@@ -630,7 +627,7 @@ TEST(FormulaSystem, PositionsAndVelocitiesMayBeNamed) {
 
 TEST(FormulaSystem, SlopesThatItsRulesDoNotTellAreInfinite) {
   const FormulaSystem root(
-      {.name = "root", .equations = {{"y", "t^0.5 - y * sqrt(y)"}}, .parameters = {}, .y0 = {0}, .t_end = 1});
+      {.name = "root", .equations = {{"y", "t^0.5 - y * sqrt(y)"}}, .y0 = {0}, .t_end = 1});
   FormulaSystem::State slope(1);
   root.time_derivative(0, root.y0(), slope);
   EXPECT_EQ(slope[0], INFINITY);

@@ -18,9 +18,7 @@ LimitRow a_limit(const std::string& method, double h_max) {
                .parameters = "m=1",
                .y0 = "0.5,1",
                .model = "0",
-               .asked = "equilibrium",
-               .path = "",
-               .t_end = 0};
+               .asked = "equilibrium"};
   row.method = method;
   row.bound = std::isinf(h_max) ? "accuracy" : "stability";
   row.h_max = h_max;

@@ -18,15 +18,12 @@ using nlohmann::json;
 Row measured() {
   Row r;
   r.key = {.problem = "liver_forced",
-           .material = "",
            .parameters = "m=1.45 c=2",
            .y0 = "0.5,1",
            .method = "rk4",
            .mode = "fixed",
            .control = "none",
            .h = 0.1,
-           .rtol = 0,
-           .atol = 0,
            .t_end = 100};
   r.outcome = "reached_end";
   r.t_reached = 100;

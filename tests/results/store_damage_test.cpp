@@ -38,8 +38,6 @@ void make_store(const std::filesystem::path& file) {
                  .mode = "fixed",
                  .control = "none",
                  .h = 0.125,
-                 .rtol = 0,
-                 .atol = 0,
                  .t_end = 100};
       row.outcome = "reached_end";
       row.t_reached = 100;

@@ -23,15 +23,12 @@ constexpr double inf = std::numeric_limits<double>::infinity();
 Row row(const std::string& method, double h) {
   Row r;
   r.key = {.problem = "liver_forced",
-           .material = "",
            .parameters = "m=1.45 c=2",
            .y0 = "0.5,1",
            .method = method,
            .mode = "fixed",
            .control = "none",
            .h = h,
-           .rtol = 0,
-           .atol = 0,
            .t_end = 100};
   r.outcome = "reached_end";
   r.t_reached = 100;

@@ -98,7 +98,7 @@ TEST(Table, NamesFileAndLineOfWhatItCannotRead) {
 
 TEST(Table, AFileThatCannotBeUsedIsAnInputErrorAndTheOldOneStays) {
   Scratch scratch;
-  const Table table{.notes = {}, .columns = {"a"}, .values = {{1}}};
+  const Table table{.columns = {"a"}, .values = {{1}}};
   EXPECT_THROW(read_csv(scratch / "absent.csv"), InputError);
   EXPECT_THROW(read_csv(scratch.folder()), InputError);
   EXPECT_THROW(write_csv(scratch.folder(), table), InputError);

@@ -27,7 +27,7 @@ TEST(ModelCosts, HavePlainLoopsBesideTheKernels) {
 /// The plain loops are the same forces, or their times would say nothing.
 TEST(PlainForces, AreThoseOfTheBody) {
   const Problem problem = make_problem(tissue_id("fem_green", "phantom", "gravity"),
-                                       {.material = "male_normal", .parameters = {{"g", 0}}, .y0 = {}});
+                                       {.material = "male_normal", .parameters = {{"g", 0}}});
   const TissueBody& body = *problem.body;
   const TissueMaterial& material = body.settings().materials.front();
   Eigen::VectorXd q(body.dofs());

@@ -10,9 +10,8 @@ namespace hmax {
 namespace {
 
 StaticModel pressed_phantom() {
-  return static_model(make_problem(tissue_id("fem_green", "phantom", "press"),
-                                   {.material = {}, .parameters = {{"force", 0.2}}, .y0 = {}}),
-                      1);
+  return static_model(
+      make_problem(tissue_id("fem_green", "phantom", "press"), {.parameters = {{"force", 0.2}}}), 1);
 }
 
 TEST(TurnedBodies, HaveEnergyWithSmallStrainAlone) {

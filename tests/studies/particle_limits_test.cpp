@@ -80,9 +80,7 @@ TEST(TheHeaviestParticle, HasAnEquilibriumAndALittleMoreOverturnsAnElement) {
     const auto count = static_cast<double>(particle_problem(body).body->mesh().point_count());
     const Problem problem =
         make_problem("mass_spring@phantom",
-                     {.material = {},
-                      .parameters = {{"E", body.young}, {"mass", mass * count}, {"equal_masses", 1}},
-                      .y0 = {}});
+                     {.parameters = {{"E", body.young}, {"mass", mass * count}, {"equal_masses", 1}}});
     const StaticSolution found =
         solve_static(static_model(problem, 1), {.load_steps = 20}, [] { return 0.0; });
     return found.converged ? problem.body->least_volume(0, found.q).first : -1;

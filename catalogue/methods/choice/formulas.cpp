@@ -34,10 +34,7 @@ struct Pattern {
 };
 
 Formula formula(int order, int evaluations, Amplification amplification) {
-  return {.id = {},
-          .order = order,
-          .evaluations = evaluations,
-          .amplification = shared(std::move(amplification))};
+  return {.order = order, .evaluations = evaluations, .amplification = shared(std::move(amplification))};
 }
 
 constexpr int most_stages = 2000;
@@ -117,14 +114,11 @@ std::optional<Formula> held_formula(std::string_view name) {
 /// For predictions only.
 Method without_code(const Formula& formula) {
   Method method{.id = formula.id,
-                .aliases = {},
                 .family = "formula",
                 .order = formula.order,
                 .is_explicit = formula.evaluations > 0,
                 .needs_jacobian = formula.evaluations == 0,
-                .engine = "none",
-                .source = {},
-                .bind = {}};
+                .engine = "none"};
   method.amplification = formula.amplification;
   return method;
 }

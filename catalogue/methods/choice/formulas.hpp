@@ -15,7 +15,7 @@ namespace hmax {
 
 /// A method as its stability sees it.
 struct Formula {
-  std::string id;
+  std::string id{};
   int order = 0;
   /// Evaluations of f that a step costs; 0 where the solution of equations rules.
   int evaluations = 0;

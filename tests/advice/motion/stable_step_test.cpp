@@ -40,7 +40,7 @@ Candidate rk4() { return {find_method("rk4"), {}, {}}; }
 StepVerdict judged(const Problem& problem, double h, double t_end, double scale = 0) {
   ReferenceMotion reference;
   reference.scale = scale > 0 ? scale : problem.y0.cwiseAbs().maxCoeff();
-  return judged_step(rk4(), {.problem = problem, .t_end = t_end, .words = ""}, reference, h);
+  return judged_step(rk4(), {.problem = problem, .t_end = t_end}, reference, h);
 }
 
 TEST(StableStep, LandsAtRestFromWhereverABallFalls) {
@@ -88,8 +88,7 @@ TEST(StableStep, IsNoneBeyondTheLimitOfContact) {
 
 TEST(StableStep, OfALinearOscillatorIsDecidedByGrowthAlone) {
   // |R(i w h)| > 1 from w h = sqrt(8) on.
-  const Problem problem =
-      make_problem("liver_linear", {.material = {}, .parameters = {{"c", 0}}, .y0 = {0.01, 0}});
+  const Problem problem = make_problem("liver_linear", {.parameters = {{"c", 0}}, .y0 = {0.01, 0}});
   const double limit = std::sqrt(8 / (5.3 / 1.45));
   const StepVerdict below = judged(problem, 0.99 * limit, 100), beyond = judged(problem, 1.01 * limit, 100);
   EXPECT_TRUE(below.stable) << below.why;
@@ -107,12 +106,11 @@ TEST(StableStep, IsNotWhatChaosOfTheModelDecides) {
 }
 
 TEST(StableStep, NamesTheElementThatARunInverts) {
-  const Problem problem = make_problem("fem_neo_hookean/press@cube:n=2",
-                                       {.material = {}, .parameters = {{"force", 60}}, .y0 = {}});
+  const Problem problem = make_problem("fem_neo_hookean/press@cube:n=2", {.parameters = {{"force", 60}}});
   ReferenceMotion reference;
   reference.scale = 0.01;
   const StepVerdict verdict = judged_step({find_method("symplectic_euler"), {}, {}},
-                                          {.problem = problem, .t_end = 0.1, .words = ""}, reference, 1e-4);
+                                          {.problem = problem, .t_end = 0.1}, reference, 1e-4);
   ASSERT_TRUE(verdict.inversion);
   EXPECT_LE(verdict.inversion->volume, 0);
   EXPECT_GE(verdict.inversion->tetrahedron, 1);
@@ -136,8 +134,7 @@ TEST(Advise, RecommendsAStepForAnImpact) {
 
 /// Heights that shrink to a share of theirs make all volumes shrink to that share.
 TEST(Inversion, IsFoundByTheSignOfTheVolume) {
-  const Problem problem =
-      make_problem("fem_green@cube:n=1", {.material = {}, .parameters = {{"support", 0.01}}, .y0 = {}});
+  const Problem problem = make_problem("fem_green@cube:n=1", {.parameters = {{"support", 0.01}}});
   const TissueBody& body = *problem.body;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(problem.y0.size());
   EXPECT_FALSE(inversion_at(problem, 0, y));
@@ -160,8 +157,7 @@ TEST(Inversion, IsFoundByTheSignOfTheVolume) {
 
 TEST(LoadMargin, EndsWhereAnElementInverts) {
   // 2 N move a soft cube of 0.1 m by a tenth of its side; 16 N turn elements inside out.
-  const Problem problem =
-      make_problem("fem_green/press@cube:n=2", {.material = {}, .parameters = {{"force", 2}}, .y0 = {}});
+  const Problem problem = make_problem("fem_green/press@cube:n=2", {.parameters = {{"force", 2}}});
   const Candidate candidate{find_method("symplectic_euler"), {}, {}};
   const ProbingMotion motion = probing_motion(problem);
   const ReferenceMotion reference = reference_motion(motion, 0.01, 0.01);
@@ -181,10 +177,9 @@ TEST(LoadMargin, EndsWhereAnElementInverts) {
 }
 
 TEST(LoadMargin, IsNoneWhereTheMotionItselfInvertsAnElement) {
-  const Problem problem = make_problem("fem_neo_hookean/press@cube:n=2",
-                                       {.material = {}, .parameters = {{"force", 60}}, .y0 = {}});
-  ReferenceMotion reference{.t = {0}, .y = {problem.y0}, .scale = 0.01, .ranges = {}};
-  const ProbingMotion motion{.problem = problem, .t_end = 0.1, .words = ""};
+  const Problem problem = make_problem("fem_neo_hookean/press@cube:n=2", {.parameters = {{"force", 60}}});
+  ReferenceMotion reference{.t = {0}, .y = {problem.y0}, .scale = 0.01};
+  const ProbingMotion motion{.problem = problem, .t_end = 0.1};
   EXPECT_FALSE(first_inversion(motion, reference));
   // Mirrored through the plane that holds it.
   reference.t.push_back(0.1);
@@ -229,7 +224,7 @@ Method slow_on(std::function<double(int run, int frame)> seconds) {
 
 TEST(MotionRun, DoesNotCountFramesThatAreLateInOneRunOfThree) {
   const Problem problem = make_problem("liver_forced");
-  const ProbingMotion motion{.problem = problem, .t_end = 1, .words = ""};
+  const ProbingMotion motion{.problem = problem, .t_end = 1};
   double with_repeats = 10;
   const auto run = [&](const std::function<double(int, int)>& seconds) {
     return run_motion({slow_on(seconds), {}, {}}, motion, {}, 0.01, 1,
@@ -261,8 +256,7 @@ TEST(MiddleTimes, AreMedians) {
 }
 
 TEST(Proof, EndsBeforeTheLongRunWhereAShortOneFails) {
-  const Problem problem =
-      make_problem("fem_green/press@cube:n=2", {.material = {}, .parameters = {{"E", 1e5}}, .y0 = {}});
+  const Problem problem = make_problem("fem_green/press@cube:n=2", {.parameters = {{"E", 1e5}}});
   const ProbingMotion motion = probing_motion(problem);
   const ReferenceMotion reference = reference_motion(motion, 0.01, 0.01);
   const Candidate candidate{find_method("symplectic_euler"), {}, {}};

@@ -21,9 +21,7 @@ std::filesystem::path written(const Scratch& scratch, const std::string& text) {
   return file;
 }
 
-Problem pressed_cube(const std::string& load) {
-  return make_problem("fem_green/" + load + "@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
-}
+Problem pressed_cube(const std::string& load) { return make_problem("fem_green/" + load + "@cube:n=2", {}); }
 
 TEST(UserMotion, PressesWithForcesOverTime) {
   const Scratch scratch;

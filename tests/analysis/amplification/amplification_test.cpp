@@ -116,10 +116,9 @@ TEST(Amplification, OfEveryMethodOfPositionsAndVelocitiesIsTheRecurrenceOfItsSte
                    gamma = std::pow(10.0, 4 * uniform(random) - 3);
       const StepPolynomial pi =
           *method.amplification->of_oscillation({.kappa = kappa, .gamma = gamma}).polynomial;
-      const Problem problem =
-          make_problem("liver_linear", {.material = {},
-                                        .parameters = {{"m", 1}, {"c", gamma}, {"k1", kappa}},
-                                        .y0 = {uniform(random), uniform(random)}});
+      const Problem problem = make_problem(
+          "liver_linear",
+          {.parameters = {{"m", 1}, {"c", gamma}, {"k1", kappa}}, .y0 = {uniform(random), uniform(random)}});
       const auto k = pi.coefficients().size() - 1;
       const auto states = path(method, problem, static_cast<int>(k) + 1);
       // From the second state on: the first has an acceleration of its own choice.

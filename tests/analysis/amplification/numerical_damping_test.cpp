@@ -53,9 +53,8 @@ TEST(NumericalDamping, IsWhatRunsShow) {
   for (const double zeta : {0.05, 0.3}) {
     const double omega = 2 * pi * frequency;
     const Problem problem = make_problem(
-        "liver_linear", {.material = {},
-                         .parameters = {{"m", 1}, {"c", 2 * zeta * omega}, {"k1", omega * omega}},
-                         .y0 = {1, 0}});
+        "liver_linear",
+        {.parameters = {{"m", 1}, {"c", 2 * zeta * omega}, {"k1", omega * omega}}, .y0 = {1, 0}});
     for (const char* method : {"hht_alpha", "generalized_alpha", "newmark", "symplectic_euler",
                                "implicit_euler", "sdirk_4", "adams_bashforth_2", "abm_pece_3"}) {
       std::vector<double> x;

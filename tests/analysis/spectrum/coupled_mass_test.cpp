@@ -126,11 +126,8 @@ TEST(CoupledMassModes, OfGeneralDampingAreThoseOfTheJacobian) {
       EXPECT_LT((lambda * lambda * Mu + lambda * (C * u) + K * u).norm(), 1e-6 * std::norm(lambda));
     }
   }
-  const LinearModel model{.t = 0,
-                          .y = VectorXd::Zero(2 * n),
-                          .J = [J] { return AnyMatrix(J); },
-                          .mechanical = part,
-                          .J_stiff = {}};
+  const LinearModel model{
+      .t = 0, .y = VectorXd::Zero(2 * n), .J = [J] { return AnyMatrix(J); }, .mechanical = part};
   std::vector<Complex> all = spectrum_of(model).lambda;
   std::ranges::sort(all, std::ranges::greater{}, [](Complex l) { return std::abs(l); });
   for (std::size_t i = 0; i < all.size(); ++i)

@@ -41,7 +41,7 @@ LinearModel model_of(const MechanicalPart& part) {
   J.topRightCorner(n, n).setIdentity();
   J.bottomLeftCorner(n, n) = -(part.mass.diagonal().cwiseInverse().asDiagonal() * dense(part.K));
   J.bottomRightCorner(n, n) = -(part.mass.diagonal().cwiseInverse().asDiagonal() * dense(part.C));
-  return {.y = VectorXd::Zero(2 * n), .J = [J] { return J; }, .mechanical = part, .J_stiff = {}};
+  return {.y = VectorXd::Zero(2 * n), .J = [J] { return J; }, .mechanical = part};
 }
 
 /// Largest distance between two spectra, each value of `a` to its nearest in `b` that is not taken yet.
@@ -304,7 +304,7 @@ TEST(Eigenvectors, OfUndampedModesArePerfectlyConditionedInEnergy) {
 TEST(Eigenvectors, OfAPairThatIsRealToRoundingAreNotDefective) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const MatrixXd J = (MatrixXd(2, 2) << 1, -1.5 * eps, 2.5 * eps, 1).finished();
-  const LinearModel model{.y = VectorXd::Zero(2), .J = [J] { return J; }, .mechanical = {}, .J_stiff = {}};
+  const LinearModel model{.y = VectorXd::Zero(2), .J = [J] { return J; }};
   EXPECT_LT(eigenvectors_of(model).condition, 10);
 }
 
@@ -326,7 +326,7 @@ TEST(Eigenvectors, CriticalDampingIsDefective) {
 
 TEST(Eigenvectors, AJordanBlockIsDefective) {
   const MatrixXd J = (MatrixXd(3, 3) << -1, 1, 0, 0, -1, 1, 0, 0, -1).finished();
-  const LinearModel model{.y = VectorXd::Zero(3), .J = [J] { return J; }, .mechanical = {}, .J_stiff = {}};
+  const LinearModel model{.y = VectorXd::Zero(3), .J = [J] { return J; }};
   EXPECT_TRUE(eigenvectors_of(model).defective);
 }
 

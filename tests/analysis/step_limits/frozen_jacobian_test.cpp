@@ -151,8 +151,7 @@ TEST(FrozenJacobian, OfARunIsThatOfItsStart) {
   const double ratio = 2.2, rest = std::sqrt((ratio - 1) / 3);
   const Problem problem = make_problem(
       "liver_cubic",
-      {.material = {},
-       .parameters = {{"m", 1}, {"c", 0}, {"k1", 1}, {"k3", 1}, {"P", rest + rest * rest * rest}, {"w", 0}},
+      {.parameters = {{"m", 1}, {"c", 0}, {"k1", 1}, {"k3", 1}, {"P", rest + rest * rest * rest}, {"w", 0}},
        .y0 = {0, 0}});
   const Runner runner = find_method("linearly_implicit_euler").bind(problem);
   const double exit = frozen_spring_exit(method_of<tableaux::LinearlyImplicitEuler>(), ratio);

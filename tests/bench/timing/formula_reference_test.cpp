@@ -12,8 +12,8 @@ namespace hmax {
 namespace {
 
 FormulaReference decay(double t_end) {
-  const FormulaSystem system(FormulaDefinition{
-      .name = "decay", .equations = {{"y", "-y"}}, .parameters = {}, .y0 = {1}, .t_end = t_end});
+  const FormulaSystem system(
+      FormulaDefinition{.name = "decay", .equations = {{"y", "-y"}}, .y0 = {1}, .t_end = t_end});
   return {AnySystem(system), system.y0(), t_end};
 }
 
@@ -38,8 +38,7 @@ TEST(FormulaReference, IsNaNOutsideItsInterval) {
 
 TEST(FormulaReference, EndsBeforeTheSolutionBlowsUp) {
   // y' = y^2, y(0) = 1: y = 1 / (1 - t).
-  const FormulaSystem system(
-      FormulaDefinition{.name = "blow_up", .equations = {{"y", "y^2"}}, .parameters = {}, .y0 = {1}});
+  const FormulaSystem system(FormulaDefinition{.name = "blow_up", .equations = {{"y", "y^2"}}, .y0 = {1}});
   const FormulaReference reference(AnySystem(system), system.y0(), 3);
   EXPECT_LE(reference.valid_until(), 1);
   EXPECT_NEAR(reference.at(0.5)[0], 2, 1e-9);
@@ -54,7 +53,7 @@ TEST(FormulaReference, EndsBeforeAPoleThatIsAGridPoint) {
     for (const int multiple : {1, 2, 4}) {
       SCOPED_TRACE(multiple);
       const FormulaSystem system(
-          FormulaDefinition{.name = "pole", .equations = {{"y", formula}}, .parameters = {}, .y0 = {y0}});
+          FormulaDefinition{.name = "pole", .equations = {{"y", formula}}, .y0 = {y0}});
       const double t_end = multiple * pole;
       const FormulaReference reference(AnySystem(system), system.y0(), t_end);
       EXPECT_LT(reference.valid_until(), pole * (1 - 1e-9)) << formula;

@@ -111,7 +111,6 @@ TEST_F(RunCheckpointFile, GoesOnWhereItCannotBeSaved) {
   std::filesystem::create_directory(folder / "place");
   RunCheckpoint checkpoint({.file = folder / "place" / "run.checkpoint",
                             .every = 0,
-                            .facts = {},
                             .remark = [&](const std::string& text) { remarks.push_back(text); }});
   std::filesystem::remove_all(folder / "place");
   const CountedRun run = checkpoint.run("run", method.bind(problem), spec);

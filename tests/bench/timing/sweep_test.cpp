@@ -139,8 +139,7 @@ TEST(Sweep, TheRootMeanSquareErrorIsThatOfTheLargestComponentByTheTrapezoidalRul
   // components err by e_n = exp(-n h) - q^n: their largest is e_n, not sqrt(2) e_n.
   SweepSpec spec = quick();
   spec.problems = {
-      {.name = "liver_linear",
-       .settings = {.material = "", .parameters = {{"m", 1}, {"c", 1}, {"k1", 0}}, .y0 = {0, 1}}}};
+      {.name = "liver_linear", .settings = {.parameters = {{"m", 1}, {"c", 1}, {"k1", 0}}, .y0 = {0, 1}}}};
   spec.methods = {"explicit_euler"};
   spec.h = {0.25};
   spec.t_end = 5;
@@ -243,8 +242,7 @@ TEST(Sweep, ARunThatReachesTheLimitOfStepsIsGivenUpAndNotTimed) {
 TEST(Sweep, SubnormalNumbersAreCounted) {
   // Critically damped and at rest at last: the state fades through the subnormal numbers.
   SweepSpec spec = quick();
-  spec.problems = {
-      {"liver_linear", {.material = "", .parameters = {{"m", 1.0}, {"k1", 1.0}, {"c", 2.0}}, .y0 = {1, -1}}}};
+  spec.problems = {{"liver_linear", {.parameters = {{"m", 1.0}, {"k1", 1.0}, {"c", 2.0}}, .y0 = {1, -1}}}};
   spec.methods = {"rk4"};
   spec.h = {0.5};
   spec.t_end = 740;
@@ -256,7 +254,7 @@ TEST(Sweep, EveryMaterialIsARowOfItsOwn) {
   SweepSpec spec = quick();
   spec.problems.clear();
   for (const char* material : {"male_slim", "female_fat", "female_fat:heavy"})
-    spec.problems.push_back({"liver_benchmark", {.material = material, .parameters = {}, .y0 = {}}});
+    spec.problems.push_back({"liver_benchmark", {.material = material}});
   spec.methods = {"rk4"};
   spec.h = {0.1};
   const std::vector<Row> rows = measured(spec);

@@ -30,8 +30,7 @@ TEST(Timing, TheClockCountsTheWorkOfThisThreadAndNotItsSleep) {
 
 TEST(Timing, EverySampleIsLongEnoughForTheClockAndGivenPerRun) {
   const std::vector<Candidate> candidates{burning(2e-5), burning(4e-3)};
-  const auto timings =
-      time_interleaved(candidates, {.repetitions = 5, .min_sample_s = 2e-3, .keep_going = {}});
+  const auto timings = time_interleaved(candidates, {.repetitions = 5, .min_sample_s = 2e-3});
   ASSERT_EQ(timings.size(), 2u);
   for (const Timing& timing : timings) EXPECT_EQ(timing.samples.size(), 5u);
   EXPECT_GE(timings[0].runs_per_sample, 20);
@@ -50,7 +49,7 @@ TEST(Timing, TheRepetitionsGoOverAllCandidatesInTurnAfterOneWarmUpEach) {
       [&](std::int64_t) { order += 'B', burning(1e-4)(1); },
       [&](std::int64_t) { order += 'C', burning(1e-4)(1); },
   };
-  time_interleaved(candidates, {.repetitions = 3, .min_sample_s = 5e-5, .keep_going = {}});
+  time_interleaved(candidates, {.repetitions = 3, .min_sample_s = 5e-5});
   EXPECT_EQ(order,
             "ABC"
             "ABCABCABC");
@@ -60,9 +59,7 @@ TEST(Timing, ACandidateThatCostsNothingStillEnds) {
   const std::vector<Candidate> candidates{[](std::int64_t runs) {
     for (std::int64_t run = 0; run < runs; ++run) asm volatile("");
   }};
-  EXPECT_EQ(time_interleaved(candidates, {.repetitions = 2, .min_sample_s = 1e-4, .keep_going = {}})[0]
-                .samples.size(),
-            2u);
+  EXPECT_EQ(time_interleaved(candidates, {.repetitions = 2, .min_sample_s = 1e-4})[0].samples.size(), 2u);
 }
 
 TEST(Timing, CanBeEndedBetweenSamples) {

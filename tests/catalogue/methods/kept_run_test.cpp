@@ -156,7 +156,7 @@ TEST_P(EveryMethodKept, GoesOnWithTheSameBitsOnTheOscillator) {
 
 TEST_P(EveryMethodKept, GoesOnWithTheSameBitsOnStiffProblems) {
   const Method method = find_method(GetParam());
-  const Problem stiff = make_problem("van_der_pol", {.material = {}, .parameters = {{"mu", 20}}, .y0 = {}});
+  const Problem stiff = make_problem("van_der_pol", {.parameters = {{"mu", 20}}});
   if (suits(method, stiff)) expect_resumable_in_all_modes(method, stiff, 2, 0.011, 1e-7);
   const Problem split = make_problem("brusselator");
   if (suits(method, split)) expect_resumable_in_all_modes(method, split, 0.15, 0.005, 1e-9);
@@ -231,11 +231,10 @@ TEST(KeptRun, RefusesAStateOfAnotherRun) {
 
 // Methods begin anew at breakpoints, where nothing is saved; a resumed run meets the rest of them.
 TEST(KeptRun, GoesOnOverJumpsThatTheModelNames) {
-  Problem problem;
-  problem.id = "switched";
-  problem.states = {"y"};
-  problem.y0 = Eigen::VectorXd::Zero(1);
-  problem.system = AnySystem(forced::Switched{});
+  Problem problem{.id = "switched",
+                  .states = {"y"},
+                  .y0 = Eigen::VectorXd::Zero(1),
+                  .system = AnySystem(forced::Switched{})};
   const RunSpec spec{.t_end = 10, .adaptive = true, .rtol = 1e-6, .atol = 1e-9};
   for (const char* id : {"radau_iia_5", "dormand_prince_54", "adams_pece", "sdirk_4", "rodas_4"}) {
     const Method method = find_method(id);

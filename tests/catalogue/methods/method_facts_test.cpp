@@ -13,9 +13,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-Problem oscillator(double damping) {
-  return make_problem("liver_cubic", {.material = {}, .parameters = {{"c", damping}}, .y0 = {}});
-}
+Problem oscillator(double damping) { return make_problem("liver_cubic", {.parameters = {{"c", damping}}}); }
 
 VectorXd steps_from(const Method& method, Problem problem, const VectorXd& y, int steps) {
   constexpr double h = 0.3;

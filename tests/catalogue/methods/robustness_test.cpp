@@ -37,13 +37,11 @@ struct Scalar {
 /// @param f, df  generic lambdas without capture
 template <class F, class Df>
 Problem scalar(double y0, F f, Df df) {
-  Problem problem;
-  problem.id = "scalar";
-  problem.states = {"y"};
-  problem.y0 = Eigen::VectorXd::Constant(1, y0);
-  problem.system = AnySystem(Scalar<double>{f, df});
-  problem.extended = ExtendedSystem(Scalar<long double>{f, df});
-  return problem;
+  return {.id = "scalar",
+          .states = {"y"},
+          .y0 = Eigen::VectorXd::Constant(1, y0),
+          .system = AnySystem(Scalar<double>{f, df}),
+          .extended = ExtendedSystem(Scalar<long double>{f, df})};
 }
 
 RunSpec adaptive(double t_end, double tolerance) {

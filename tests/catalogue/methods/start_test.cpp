@@ -14,12 +14,7 @@ namespace hmax {
 namespace {
 
 Problem at_rest(const AnySystem& system) {
-  Problem problem;
-  problem.id = "forced";
-  problem.states = {"y"};
-  problem.y0 = Eigen::VectorXd::Zero(1);
-  problem.system = system;
-  return problem;
+  return {.id = "forced", .states = {"y"}, .y0 = Eigen::VectorXd::Zero(1), .system = system};
 }
 
 class AdaptiveMethod : public testing::TestWithParam<std::string> {

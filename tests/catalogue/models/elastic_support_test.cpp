@@ -24,8 +24,7 @@ Problem standing(const std::string& model, int n, Parameters more = {}) {
     std::erase_if(parameters, [&](const auto& each) { return each.first == name; });
     parameters.emplace_back(name, value);
   }
-  return make_problem(fmt::format("{}@cube:n={}", model, n),
-                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(fmt::format("{}@cube:n={}", model, n), {.parameters = std::move(parameters)});
 }
 
 double side_of(const TissueBody& body) {
@@ -65,8 +64,7 @@ TEST(ElasticSupport, OfARigidBlockBouncesWithTheRootOfStiffnessOverMass) {
 
 TEST(ElasticSupport, IsShownAndMayHoldTheWholeSurface) {
   const auto surface = [](Parameters parameters) {
-    return make_problem("fem_green@cube:n=3",
-                        {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+    return make_problem("fem_green@cube:n=3", {.parameters = std::move(parameters)});
   };
   const Problem all = surface({{"support:z<inf", 1}, {"support_stiffness", 1000}});
   EXPECT_EQ(summary_of(*all.body).on_springs, 64 - 8);
@@ -103,8 +101,7 @@ TEST(ElasticSupport, CarriesTheWeightAboveItAsFixedPointsDo) {
 
 TEST(ElasticSupport, IsRefusedWhereItCannotAct) {
   const auto refusal = [](const std::string& id, Parameters parameters) -> std::string {
-    return error_of<InputError>(
-        [&] { make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}); });
+    return error_of<InputError>([&] { make_problem(id, {.parameters = std::move(parameters)}); });
   };
   EXPECT_TRUE(
       says(refusal("fem_green/breathing@cube:n=2", {{"support_stiffness", 1e4}}), "breathing moves them"));

@@ -116,12 +116,10 @@ TEST(FormulaProblem, UsersKeepTheOrderOfTheirStates) {
   EXPECT_EQ(problem.shown.state(problem.y0), Eigen::Vector4d(0.5, 1, -2, 3));
   EXPECT_EQ(start_in_words(problem), "0.5,1,-2,3");
   // --y0 is in the order of the file.
-  const Problem other = file.problem({.material = {}, .parameters = {}, .y0 = {10, 20, 30, 40}});
+  const Problem other = file.problem({.y0 = {10, 20, 30, 40}});
   EXPECT_EQ(other.y0, Eigen::Vector4d(20, 40, 30, 10));
   EXPECT_EQ(problem.shown.own_state(problem.shown.state(problem.y0)), problem.y0);
-  EXPECT_TRUE(
-      says(error_of<InputError>([&] { (void)file.problem({.material = {}, .parameters = {}, .y0 = {1}}); }),
-           "4 states (w, x, v, y)"));
+  EXPECT_TRUE(says(error_of<InputError>([&] { (void)file.problem({.y0 = {1}}); }), "4 states (w, x, v, y)"));
 }
 
 TEST(FormulaProblem, StructuralMethodsRunWhateverTheOrder) {
@@ -154,8 +152,7 @@ TEST(FormulaProblem, RunsBeginAtTheirStartAndGoBackwards) {
   EXPECT_NEAR(rk4.bind(backwards).run({.t_end = 1.5, .h = 0.1}, {}).y[0], 0.25, 1e-12);
   settings = {};
   settings.t0 = 10;
-  EXPECT_THROW((void)file.problem({.material = {}, .parameters = {}, .y0 = {}, .t0 = 3}), InputError)
-      << "t_end is the start";
+  EXPECT_THROW((void)file.problem({.t0 = 3}), InputError) << "t_end is the start";
   settings.t_end = 12;
   EXPECT_NEAR(rk4.bind(file.problem(settings)).run({.t_end = 2, .h = 0.1}, {}).y[0], 4 + 144 - 100, 1e-10);
   EXPECT_THROW((void)make_problem("liver_forced", settings), InputError);

@@ -37,7 +37,7 @@ class FreeParts : public testing::Test {
                              std::vector<std::pair<std::string, double>> parameters = {}) const {
     for (const std::string& set : supports) parameters.emplace_back("support:" + set, 1);
     return make_problem(model + "@" + (folder_ / "two.msh").string(),
-                        {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 1.0});
+                        {.parameters = std::move(parameters), .unit = 1.0});
   }
 
  private:

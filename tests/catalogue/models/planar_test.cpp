@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 
 Problem liver(const std::vector<std::pair<std::string, double>>& set, const std::string& id = "liver_cubic") {
-  return make_problem(id, {.material = "", .parameters = set, .y0 = {}});
+  return make_problem(id, {.parameters = set});
 }
 
 std::vector<Equilibrium> equilibria_of(const Problem& problem, const Window& window) {
@@ -56,8 +56,7 @@ TEST(Planar, FormulasAreClassifiedWithoutAJacobianOfTheirs) {
              "0\n");
   const auto types = [&](double c) {
     std::vector<std::string> names;
-    const Problem problem =
-        make_problem(scratch / "well.toml", {.material = "", .parameters = {{"c", c}}, .y0 = {}});
+    const Problem problem = make_problem(scratch / "well.toml", {.parameters = {{"c", c}}});
     for (const Equilibrium& e : equilibria_of(problem, {{-2, -2}, {2, 2}})) {
       names.emplace_back(name_of(e.type));
       EXPECT_NEAR(std::abs(e.state(0)), names.size() == 2 ? 0 : 1, 1e-13);

@@ -26,7 +26,7 @@ class PublishedTissueOf : public ::testing::Test {
     // One point is fixed, so that the other tetrahedron is free.
     if (parameters.empty()) parameters = {{"support:points:1", 1}};
     return make_problem(model + "@" + (folder / "two.msh").string(),
-                        {.material = text, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+                        {.material = text, .parameters = std::move(parameters), .unit = 0.1});
   }
   std::vector<TissueMaterial> materials(const std::string& text, Parameters parameters = {}) const {
     return body(text, std::move(parameters)).body->settings().materials;
@@ -69,7 +69,7 @@ TEST_F(PublishedTissueOf, IsOverriddenByTheNumberOfANamedRegion) {
   write_text(file, text);
   const auto made = [&](Parameters parameters, const std::string& material) {
     return make_problem("fem_green@" + file,
-                        {.material = material, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+                        {.material = material, .parameters = std::move(parameters), .unit = 0.1});
   };
   const Problem problem =
       made({{"support:points:1", 1}, {"E:2", 1000}}, "tissue:fat,tumour=tissue:carcinoma");

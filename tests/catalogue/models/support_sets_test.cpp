@@ -44,7 +44,7 @@ class SupportSets : public ::testing::Test {
   }
   Problem body(std::vector<std::pair<std::string, double>> parameters) const {
     return make_problem("fem_green@" + (folder / "two.msh").string(),
-                        {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1});
+                        {.parameters = std::move(parameters), .unit = 0.1});
   }
 
   const Scratch folder;

@@ -27,15 +27,13 @@ RunRecord run(const Problem& problem, const std::string& method, RunSpec spec) {
 
 /// A small cube that is pressed hard enough to show what is not linear, and damped.
 Problem pressed_cube(const std::string& model) {
-  return make_problem(
-      model + "/press@cube:n=2",
-      {.material = {}, .parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 2}, {"beta", 1e-3}}, .y0 = {}});
+  return make_problem(model + "/press@cube:n=2",
+                      {.parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 2}, {"beta", 1e-3}}});
 }
 
 TEST(TissueProblem, IsLinearOfSmallStrainsWithoutToolOrSkinAlone) {
   const auto is_linear = [](const char* name, double skin) {
-    return has_linear_forces(
-        *make_problem(name, {.material = {}, .parameters = {{"skin", skin}}, .y0 = {}}).body);
+    return has_linear_forces(*make_problem(name, {.parameters = {{"skin", skin}}}).body);
   };
   EXPECT_TRUE(is_linear("fem_cauchy@cube:n=1", 0));
   EXPECT_TRUE(is_linear("fem_cauchy/press@cube:n=1", 0));
@@ -68,8 +66,8 @@ TEST(TissueProblem, IsSteppedByEveryMethodToTheSameEnd) {
 
 TEST(TissueProblem, OfSmallStrainMovesAsTheSumOfItsModes) {
   for (const double beta : {0.0, 1e-3}) {
-    const Problem problem = make_problem(
-        "fem_cauchy@cube:n=2", {.material = "liver:male_normal", .parameters = {{"beta", beta}}, .y0 = {}});
+    const Problem problem = make_problem("fem_cauchy@cube:n=2",
+                                         {.material = "liver:male_normal", .parameters = {{"beta", beta}}});
     ASSERT_TRUE(problem.has_exact_solution);
     const Reference reference = make_reference(problem, 0.3);
     const VectorXd exact = reference.at(0.3);
@@ -92,13 +90,12 @@ TEST(TissueProblem, HasOneMotionWhateverSolvesItsEquations) {
 }
 
 TEST(TissueProblem, TakesTheMaterialsOfTheStudy) {
-  const Problem problem =
-      make_problem("fem_green@phantom", {.material = "liver:female_fat:heavy", .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("fem_green@phantom", {.material = "liver:female_fat:heavy"});
   EXPECT_NEAR(problem.body->point_mass().sum(), problem.body->settings().total_mass.value(), 1e-12);
   EXPECT_EQ(problem.material, "liver:female_fat:heavy");
   // The oscillators' name means the same material, and what is set beside it counts.
-  const Problem same = make_problem("fem_green@phantom",
-                                    {.material = "female_fat:heavy", .parameters = {{"alpha", 0}}, .y0 = {}});
+  const Problem same =
+      make_problem("fem_green@phantom", {.material = "female_fat:heavy", .parameters = {{"alpha", 0}}});
   EXPECT_EQ(same.body->settings().materials.front().young, problem.body->settings().materials.front().young);
   EXPECT_EQ(same.body->settings().alpha, 0);
   EXPECT_GT(problem.body->settings().alpha, 0);
@@ -106,8 +103,7 @@ TEST(TissueProblem, TakesTheMaterialsOfTheStudy) {
 
 TEST(TissueProblem, HoldsTheShareOfTheBodyThatIsAskedFor) {
   const auto dofs = [](double support, double axis) {
-    return make_problem("fem_green@cube:n=4",
-                        {.material = {}, .parameters = {{"support", support}, {"axis", axis}}, .y0 = {}})
+    return make_problem("fem_green@cube:n=4", {.parameters = {{"support", support}, {"axis", axis}}})
         .body->dofs();
   };
   EXPECT_EQ(dofs(0, 3), 3 * 125);
@@ -119,8 +115,7 @@ TEST(TissueProblem, HoldsTheShareOfTheBodyThatIsAskedFor) {
 std::pair<double, double> rates(const std::string& id,
                                 std::vector<std::pair<std::string, double>> parameters) {
   parameters.emplace_back("g", 0);
-  const Linearised near =
-      linearised(make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}));
+  const Linearised near = linearised(make_problem(id, {.parameters = std::move(parameters)}));
   return {near.modes.spectrum.mechanical.front().kappa, near.modes.spectrum.mechanical.back().kappa};
 }
 
@@ -141,8 +136,8 @@ TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {
   for (const auto& [law, strong] : {std::pair<const char*, double>{"cubic", 20}, {"exponential", 5}}) {
     EXPECT_NEAR(rates("mass_spring@phantom", {{law, strong}}).second, fast, 1e-9 * fast) << law;
     const auto stretch = [&, law = law](double b) {
-      const Problem problem = make_problem(
-          "mass_spring/pull@phantom", {.material = {}, .parameters = {{"force", 2}, {law, b}}, .y0 = {}});
+      const Problem problem =
+          make_problem("mass_spring/pull@phantom", {.parameters = {{"force", 2}, {law, b}}});
       const StaticSolution solution =
           solve_static(static_model(problem, 1), {.load_steps = 6}, [] { return 0.0; });
       EXPECT_TRUE(solution.converged) << law << " " << b << ": " << solution.note;
@@ -154,11 +149,9 @@ TEST(TissueProblem, HasASkinFurtherSpringsAndOtherLawsOnDemand) {
 
 TEST(TissueProblem, HoldsThePointsOfABox) {
   const auto dofs = [](std::vector<std::pair<std::string, double>> box) {
-    return make_problem("fem_green@cube:n=4", {.material = {}, .parameters = std::move(box), .y0 = {}})
-        .body->dofs();
+    return make_problem("fem_green@cube:n=4", {.parameters = std::move(box)}).body->dofs();
   };
-  const TetMesh mesh =
-      make_problem("fem_green@cube:n=4", {.material = {}, .parameters = {}, .y0 = {}}).body->mesh();
+  const TetMesh mesh = make_problem("fem_green@cube:n=4", {}).body->mesh();
   const double side = mesh.points.row(0).maxCoeff();
   EXPECT_EQ(dofs({{"support", 0}}), 3 * 125);
   // A face, an edge, a corner of 5 x 5 x 5 points.
@@ -170,8 +163,7 @@ TEST(TissueProblem, HoldsThePointsOfABox) {
 
 TEST(TissueProblem, RefusesWhatItsModelMeshOrLoadDoesNotHave) {
   const auto refusal = [](const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
-    return error_of<InputError>(
-        [&] { make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}); });
+    return error_of<InputError>([&] { make_problem(id, {.parameters = std::move(parameters)}); });
   };
   EXPECT_TRUE(says(refusal("fem_green@phantom", {{"cubic", 1}}), "mass_spring"));
   EXPECT_TRUE(says(refusal("mass_spring@phantom", {{"cubic", 1}, {"exponential", 1}}), "choose one"));
@@ -192,8 +184,7 @@ TEST(TissueProblem, TakesFibresOfTheBodyAndOfARegion) {
              "$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 2 2 2 3 4 5\n$EndElements\n");
   const auto materials = [&](Parameters parameters) {
     parameters.emplace_back("support:points:1", 1);
-    return make_problem("fem_green@" + file,
-                        {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1})
+    return make_problem("fem_green@" + file, {.parameters = std::move(parameters), .unit = 0.1})
         .body->settings()
         .materials;
   };
@@ -205,10 +196,9 @@ TEST(TissueProblem, TakesFibresOfTheBodyAndOfARegion) {
   EXPECT_EQ(two[0].fibre_z, 0);
   EXPECT_EQ(two[1].fibre_z, -1);
   // What is listed of a body makes it again.
-  const Problem problem = make_problem(
-      "fem_green@cube:n=1", {.material = {}, .parameters = {{"fibre_E", 2e4}, {"fibre_y", 3}}, .y0 = {}});
-  const Problem again =
-      make_problem(problem.id, {.material = {}, .parameters = problem.parameters, .y0 = {}});
+  const Problem problem =
+      make_problem("fem_green@cube:n=1", {.parameters = {{"fibre_E", 2e4}, {"fibre_y", 3}}});
+  const Problem again = make_problem(problem.id, {.parameters = problem.parameters});
   EXPECT_EQ(again.body->settings().materials[0].fibre_young, 2e4);
   EXPECT_EQ(again.body->settings().materials[0].fibre_y, 3);
   EXPECT_TRUE(says(in_words(summary_of(*problem.body)), "fibres of 2e+04 Pa"));
@@ -216,8 +206,7 @@ TEST(TissueProblem, TakesFibresOfTheBodyAndOfARegion) {
 
 TEST(TissueProblem, RefusesFibresWithoutDirectionModulusOrElements) {
   const auto refusal = [](const std::string& id, Parameters parameters) {
-    return error_of<std::exception>(
-        [&] { make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}); });
+    return error_of<std::exception>([&] { make_problem(id, {.parameters = std::move(parameters)}); });
   };
   EXPECT_TRUE(says(refusal("fem_green@cube:n=1", {{"fibre_E", 2e4}}), "give a vector like fibre_x=1"));
   EXPECT_TRUE(says(refusal("fem_green@cube:n=1", {{"fibre_E", -1}, {"fibre_x", 1}}), "negative"));
@@ -230,9 +219,7 @@ TEST(TissueProblem, RefusesFibresWithoutDirectionModulusOrElements) {
 
 TEST(TissueProblem, RefusesNumbersThatNothingReads) {
   const auto refusal = [](const std::string& id, const std::string& name, double value) {
-    return error_of<InputError>([&] {
-      make_problem(id, {.material = {}, .parameters = {{name, value}}, .y0 = {}});
-    });
+    return error_of<InputError>([&] { make_problem(id, {.parameters = {{name, value}}}); });
   };
   EXPECT_TRUE(says(refusal("fem_green@phantom", "force", 2), "--load press"));
   EXPECT_TRUE(says(refusal("fem_green/press@phantom", "g", 1), "--load gravity"));
@@ -249,9 +236,8 @@ TEST(TissueProblem, RefusesNumbersThatNothingReads) {
 TEST(TissueProblem, RefusesParametersThatChangeNothingBesideOthers) {
   const auto refusal = [](const std::string& id, std::vector<std::pair<std::string, double>> parameters,
                           std::string material = {}) {
-    return error_of<InputError>([&] {
-      make_problem(id, {.material = std::move(material), .parameters = std::move(parameters), .y0 = {}});
-    });
+    return error_of<InputError>(
+        [&] { make_problem(id, {.material = std::move(material), .parameters = std::move(parameters)}); });
   };
   for (const char* nu : {"nu", "nu:1"})
     for (const double value : {0.3, 0.45})
@@ -271,8 +257,7 @@ TEST(TissueProblem, DescribesTheParametersThatAct) {
   const auto acting = [](const std::string& id, ProblemSettings settings = {}) {
     return " " + describe_acting(make_problem(id, settings)) + " ";
   };
-  const std::string springs =
-      acting("mass_spring/press@phantom", {.material = "male_slim", .parameters = {}, .y0 = {}});
+  const std::string springs = acting("mass_spring/press@phantom", {.material = "male_slim"});
   for (const char* idle : {" nu=", " rho=", " g=", " depth=", " equal_masses="})
     EXPECT_FALSE(says(springs, idle));
   for (const char* shown : {" E=", " mass=", " damper=", " force=", " support=", " axis="})
@@ -287,7 +272,7 @@ TEST(TissueProblem, DescribesTheParametersThatAct) {
 
 /// The settings of a body of the name `id`.
 TissueSettings settings_with(const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
-  return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}).body->settings();
+  return make_problem(id, {.parameters = std::move(parameters)}).body->settings();
 }
 
 TEST(TissueProblem, GravityIsAVector) {
@@ -327,7 +312,7 @@ TEST(TissueProblem, AToolStartsAndMovesWhereItIsTold) {
 TEST(TissueProblem, HasSpringsByTable) {
   const auto body = [](std::vector<std::pair<std::string, double>> parameters) {
     parameters.emplace_back("force", 0.3);
-    return make_problem("mass_spring/press@phantom", {.material = {}, .parameters = parameters, .y0 = {}});
+    return make_problem("mass_spring/press@phantom", {.parameters = parameters});
   };
   const auto energy = [&](std::vector<std::pair<std::string, double>> parameters) {
     const Problem problem = body(std::move(parameters));
@@ -354,8 +339,7 @@ TEST(TissueProblem, HasSpringsByTable) {
   EXPECT_THROW(body({{"phi:0.5", 1}, {"phi:0.50", 2}}), InputError);
   EXPECT_THROW(body({{"phi:soft", 1}}), InputError);
   EXPECT_THROW(body({{"phi:0.5", 1}, {"cubic", 2}}), InputError);
-  EXPECT_THROW(make_problem("fem_green@phantom", {.material = {}, .parameters = {{"phi:0.5", 1}}, .y0 = {}}),
-               InputError);
+  EXPECT_THROW(make_problem("fem_green@phantom", {.parameters = {{"phi:0.5", 1}}}), InputError);
 }
 
 TEST(TissueProblem, HasAMaterialForEachRegionOfItsFile) {
@@ -366,9 +350,7 @@ TEST(TissueProblem, HasAMaterialForEachRegionOfItsFile) {
              "0 0 1 0\n1 1 1 0\nTetrahedra\n2\n1 2 3 4 7\n2 3 4 5 3\nEnd\n");
   const std::string id = "fem_green@" + (folder / "two.mesh").string();
   const auto materials = [&](std::vector<std::pair<std::string, double>> parameters) {
-    return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}, .unit = 0.1})
-        .body->settings()
-        .materials;
+    return make_problem(id, {.parameters = std::move(parameters), .unit = 0.1}).body->settings().materials;
   };
   const auto made = materials({{"nu", 0.3}, {"E:7", 9000}, {"nu:3", 0.4}, {"rho:3", 900}});
   // Beside a mass a density would be a ratio.
@@ -394,24 +376,18 @@ TEST(TissueProblem, SaysWhatIsWrongWithItsName) {
   EXPECT_TRUE(says(complaint("fem_gren@liver"), "fem_green"));
   EXPECT_TRUE(says(complaint("fem_green/prss@liver"), "press"));
   EXPECT_TRUE(says(complaint("fem_green@livre"), "liver"));
-  EXPECT_TRUE(
-      says(complaint("fem_green@cube", {.material = {}, .parameters = {{"nu", 0.5}}, .y0 = {}}), "0.5"));
-  EXPECT_TRUE(
-      says(complaint("fem_green@cube", {.material = {}, .parameters = {{"Nu", 0.4}}, .y0 = {}}), "nu"));
-  EXPECT_TRUE(
-      says(complaint("fem_green@cube", {.material = {}, .parameters = {{"equal_masses", 2}}, .y0 = {}}),
-           "equal_masses"));
-  EXPECT_TRUE(
-      says(complaint("fem_green@cube", {.material = {}, .parameters = {{"support", 1}}, .y0 = {}}), "share"));
-  EXPECT_TRUE(
-      says(complaint("fem_green@cube", {.material = "male_fatt", .parameters = {}, .y0 = {}}), "male_fat"));
-  EXPECT_TRUE(says(complaint("fem_green@cube", {.material = {}, .parameters = {}, .y0 = {1}}), "--y0"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.parameters = {{"nu", 0.5}}}), "0.5"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.parameters = {{"Nu", 0.4}}}), "nu"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.parameters = {{"equal_masses", 2}}}), "equal_masses"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.parameters = {{"support", 1}}}), "share"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.material = "male_fatt"}), "male_fat"));
+  EXPECT_TRUE(says(complaint("fem_green@cube", {.y0 = {1}}), "--y0"));
 }
 
 TEST(TissueEquilibrium, IsWhereTheMotionComesToRest) {
-  const Problem problem = make_problem(
-      "fem_green/press@cube:n=2",
-      {.material = {}, .parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 20}, {"beta", 0.02}}, .y0 = {}});
+  const Problem problem =
+      make_problem("fem_green/press@cube:n=2",
+                   {.parameters = {{"E", 4000}, {"force", 0.3}, {"alpha", 20}, {"beta", 0.02}}});
   const StaticSolution rest = solve_static(static_model(problem, 1), {}, [] { return 0.0; });
   ASSERT_TRUE(rest.converged) << rest.note;
   const VectorXd late = run(problem, "implicit_euler", {.t_end = 20, .h = 0.05}).y;

@@ -18,8 +18,7 @@ namespace hmax {
 namespace {
 
 Problem pressed(const std::string& mesh, std::vector<std::pair<std::string, double>> parameters = {}) {
-  return make_problem("fem_green/tool@" + mesh,
-                      {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem("fem_green/tool@" + mesh, {.parameters = std::move(parameters)});
 }
 
 /// The indentation over the depth, in static equilibrium, where the tool does not slide off.
@@ -77,8 +76,7 @@ TEST(Tool, ThatBeginsInsideTheBodyIsRefused) {
 
 TEST(Tool, DeeperThanItsDiameterIsFollowedToItsEquilibrium) {
   const Problem problem =
-      make_problem("fem_neo_hookean/tool@beam",
-                   {.material = {}, .parameters = {{"depth", 0.021}, {"tool_radius", 0.01}}, .y0 = {}});
+      make_problem("fem_neo_hookean/tool@beam", {.parameters = {{"depth", 0.021}, {"tool_radius", 0.01}}});
   const Linearised near = linearised(problem);
   ASSERT_EQ(near.point.kind, StateKind::equilibrium) << near.point.status;
   EXPECT_GT(problem.body->tool_reaches(near.point.model.t, near.point.model.y).front().indentation, 0.015);
@@ -92,8 +90,7 @@ TEST(Tool, PressesAsDeepAsItSaysWhateverTheMeshAndTheDepth) {
   for (double& x : jittered.mesh.points.reshaped()) x += by(random);
   for (const double depth : {0.002, 0.005}) {
     const TissueId id("fem_green/tool@ball:n=6");
-    const TissueParameters parameters =
-        tissue_parameters(id, {.material = {}, .parameters = {{"depth", depth}}, .y0 = {}});
+    const TissueParameters parameters = tissue_parameters(id, {.parameters = {{"depth", depth}}});
     Problem problem = smooth;
     problem.body = std::make_shared<const TissueBody>(
         jittered.mesh, tissue_settings(id, parameters, jittered), jittered.origin);

@@ -222,9 +222,8 @@ TEST(Plugin, ModelsOfOtherFilesOrArgumentsHaveOtherIds) {
 /// What `calls` right-hand sides of a model say that goes wrong as `argument` tells it.
 std::string error_of_rhs(const std::string& argument, double patience, int calls = 10) {
   return error_of<InputError>([&] {
-    const Problem problem =
-        make_problem(plugin_id(std::string(TESTED_PLUGIN) + ":faulty:" + argument),
-                     {.material = {}, .parameters = {{std::string(patience_parameter), patience}}, .y0 = {}});
+    const Problem problem = make_problem(plugin_id(std::string(TESTED_PLUGIN) + ":faulty:" + argument),
+                                         {.parameters = {{std::string(patience_parameter), patience}}});
     Eigen::VectorXd dydt(1);
     for (int i = 0; i < calls; ++i) {
       std::get<AnySystem>(problem.system).rhs(0, problem.y0, dydt);

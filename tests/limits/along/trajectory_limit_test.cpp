@@ -34,9 +34,8 @@ struct FastAndSlow {
 };
 
 Problem oscillator(double c, double k1, double k3, std::vector<double> y0) {
-  return make_problem(
-      "liver_cubic",
-      {.material = {}, .parameters = {{"m", 1}, {"c", c}, {"k1", k1}, {"k3", k3}}, .y0 = std::move(y0)});
+  return make_problem("liver_cubic",
+                      {.parameters = {{"m", 1}, {"c", c}, {"k1", k1}, {"k3", k3}}, .y0 = std::move(y0)});
 }
 
 TEST(LimitAlongAMotion, OfALinearModelIsThatAtRestEverywhere) {
@@ -52,15 +51,14 @@ TEST(LimitAlongAMotion, OfALinearModelIsThatAtRestEverywhere) {
 
 TEST(LimitAlongAMotion, LooksAlongAWholePeriodOfTheLoad) {
   const auto breathing = [](double period) {
-    return end_of_motion(make_problem("fem_green/breathing@cube:n=1",
-                                      {.material = {}, .parameters = {{"period", period}}, .y0 = {}}));
+    return end_of_motion(make_problem("fem_green/breathing@cube:n=1", {.parameters = {{"period", period}}}));
   };
   EXPECT_DOUBLE_EQ(breathing(4), 4);
   EXPECT_DOUBLE_EQ(breathing(10), 10);
   EXPECT_DOUBLE_EQ(breathing(0.1), 1);
   EXPECT_DOUBLE_EQ(breathing(1e6), 1) << "what takes too long is said instead";
   const auto forced = [](double w) {
-    return end_of_motion(make_problem("liver_forced", {.material = {}, .parameters = {{"w", w}}, .y0 = {}}));
+    return end_of_motion(make_problem("liver_forced", {.parameters = {{"w", w}}}));
   };
   EXPECT_DOUBLE_EQ(forced(0.5), 100);
   EXPECT_NEAR(forced(0.05), 40 * std::numbers::pi, 1e-9);
@@ -90,7 +88,7 @@ TEST(LimitAlongAMotion, IsNothingWithoutAnAmplificationOrForAProblemThatDoesNotS
 }
 
 Problem cube(const std::string& id, Parameters parameters) {
-  return make_problem(id + "@cube:n=4", {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(id + "@cube:n=4", {.parameters = std::move(parameters)});
 }
 
 /// What a function throws, in words.
@@ -182,7 +180,7 @@ TEST(LimitUnderALoad, SeesThatABodyBuckles) {
     flat[3 * static_cast<Eigen::Index>(i) + 2] = -0.3 * body.mesh().points(2, body.free_points()[i]);
   ASSERT_LT(linearised(problem, 0, flat).modes.spectrum.mechanical.front().kappa, 0);
   const std::vector<Method> methods{find_method("rk4")};
-  const auto limits = limits_along(methods, problem, {.at = {0, 1}, .y = {problem.y0, flat}, .note = {}});
+  const auto limits = limits_along(methods, problem, {.at = {0, 1}, .y = {problem.y0, flat}});
   EXPECT_EQ(limits[0]->growing, 0.5);
   EXPECT_EQ(limits[0]->grows_from, 1);
   // The limit of the other modes is told all the same: sqrt(8) / omega, without damping.
@@ -266,11 +264,8 @@ TEST(MotionTolerances, OfAMotionFromRestAreThoseOfWhatItBecomes) {
 }
 
 TEST(LimitsAlong, SeeASlowModeChangeBesideAFastOne) {
-  Problem problem;
-  problem.id = "fast_and_slow";
-  problem.y0 = Eigen::Vector2d(1, 1);
-  problem.t_end = 1;
-  problem.system = AnySystem(FastAndSlow{});
+  Problem problem{
+      .id = "fast_and_slow", .y0 = Eigen::Vector2d(1, 1), .t_end = 1, .system = AnySystem(FastAndSlow{})};
   const std::vector<Method> methods{find_method("rk4")};
   const Path path{.at = {0, 1}, .y = {problem.y0, problem.y0}};
   EXPECT_EQ(limits_along(methods, problem, path).front()->growing, 0.5);

@@ -13,9 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-Problem cubic(double c) {
-  return make_problem("liver_cubic", {.material = "", .parameters = {{"c", c}}, .y0 = {}});
-}
+Problem cubic(double c) { return make_problem("liver_cubic", {.parameters = {{"c", c}}}); }
 
 TEST(OneStepMap, IsTheStepOfTheFormula) {
   const double h = 0.4;

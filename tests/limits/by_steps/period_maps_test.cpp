@@ -21,9 +21,7 @@ using Eigen::VectorXd;
 
 using Set = std::vector<std::pair<std::string, double>>;
 
-Problem liver(const Set& set) {
-  return make_problem("liver_forced", {.material = "", .parameters = set, .y0 = {}});
-}
+Problem liver(const Set& set) { return make_problem("liver_forced", {.parameters = set}); }
 
 /// A chaotic motion beside periodic ones, one without force, one without stiffness, and one that runs away.
 std::vector<Problem> various() {

@@ -14,7 +14,7 @@ namespace {
 const StepChoices frozen{.jacobian = {JacobianUpdate::frozen}, .linear = {}};
 
 TEST(ToleratedStiffening, IsThatOfTheFormulaWithoutDamping) {
-  const Problem spring = make_problem("liver_linear", {.material = {}, .parameters = {{"c", 0}}, .y0 = {}});
+  const Problem spring = make_problem("liver_linear", {.parameters = {{"c", 0}}});
   const Linearised near = linearised(spring, 0, spring.y0);
   const double omega = std::sqrt(near.modes.spectrum.mechanical.front().kappa);
   const Method method = find_method("linearly_implicit_euler");
@@ -29,7 +29,7 @@ TEST(ToleratedStiffening, IsThatOfTheFormulaWithoutDamping) {
 
 TEST(ToleratedStiffening, GrowsWithDamping) {
   const auto tolerated = [](double c) {
-    const Problem spring = make_problem("liver_linear", {.material = {}, .parameters = {{"c", c}}, .y0 = {}});
+    const Problem spring = make_problem("liver_linear", {.parameters = {{"c", c}}});
     return tolerated_stiffening(find_method("linearly_implicit_euler"), spring,
                                 linearised(spring, 0, spring.y0), frozen, 1);
   };
@@ -37,7 +37,7 @@ TEST(ToleratedStiffening, GrowsWithDamping) {
 }
 
 TEST(ToleratedStiffening, IsNotToldOfWhatHasNoStiffness) {
-  const Problem decay = make_problem("dahlquist", {.material = {}, .parameters = {}, .y0 = {}});
+  const Problem decay = make_problem("dahlquist", {});
   EXPECT_TRUE(std::isnan(tolerated_stiffening(find_method("linearly_implicit_euler"), decay,
                                               linearised(decay, 0, decay.y0), frozen, 0.1)));
 }

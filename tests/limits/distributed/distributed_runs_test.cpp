@@ -285,11 +285,8 @@ Prediction from_all_modes(const Method& method, const MatrixXd& K, const MatrixX
   model.facts.damped = true;
   model.mass = VectorXd::Ones(K.rows());
   for (Eigen::Index i = 0; i < K.rows(); ++i) model.unknowns.push_back(i);
-  Problem problem;
-  problem.id = "chain";
-  problem.y0 = VectorXd::Zero(2 * K.rows());
-  problem.t_end = 1;
-  problem.system = system_of(model, 0, 0);
+  Problem problem{
+      .id = "chain", .y0 = VectorXd::Zero(2 * K.rows()), .t_end = 1, .system = system_of(model, 0, 0)};
   return predict(method, linearised(problem));
 }
 

@@ -24,7 +24,7 @@ namespace {
 using Eigen::VectorXd;
 
 Problem body(const std::string& id, std::vector<std::pair<std::string, double>> parameters = {}) {
-  return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(id, {.parameters = std::move(parameters)});
 }
 
 TEST(SettledState, IsTheFixedPointOfTheMap) {
@@ -262,8 +262,8 @@ TEST(Fidelity, SeesGrowthWhereNoModeIsKnown) {
 
 TEST(Fidelity, SeesNoGrowthOfStableStepsWhereFastAndSlowModesLieFarApart) {
   // rk4 is stable up to 3.2 ms here; residuals of its far from normal steps are small beside false values.
-  const FidelityModel model = fidelity_model(make_problem(
-      "fem_neo_hookean/press@liver", {.material = "liver:male_normal", .parameters = {}, .y0 = {}}));
+  const FidelityModel model =
+      fidelity_model(make_problem("fem_neo_hookean/press@liver", {.material = "liver:male_normal"}));
   const Fidelity row = fidelity(find_method("rk4"), model, {.h = 1e-3});
   EXPECT_NEAR(row.stiffness_shown, 1, 1e-4) << row.status;
   EXPECT_EQ(row.status, "");

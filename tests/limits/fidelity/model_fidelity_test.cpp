@@ -23,7 +23,7 @@ using Complex = std::complex<double>;
 
 Problem made(const std::string& id, std::vector<std::pair<std::string, double>> parameters = {},
              std::vector<double> y0 = {}) {
-  return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = std::move(y0)});
+  return make_problem(id, {.parameters = std::move(parameters), .y0 = std::move(y0)});
 }
 
 /// The factors of a step of y' = lambda y.

@@ -54,8 +54,7 @@ TEST(FastestMode, OfAMisplacedPointIsOwnedBesideItAndGainsFromPuttingItBack) {
 }
 
 TEST(FastestMode, IsOwnedByAnElementOfTenNodesWithItsNumber) {
-  const Problem problem =
-      make_problem("fem_quadratic@cube:n=2", {.material = {}, .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("fem_quadratic@cube:n=2", {});
   const TissueBody& body = *problem.body;
   const FastestMode mode = fastest_mode_of(body);
   EXPECT_NEAR(mode.kappa, fastest_by_all_of_them(body), 1e-6 * mode.kappa);
@@ -87,8 +86,8 @@ TEST(FastestMode, GainsAreThoseOfTheChangedBodyAndCostNothingUnlessAsked) {
 
 /// At rest its shape is taken over; under a load the fastest mode at rest is another one, and is found anew.
 TEST(FastestMode, OfALinearisedBodyIsThatOfTheBodyAtRest) {
-  const Problem problem = make_problem(
-      "fem_green@ball:n=6", {.material = {}, .parameters = {{"E", 30'000}, {"beta", 0.001}}, .y0 = {}});
+  const Problem problem =
+      make_problem("fem_green@ball:n=6", {.parameters = {{"E", 30'000}, {"beta", 0.001}}});
   const TissueBody& body = *problem.body;
   const FastestMode alone = fastest_mode_of(body, false);
   for (const AskedState at : {AskedState::rest, AskedState::equilibrium}) {

@@ -17,7 +17,7 @@ TEST(StartFromMode, IsTheModeNearestToAnEigenvalueAndAHundredthOfEverythingElse)
   J.diagonal(-1).setConstant(k);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n);
   Linearised near;
-  near.point.model = {.t = 0, .y = rest, .J = [J] { return AnyMatrix(J); }, .mechanical = {}, .J_stiff = {}};
+  near.point.model = {.t = 0, .y = rest, .J = [J] { return AnyMatrix(J); }};
   const auto eigenvalue = [&](Eigen::Index j) {
     return -4 * k * std::pow(std::sin(static_cast<double>(j) * std::numbers::pi / (2.0 * (n + 1))), 2);
   };

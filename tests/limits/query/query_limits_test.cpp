@@ -60,8 +60,7 @@ TEST(LimitQuestion, RefusesTheEndOfAMotionThatIsNotLookedAt) {
 
 /// The eigenvalues of m x'' + c x' + k x = 0 with c^2 < 4 m k: explicit_euler is stable up to c / k.
 TEST(QueryLimits, AnswersInTheOrderOfTheMethods) {
-  const Problem problem =
-      make_problem("liver_linear", {.material = "", .parameters = {{"m", 2}, {"c", 1}, {"k1", 8}}, .y0 = {}});
+  const Problem problem = make_problem("liver_linear", {.parameters = {{"m", 2}, {"c", 1}, {"k1", 8}}});
   const LimitAnswer answer = ask({}, problem, some({"rk4", "explicit_euler"}));
   ASSERT_EQ(answer.models.size(), 1U);
   const std::vector<LimitRow>& rows = answer.models[0].rows;

@@ -13,8 +13,7 @@ namespace hmax {
 namespace {
 
 TEST(LimitRows, HoldThePredictionAndWhatRunsShowed) {
-  const Problem problem =
-      make_problem("liver_benchmark", {.material = "male_slim", .parameters = {}, .y0 = {}});
+  const Problem problem = make_problem("liver_benchmark", {.material = "male_slim"});
   const Method method = find_method("rk4");
   const Linearised near = linearised(problem);
   Prediction prediction = predict(method, near);
@@ -45,7 +44,6 @@ TEST(LimitRows, SayFromWhereThePathGrows) {
             .h_max = {0.1, LimitRow::none, 0.2},
             .least = 0.1,
             .t_least = 0,
-            .y_least = {},
             .growing = 1.0 / 3,
             .grows_from = 1},
            "ends early");

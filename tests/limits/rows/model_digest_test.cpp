@@ -9,7 +9,7 @@ namespace {
 
 TEST(ModelDigest, TellsModelsApartAndNothingElse) {
   const auto digest = [](const std::string& id, std::vector<std::pair<std::string, double>> parameters) {
-    return model_digest(make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}}));
+    return model_digest(make_problem(id, {.parameters = std::move(parameters)}));
   };
   EXPECT_EQ(digest("liver_forced", {}), digest("liver_forced", {}));
   EXPECT_NE(digest("liver_forced", {}), digest("liver_forced", {{"k3", 1.25}}));

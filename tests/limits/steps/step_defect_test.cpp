@@ -341,8 +341,7 @@ TEST(StepDefect, IsNothingWhereNoStepOfAGivenLengthCanBeTaken) {
 }
 
 TEST(StepDefect, MakesAVerificationFailWhoseLimitIsNotMoved) {
-  const Problem problem =
-      make_problem("liver_linear", {.material = {}, .parameters = {{"c", 1.5}}, .y0 = {}});
+  const Problem problem = make_problem("liver_linear", {.parameters = {{"c", 1.5}}});
   const Linearised near = linearised(problem);
   const Method rk4 = find_method("rk4");
   RuntimeTableau wrong = at_run_time<tableaux::Rk4>();

@@ -14,7 +14,6 @@ namespace hmax {
 inline Row made_run(const std::string& method, double h) {
   Row row;
   row.key = {.problem = "liver_forced",
-             .material = "",
              .parameters = "m=1",
              .y0 = "0.5,1",
              .method = method,

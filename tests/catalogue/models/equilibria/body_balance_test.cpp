@@ -14,8 +14,7 @@ using Eigen::VectorXd;
 /// A beam that is pressed beyond the load at which it buckles: one equilibrium is left, whose stiffness has a
 /// negative eigenvalue.
 TEST(BodyBalance, FindsTheUnstableEquilibriumWhereThereIsNoOther) {
-  const Problem beam =
-      make_problem("fem_green/press@beam:n=2", {.material = {}, .parameters = {{"force", 0.46}}, .y0 = {}});
+  const Problem beam = make_problem("fem_green/press@beam:n=2", {.parameters = {{"force", 0.46}}});
   const StaticSolution found = found_equilibrium(beam, 1, {}, [] { return 0.0; });
   EXPECT_FALSE(found.converged);
   EXPECT_TRUE(found.unstable);
@@ -34,9 +33,7 @@ TEST(BodyBalance, FindsTheUnstableEquilibriumWhereThereIsNoOther) {
 
 /// Full gravity on a ball so soft that elements at its support invert, though each pushes back.
 TEST(BodyBalance, FindsTheEquilibriumBeyondInversionOfElementsThatPushBack) {
-  const auto ball = [](const char* model) {
-    return make_problem(model, {.material = {}, .parameters = {{"E", 1500}}, .y0 = {}});
-  };
+  const auto ball = [](const char* model) { return make_problem(model, {.parameters = {{"E", 1500}}}); };
   const auto no_clock = [] { return 0.0; };
   const Problem soft = ball("fem_neo_hookean@ball:n=4");
   const StaticSolution found = found_equilibrium(soft, 1, {}, no_clock);

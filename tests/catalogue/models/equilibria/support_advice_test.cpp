@@ -15,7 +15,7 @@ namespace hmax {
 namespace {
 
 Problem block(const std::string& id, Parameters parameters) {
-  return make_problem(id, {.material = {}, .parameters = std::move(parameters), .y0 = {}});
+  return make_problem(id, {.parameters = std::move(parameters)});
 }
 
 TEST(LinearSag, OfACubeThatHangsIsThatOfARod) {
