@@ -12,7 +12,7 @@ void expect_keys(const Json& object, const std::vector<std::string>& keys) {
 }
 
 TEST(List, MethodsHaveTheKeysOfTheContract) {
-  const Json methods = Shell().hmax("list methods --json").json();
+  const Json methods = Shell().json("list methods");
   ASSERT_GE(methods.size(), 13U);
   std::set<std::string> ids;
   for (const Json& method : methods) {
@@ -33,7 +33,7 @@ TEST(List, MethodsHaveTheKeysOfTheContract) {
 }
 
 TEST(List, ProblemsHaveTheKeysOfTheContract) {
-  const Json problems = Shell().hmax("--json list problems").json();
+  const Json problems = Shell().json("list problems");
   ASSERT_EQ(problems.size(), 16U);
   for (const Json& problem : problems)
     expect_keys(problem, {"id", "dimension", "parameters", "y0", "t_end", "has_exact_solution"});
@@ -44,7 +44,7 @@ TEST(List, ProblemsHaveTheKeysOfTheContract) {
 }
 
 TEST(List, ModelsHaveTheKeysOfTheContract) {
-  const Json models = Shell().hmax("list models --json").json();
+  const Json models = Shell().json("list models");
   ASSERT_EQ(models.size(), 7U);
   for (const Json& model : models)
     expect_keys(model, {"id", "note", "is_linear", "is_of_springs", "resists_inversion", "resists_locking"});
@@ -52,7 +52,7 @@ TEST(List, ModelsHaveTheKeysOfTheContract) {
 }
 
 TEST(List, MaterialsHaveTheKeysOfTheContract) {
-  const Json materials = Shell().hmax("list materials --json").json();
+  const Json materials = Shell().json("list materials");
   ASSERT_EQ(materials.size(), 6U + 17U);
   for (const Json& material : materials) expect_keys(material, {"id", "parameters", "source"});
   EXPECT_EQ(materials.at(6).at("parameters").at("E"), 5500);
@@ -70,7 +70,7 @@ TEST(List, TablesForPeopleNameEverything) {
   const Shell shell;
   for (const char* what : {"methods", "problems", "models", "materials"}) {
     const std::string table = shell.hmax(std::string("list ") + what).out;
-    for (const Json& entry : shell.hmax(std::string("list --json ") + what).json())
+    for (const Json& entry : shell.json(std::string("list ") + what))
       EXPECT_TRUE(says(table, entry.at("id").get<std::string>())) << entry.at("id");
     EXPECT_EQ(table.find('\x1b'), std::string::npos) << "colour in a file";
   }

@@ -15,9 +15,8 @@ TEST(Program, SaysWhatToDoNextWithoutArguments) {
 }
 
 TEST(Program, PrintsItsVersion) {
-  const Told told = Shell().hmax("--version");
-  EXPECT_EQ(told.exit_code, 0);
-  EXPECT_EQ(told.out.rfind("hmax 0.", 0), 0U) << told.out;
+  const std::string told = Shell().text("--version");
+  EXPECT_EQ(told.rfind("hmax 0.", 0), 0U) << told;
 }
 
 TEST(Program, SuggestsTheNearestNameForAMistypedOne) {
@@ -109,8 +108,7 @@ TEST(Help, ExamplesRun) {
   for (const std::string& name : commands(shell)) {
     if (elsewhere.contains(group_of(name))) continue;
     for (const std::string& example : examples_of(shell.hmax(name + " --help").out)) {
-      const Told told = shell.hmax(example);
-      EXPECT_EQ(told.exit_code, 0) << example << "\n" << told.err;
+      shell.text(example);
     }
   }
 }

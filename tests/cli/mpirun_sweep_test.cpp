@@ -70,7 +70,7 @@ TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
     EXPECT_TRUE(says(told.json()["warnings"].dump(), "approximate"));
     // Either form goes on where the other one ended; one that measures takes the rows anew whose times are
     // rough.
-    const json again = shell.hmax(sweep + "--out two.sqlite --resume --json").json();
+    const json again = shell.json(sweep + "--out two.sqlite --resume");
     EXPECT_EQ(again["skipped"], options.empty() ? 0 : 18);
     EXPECT_EQ(again["measured"], options.empty() ? 18 : 0);
     for (const Row& row : Store::open_existing(shell / "two.sqlite").rows())

@@ -11,7 +11,7 @@ using Json = nlohmann::json;
 constexpr const char* plain_processor = "export GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2; ";
 
 bool has_elementary_functions(const Shell& shell) {
-  const Json report = shell.hmax("doctor --json").json();
+  const Json report = shell.json("doctor");
   for (const Json& part : report.at("optional"))
     if (part.at("name") == "musl") return part.at("present");
   ADD_FAILURE() << "hmax doctor does not know musl";

@@ -8,6 +8,16 @@ namespace hmax {
 
 nlohmann::json Told::json() const { return nlohmann::json::parse(out); }
 
+std::string Shell::text(const std::string& arguments) const {
+  const Told told = hmax(arguments);
+  EXPECT_EQ(told.exit_code, 0) << arguments << "\n" << told.out << told.err;
+  return told.out;
+}
+
+nlohmann::json Shell::json(const std::string& arguments) const {
+  return nlohmann::json::parse(text(arguments + " --json"));
+}
+
 Told Shell::line(const std::string& command, const char* program) const {
   // Three minutes turn a hang into a failure, also on a slow machine.
   const std::string line = "cd '" + folder_.folder().string() + "' && hmax() { timeout 180 '" + program +

@@ -25,6 +25,10 @@ class Shell {
  public:
   /// @param arguments  as typed after `hmax`
   Told hmax(const std::string& arguments) const { return line("hmax " + arguments); }
+  /// What `hmax ARGUMENTS`, which is to succeed, prints.
+  std::string text(const std::string& arguments) const;
+  /// The document of `hmax ARGUMENTS --json`, which is to succeed.
+  nlohmann::json json(const std::string& arguments) const;
 
   /// A whole line of sh in which `hmax` is the program.
   Told line(const std::string& command) const { return line(command, HMAX_PROGRAM); }

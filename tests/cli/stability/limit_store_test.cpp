@@ -13,10 +13,10 @@ TEST(LimitStore, LooksUpWhatWasComputedBefore) {
   const Shell shell;
   const std::string command =
       "stability predict --problem liver_benchmark --materials male_slim,female_fat --out livers --methods rk4,newmark";
-  const Json first = shell.hmax(command + " --json").json();
+  const Json first = shell.json(command);
   EXPECT_EQ(first.at("looked_up"), 0);
   EXPECT_EQ(first.at("store"), "results/runs/livers.sqlite");
-  const Json second = shell.hmax(command + " --json").json();
+  const Json second = shell.json(command);
   EXPECT_EQ(second.at("looked_up"), 4);
   EXPECT_EQ(second.at("rows"), first.at("rows"));
   EXPECT_EQ(second.at("models"), first.at("models"));
@@ -27,14 +27,14 @@ TEST(LimitStore, LooksUpWhatWasComputedBefore) {
   EXPECT_EQ(words.out, without.out + "4 limits in results/runs/livers.sqlite: 0 computed, 4 looked up\n");
 
   // Only what is missing is computed: another method, and runs that nobody asked for before.
-  const Json more = shell.hmax(command + ",rk2_heun --json").json();
+  const Json more = shell.json(command + ",rk2_heun");
   EXPECT_EQ(more.at("looked_up"), 4);
   EXPECT_EQ(more.at("rows").size(), 6U);
-  const Json verified = shell.hmax(command + " --verify --json").json();
+  const Json verified = shell.json(command + " --verify");
   EXPECT_EQ(verified.at("looked_up"), 0);
   EXPECT_TRUE(verified.at("rows")[0].at("agrees").get<bool>());
-  EXPECT_EQ(shell.hmax(command + " --verify --json").json().at("looked_up"), 4);
-  EXPECT_EQ(shell.hmax("export livers --of limits --json").json().size(), 6U);
+  EXPECT_EQ(shell.json(command + " --verify").at("looked_up"), 4);
+  EXPECT_EQ(shell.json("export livers --of limits").size(), 6U);
 }
 
 TEST(LimitStore, ComputesAgainWhereTheModelOrTheQuestionIsAnother) {
@@ -44,9 +44,7 @@ TEST(LimitStore, ComputesAgainWhereTheModelOrTheQuestionIsAnother) {
                fmt::format("[equations]\nx = \"v\"\nv = \"{}\"\n[initial]\nx = 1\nv = 0\n", force));
   };
   const auto looked_up = [&](const std::string& options) {
-    const Told told = shell.hmax("stability predict --methods rk4 --out s.sqlite --json " + options);
-    EXPECT_EQ(told.exit_code, 0) << told.err;
-    return told.json().at("looked_up").get<int>();
+    return shell.json("stability predict --methods rk4 --out s.sqlite " + options).at("looked_up").get<int>();
   };
   const std::string body = "--mesh cube:n=2 --model fem_green --load gravity";
   EXPECT_EQ(looked_up(body), 0);
@@ -71,24 +69,22 @@ TEST(LimitStore, IsExportedAndCompared) {
   ASSERT_EQ(shell.hmax(predict + "b").exit_code, 0);
   const Told same = shell.hmax("compare a b");
   EXPECT_EQ(same.exit_code, 0) << same.err;
-  EXPECT_NE(same.out.find("2 limits in both: 2 the same, 0 changed\n"), std::string::npos) << same.out;
+  EXPECT_TRUE(says(same.out, "2 limits in both: 2 the same, 0 changed\n"));
   // Stores that share no limit are not the same.
   ASSERT_EQ(
       shell.hmax("stability predict --problem liver_forced --along none --methods bdf_2 --out c").exit_code,
       0);
   const Told others = shell.hmax("compare a c");
   EXPECT_EQ(others.exit_code, 1) << others.out;
-  EXPECT_NE(others.out.find("limits only in A: 2, only in B: 1\n"), std::string::npos) << others.out;
-  const Told csv = shell.hmax("export a --of limits");
-  EXPECT_EQ(csv.exit_code, 0);
-  EXPECT_EQ(csv.out.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U)
-      << csv.out;
-  EXPECT_EQ(std::count(csv.out.begin(), csv.out.end(), '\n'), 3);
+  EXPECT_TRUE(says(others.out, "limits only in A: 2, only in B: 1\n"));
+  const std::string csv = shell.text("export a --of limits");
+  EXPECT_EQ(csv.rfind("problem,material,parameters,y0,model,asked,path,t_end,method,bound,", 0), 0U) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
   expect_refused(shell.hmax("export a --of limits --format gbench"), "csv or jsonl");
   expect_refused(shell.hmax("export a --of tables"), "known are runs, limits");
   const Told runs = shell.hmax("export a");
   EXPECT_EQ(runs.exit_code, 0);
-  EXPECT_NE(runs.err.find("holds no runs; --of limits"), std::string::npos) << runs.err;
+  EXPECT_TRUE(says(runs.err, "holds no runs; --of limits"));
   expect_refused(shell.hmax("stability predict --problem liver_forced --methods rk4 --out a/b"),
                  "--out is 'a/b'");
 }

@@ -12,11 +12,9 @@ namespace {
 const std::string damping = "stability numerical-damping --h 0.01 ";
 
 TEST(NumericalDampingOfABody, IsThatOfEachOfItsSlowestModes) {
-  const Told told = Shell().hmax(
+  const nlohmann::json document = Shell().json(
       damping +
-      "--methods implicit_euler,vbd:iterations=3,substeps=2 --mesh cube:n=2 --model fem_cauchy --set g=0 --json");
-  ASSERT_EQ(told.exit_code, 0) << told.err;
-  const nlohmann::json document = told.json();
+      "--methods implicit_euler,vbd:iterations=3,substeps=2 --mesh cube:n=2 --model fem_cauchy --set g=0");
   EXPECT_EQ(document["model"], "fem_cauchy@cube:n=2");
   EXPECT_EQ(document["state"], "rest");
   ASSERT_EQ(document["rows"].size(), 2U);
