@@ -168,6 +168,7 @@ void precision(const PrecisionOptions& options, Console& console) {
     refuse_style_without_figure("--output FOLDER");
   const SweepPlan plan = plan_of(options);
   if (plan.blocks.empty()) return say_empty(options, plan, console);
+  options.problem.body.remark_scene(console);
   warn_of_left_out(console, plan.left_out);
   const TemporaryFolder temporary;
   Store store = open_sweep_store(

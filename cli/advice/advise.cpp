@@ -106,10 +106,10 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
                     .most_count = most_motion_frames,
                     .remedy = "take a shorter motion"});
     if (!options.motion_at.empty()) {
-      if (options.problem.body.mesh.empty())
+      if (!options.problem.body.is_given())
         throw InputError("--motion-at names points of --mesh; name a mesh");
       question.motion->points = points_of_sets(
-          options.motion_at, load_mesh(options.problem.body.mesh, options.problem.body.metres(),
+          options.motion_at, load_mesh(TissueId(problem.id).mesh, options.problem.body.metres(),
                                        element_nodes(TissueId(problem.id))));
     }
   }

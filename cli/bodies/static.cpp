@@ -420,6 +420,7 @@ void solve(const StaticOptions& options, Console& console) {
   options.picture.check();
   refuse_ignored(options);
   const Problem problem = options.problem.make();
+  options.problem.remark_idle(console, problem);
   refuse_unsuited(options, problem);
   const double scale = options.load_scale.value_or(1);
   const StaticModel model = static_model(problem, scale);

@@ -13,6 +13,7 @@
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "catalogue/plugin/plugin_model.hpp"
+#include "catalogue/scenes/read_scene.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -36,7 +37,15 @@ void MeshOptions::add_to(CLI::App& command) {
   const HelpGroup group(command, model_group);
   add_text(command, "--mesh", mesh,
            "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file", "NAME");
-  add_text(command, "--unit", unit, "Unit of a mesh file: m, cm, mm or a number of metres", "UNIT");
+  add_text(command, "--scene", scene,
+           "Body, load and step of another program's scene, with --unit: CalculiX/Abaqus .inp", "FILE");
+  add_text(command, "--ignore", ignored,
+           "Parts of --scene that are left out where hmax does not understand them, like CLOAD,BOUNDARY",
+           "PART,...");
+  add_text(
+      command, "--unit", unit,
+      "Unit of a mesh file: m, cm, mm or a number of metres; of a scene length, mass and time: m,kg,s or mm,t,s",
+      "UNIT");
   add_text(command, "--model", model,
            fmt::format("Model of the body: {}; {} by default", fmt::join(tissue_model_ids(), ", "),
                        tissue_models().front().id),
@@ -55,18 +64,35 @@ void MeshOptions::add_to(CLI::App& command) {
 }
 
 std::string MeshOptions::problem_id() const {
+  if (!mesh.empty() && !scene.empty())
+    throw InputError("--mesh and --scene are both given; choose one of them");
+  if (!ignored.empty() && scene.empty())
+    throw InputError("--ignore leaves out parts of a scene; name one with --scene, or remove it");
   if (!mesh.empty()) return tissue_id(model, mesh, load);
+  if (!scene.empty()) return tissue_id(model.empty() ? read().model : model, scene, load);
   for (const auto& [option, value] : {std::pair("--model", &model), {"--load", &load}})
     if (!value->empty()) throw InputError(fmt::format("{} belongs to a mesh; name one with --mesh", option));
   return {};
 }
 
+const Scene& MeshOptions::read() const {
+  if (!read_) read_ = read_scene(scene, unit, ignored);
+  return *read_;
+}
+
+void MeshOptions::remark_scene(Console& console) const {
+  if (scene.empty()) return;
+  for (const std::string& note : read().notes) console.remark(note);
+}
+
 std::optional<double> MeshOptions::metres() const {
+  if (!scene.empty()) return read().settings.unit;
   return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
 }
 
 std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
   std::vector<std::pair<std::string, double>> parameters;
+  if (!scene.empty()) parameters = read().settings.parameters;
   const auto take = [&](const char* option, const std::string& text,
                         const std::array<std::string_view, 3>& names) {
     if (text.empty()) return;
@@ -158,14 +184,15 @@ std::string ProblemChoice::id() const {
   const std::string on_mesh = body.problem_id();
   std::vector<std::string_view> given;
   if (!problem.empty()) given.emplace_back("--problem");
-  if (!on_mesh.empty()) given.emplace_back("--mesh");
+  if (!body.mesh.empty()) given.emplace_back("--mesh");
+  if (!body.scene.empty()) given.emplace_back("--scene");
   if (!own.matrices.empty()) given.emplace_back("--matrices");
   if (!plugin.empty()) given.emplace_back("--plugin");
   if (given.empty())
     throw InputError(fmt::format(
         "no problem is given; name one with --problem, `hmax list problems` shows all of them, {}matrices "
         "with --matrices, or a plugin with --plugin",
-        takes_meshes ? "a mesh with --mesh, " : ""));
+        takes_meshes ? "a mesh with --mesh, a scene with --scene, " : ""));
   if (given.size() > 1)
     throw InputError(fmt::format("{} and {} are both given; choose one of them", given[0], given[1]));
   if (!own.matrices.empty()) return own.problem_id();
@@ -175,12 +202,12 @@ std::string ProblemChoice::id() const {
 
 ProblemSettings ProblemChoice::settings() const {
   const std::string named = problem.empty() ? "the model" : problem;
-  if (!body.unit.empty() && body.mesh.empty() && !is_tissue_id(problem))
+  if (!body.unit.empty() && !body.is_given() && !is_tissue_id(problem))
     throw InputError(fmt::format(
         "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", named));
   ProblemSettings settings{.material = material, .unit = body.metres()};
   settings.parameters = body.parameters();
-  if (!settings.parameters.empty() && body.mesh.empty() && !is_tissue_id(problem))
+  if (!settings.parameters.empty() && !body.is_given() && !is_tissue_id(problem))
     throw InputError(fmt::format(
         "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
         named));
@@ -194,6 +221,7 @@ ProblemSettings ProblemChoice::settings() const {
 }
 
 void ProblemChoice::remark_idle(Console& console, const Problem& made) const {
+  body.remark_scene(console);
   for (const std::string& assignment : set) {
     const auto [name, value] = parse_assignment("--set", assignment);
     // A term that is switched off is what was asked for.

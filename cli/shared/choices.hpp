@@ -8,25 +8,35 @@
 
 #include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/models/problems.hpp"
+#include "catalogue/scenes/scene.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
 #include "integrators/tolerances.hpp"
 
 namespace hmax {
 
-/// --mesh with --unit --model --load, and vectors and sets that act on it
+/// --mesh with --unit --model --load, or --scene with --ignore; and vectors and sets that act on it
 struct MeshOptions {
-  std::string mesh, unit, model, load, gravity, tool_at, tool_direction;
+  std::string mesh, unit, model, load, gravity, tool_at, tool_direction, scene, ignored;
   std::vector<std::string> supports;
 
   void add_to(CLI::App& command);
-  /// The id of the problem, empty without a mesh.
+  /// The id of the problem, empty without a mesh and a scene.
   /// @throws InputError when a model or load is given without a mesh
   [[nodiscard]] std::string problem_id() const;
+  /// Whether there is a mesh or a scene.
+  [[nodiscard]] bool is_given() const { return !mesh.empty() || !scene.empty(); }
+  /// The scene, of which there is one. @throws InputError as read_scene()
+  [[nodiscard]] const Scene& read() const;
+  /// Says on standard error what the scene leaves out.
+  void remark_scene(Console& console) const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
   /// What the options say as parameters of catalogue/models/tissue_parameters.hpp.
   [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+
+ private:
+  mutable std::optional<Scene> read_{};
 };
 
 /// --support, sets of points as of catalogue/models/support_sets.hpp
@@ -52,7 +62,7 @@ void add_timeout(CLI::App& command, std::optional<double>& seconds);
 /// --set --y0
 void add_settings(CLI::App& command, std::vector<std::string>& set, std::string& y0);
 
-/// --problem, a mesh, matrices or a plugin; --set --alpha --beta --timeout --material --y0
+/// --problem, a mesh, a scene, matrices or a plugin; --set --alpha --beta --timeout --material --y0
 struct ProblemChoice {
   std::string problem, plugin, material, y0;
   MeshOptions body;
@@ -68,12 +78,13 @@ struct ProblemChoice {
   [[nodiscard]] Problem make() const { return make_problem(id(), settings()); }
   /// Whether no model is named.
   [[nodiscard]] bool empty() const {
-    return problem.empty() && plugin.empty() && own.matrices.empty() && body.mesh.empty();
+    return problem.empty() && plugin.empty() && own.matrices.empty() && !body.is_given();
   }
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;
-  /// Says on standard error which parameters of --set change nothing of the problem that came of them.
+  /// Says on standard error which parameters of --set change nothing of the problem that came of them, and
+  /// what a scene leaves out.
   void remark_idle(Console& console, const Problem& made) const;
 
  private:

@@ -311,6 +311,7 @@ void map(const MapOptions& options, Console& console) {
     refuse_style_without_figure("--output FOLDER");
   MapStudy study = study_of(options, console);
   remark_unusual(console, study.bare);
+  options.problem.remark_idle(console, study.bare);
   if (!options.output.empty()) study.figure = drawn(study, options);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
   if (console.json) return console.print_json(to_json(study));

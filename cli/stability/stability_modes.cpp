@@ -230,6 +230,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
 
 void modes(const ModesOptions& options, Console& console) {
   const Problem problem = options.problem.make();
+  options.problem.remark_idle(console, problem);
   if (problem.matrices) {
     if (!options.output.empty())
       throw InputError("--output writes shapes on a mesh, and matrices have none; remove it");

@@ -122,7 +122,7 @@ void refuse_beside_engine(const PredictOptions& options) {
   constexpr std::string_view remove = "remove it, or leave out --engine";
   refuse(!options.out.empty(), "--out", "keep what --json prints");
   refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
-  const bool is_body = !options.problem.body.mesh.empty() || is_tissue_id(options.problem.problem);
+  const bool is_body = options.problem.body.is_given() || is_tissue_id(options.problem.problem);
   refuse(!options.materials.empty(), "--materials", "take one with --material, or leave out --engine");
   refuse(!is_body && !options.problem.material.empty(), "materials of matrices", remove);
   refuse(!options.jacobian.empty() || !options.linear.empty(), "--jacobian and --linear", remove);
@@ -185,10 +185,42 @@ void predict_by_engine(const PredictOptions& options, Console& console) {
   print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
 }
 
+/// The increment of a scene beside the limit of its own integrator.
+struct SceneAnswer {
+  const Scene& scene;
+  double limit;  ///< [s], also along the motion; infinite or not a number where there is none
+  bool by_stability;
+
+  SceneAnswer(const Scene& read, const LimitRow& row)
+      : scene(read), limit(std::fmin(row.h_max, row.along_least)), by_stability(row.bound == "stability") {}
+
+  [[nodiscard]] bool is_within() const { return !(*scene.step > limit); }
+
+  [[nodiscard]] std::string in_words() const {
+    const std::string step = scene.step ? fmt::format("the file's increment {:.4g} s", *scene.step)
+                                        : std::string("the file, which gives no increment,");
+    const std::string with = fmt::format("{} with {} ({})", step, scene.integrator, scene.method);
+    if (!std::isfinite(limit)) return with + " has no limit of stability\n";
+    if (!scene.step) return fmt::format("{} is stable up to {:.4g} s\n", with, limit);
+    if (is_within()) return fmt::format("{} is below the limit, {:.4g} s\n", with, limit);
+    return fmt::format("{} is {}: at most {:.4g} s\n", with, by_stability ? "unstable" : "above the limit",
+                       limit);
+  }
+
+  [[nodiscard]] nlohmann::ordered_json to_json() const {
+    nlohmann::ordered_json document{{"integrator", scene.integrator}, {"method", scene.method}};
+    document["h"] = scene.step ? nlohmann::ordered_json(*scene.step) : nullptr;
+    document["h_max"] = std::isfinite(limit) ? nlohmann::ordered_json(limit) : nullptr;
+    document["within"] = scene.step ? nlohmann::ordered_json(is_within()) : nullptr;
+    return document;
+  }
+};
+
 void print(const LimitAnswer& answer, const LimitQuestion& question, const std::vector<Problem>& problems,
-           const std::optional<Store>& store, Console& console) {
+           const std::optional<Store>& store, const std::optional<SceneAnswer>& scene, Console& console) {
   if (console.json) {
     nlohmann::ordered_json document = answer_json(answer, problems);
+    if (scene) document["scene"] = scene->to_json();
     if (store) {
       document["store"] = store->file().string();
       document["looked_up"] = answer.looked_up;
@@ -196,6 +228,7 @@ void print(const LimitAnswer& answer, const LimitQuestion& question, const std::
     return console.print_json(document);
   }
   console.print(words_of(answer, question, problems, console));
+  if (scene) console.print(scene->in_words());
   if (!store || answer.stopped) return;  // what a stop leaves is told at the end
   std::size_t rows = 0;
   for (const ModelLimits& model : answer.models) rows += model.rows.size();
@@ -215,7 +248,7 @@ Interrupted interrupted_with(const LimitAnswer& answer, const std::optional<Stor
                       store->file().string())};
 }
 
-void predict_rows(const PredictOptions& options, Console& console) {
+void predict_rows(const PredictOptions& options, const Scene* scene, Console& console) {
   if (!options.out.empty()) refuse_copies("hmax stability predict --out");
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
@@ -238,8 +271,35 @@ void predict_rows(const PredictOptions& options, Console& console) {
   }();
   warn_of_states(answer, problems, console);
   judge(answer, question, console);
-  print(answer, question, problems, store, console);
+  std::optional<SceneAnswer> of_scene;
+  if (scene && !answer.models.empty() && !answer.models.front().rows.empty())
+    of_scene.emplace(*scene, answer.models.front().rows.front());
+  print(answer, question, problems, store, of_scene, console);
   if (answer.stopped) throw interrupted_with(answer, store);
+}
+
+/// The scene whose own integrator is asked for, since no other method is; null where there is none.
+const Scene* take_integrator(PredictOptions& options) {
+  const MeshOptions& body = options.problem.body;
+  if (body.scene.empty() || !options.methods.names.empty() || !options.methods.tableau.empty())
+    return nullptr;
+  static_cast<void>(options.problem.id());  // which refuses a second model
+  const Scene& scene = body.read();
+  if (scene.method.empty())
+    throw InputError(
+        fmt::format("{} has no *DYNAMIC and so no integrator; name one with --methods", body.scene));
+  options.methods.names = scene.method;
+  return &scene;
+}
+
+void predict(PredictOptions options, Console& console) {
+  const bool by_engine =
+      !options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1];
+  const Scene* const scene = take_integrator(options);
+  if (by_engine)
+    predict_by_engine(options, console);
+  else
+    predict_rows(options, scene, console);
 }
 
 }  // namespace
@@ -295,11 +355,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
            "under results/runs; none by default",
            "STORE");
   options->jobs = add_jobs(command);
-  set_callback(command, [options, &console] {
-    const bool by_engine = !options->engine.empty() &&
-                           parse_choice("--engine", options->engine, engine_names) == engine_names[1];
-    (by_engine ? predict_by_engine : predict_rows)(*options, console);
-  });
+  set_callback(command, [options, &console] { predict(*options, console); });
 }
 
 }  // namespace hmax

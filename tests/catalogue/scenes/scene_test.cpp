@@ -1,0 +1,208 @@
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "catalogue/scenes/read_scene.hpp"
+#include "core/errors.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
+#include "problems/tissue/body.hpp"
+#include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
+
+namespace hmax {
+namespace {
+
+/// A bar of 3 cubes of 10 mm, six tetrahedra each, in mm, t, s and MPa.
+constexpr const char* mesh =
+    "*HEADING\nanything, at all\n** a remark\n*node, nset=NALL\n"
+    "1,0,0,0\n2,0,0,10\n3,0,10,0\n4,0,10,10\n5,10,0,0\n6,10,0,10\n7,10,10,0\n8,10,10,10\n"
+    "9,20,0,0\n10,20,0,10\n11,20,10,0\n12,20,10,10\n13,30,0,0\n14,30,0,10\n15,30,10,0\n16,3.0D1,10,10\n"
+    "*ELEMENT, TYPE=C3D4,\nELSET=EALL\n"
+    "1,1,5,7,8\n2,1,6,5,8\n3,1,7,3,8\n4,1,3,4,8\n5,1,2,6,8\n6,1,4,2,8\n7,5,9,11,12\n8,5,10,9,12\n"
+    "9,5,11,7,12\n10,5,7,8,12\n11,5,6,10,12\n12,5,8,6,12\n13,9,13,15,16\n14,9,14,13,16\n15,9,15,11,16\n"
+    "16,9,11,12,16\n17,9,10,14,16\n18,9,12,10,16\n"
+    "*NSET, NSET=FIX, GENERATE\n1,4,1\n";
+constexpr const char* material = "*MATERIAL, NAME=Steel\n*ELASTIC\n210000., 0.3\n*DENSITY\n7.8e-9\n";
+constexpr const char* section = "*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL\n";
+constexpr const char* boundary = "*BOUNDARY\nFIX, 1, 3\n";
+constexpr const char* step =
+    "*STEP\n*DYNAMIC, ALPHA=-0.1, DIRECT\n1e-5, 1e-3\n*DLOAD\nEALL, GRAV, 9810., 0., 0., -2.\n*END STEP\n";
+
+class Scenes : public ::testing::Test {
+ protected:
+  Scene read(const std::string& text, const std::string& units = "mm,t,s", const std::string& ignored = "") {
+    write_text(folder / "bar.inp", text);
+    return read_scene((folder / "bar.inp").string(), units, ignored);
+  }
+  std::string error(const std::string& text, const std::string& ignored = "") {
+    return error_of<InputError>([&] { read(text, "mm,t,s", ignored); });
+  }
+  std::shared_ptr<const TissueBody> body(const Scene& scene) {
+    return make_problem(tissue_id(scene.model, (folder / "bar.inp").string(), scene.load), scene.settings)
+        .body;
+  }
+
+  const std::string whole = std::string(mesh) + material + section + boundary + step;
+  Scratch folder;
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+TEST_F(Scenes, ConvertUnitsOfAllNumbers) {
+  const Scene scene = read(replaced(whole, "*SOLID", "*DAMPING, ALPHA=3, BETA=2e-6\n*SOLID"));
+  EXPECT_EQ(scene.model, "fem_cauchy");
+  EXPECT_EQ(scene.method, "hht_alpha:alpha=-0.1");
+  EXPECT_DOUBLE_EQ(scene.step.value(), 1e-5);
+  EXPECT_DOUBLE_EQ(scene.settings.unit.value(), 1e-3);
+  std::map<std::string, double> values(scene.settings.parameters.begin(), scene.settings.parameters.end());
+  EXPECT_DOUBLE_EQ(values.at("E"), 2.1e11);
+  EXPECT_DOUBLE_EQ(values.at("nu"), 0.3);
+  EXPECT_NEAR(values.at("rho"), 7800, 1e-9);
+  EXPECT_DOUBLE_EQ(values.at("gz"), -9.81);  // the direction has no length
+  EXPECT_DOUBLE_EQ(values.at("alpha"), 3);
+  EXPECT_DOUBLE_EQ(values.at("beta"), 2e-6);
+  const Scene in_ms = read(whole, "mm,kg,ms");
+  values = {in_ms.settings.parameters.begin(), in_ms.settings.parameters.end()};
+  EXPECT_DOUBLE_EQ(values.at("E"), 2.1e14);
+  EXPECT_DOUBLE_EQ(in_ms.step.value(), 1e-8);
+}
+
+/// The displacements of a static analysis of this file by CalculiX 2.20, [mm].
+TEST_F(Scenes, SagsAsInCalculix) {
+  const auto made = body(read(whole));
+  const Eigen::Index n = made->dofs();
+  ASSERT_EQ(n, 36);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd force(n);
+  TissueBody::DofMatrix K;
+  made->force(0, zero, zero, force);
+  made->stiffness(0, zero, zero, K);
+  const Eigen::VectorXd q = Eigen::MatrixXd(K).ldlt().solve(force);
+  const Eigen::Matrix3Xd moved = made->positions(0, q) - made->mesh().points;
+  const std::map<std::int64_t, Eigen::Vector3d> calculix{{5, {-1.228750E-07, 5.692150E-08, -4.259729E-07}},
+                                                         {12, {1.404333E-07, 1.308763E-07, -8.898200E-07}},
+                                                         {13, {-1.752967E-07, 2.787703E-07, -1.405198E-06}},
+                                                         {16, {1.426665E-07, 2.558028E-07, -1.386151E-06}}};
+  std::size_t found = 0;
+  for (Eigen::Index i = 0; i < made->mesh().point_count(); ++i)
+    if (const auto its = calculix.find(made->origin()->point_number(i)); its != calculix.end()) {
+      ++found;
+      EXPECT_LT((1e3 * moved.col(i) - its->second).norm(), 1e-6 * its->second.norm()) << its->first;
+    }
+  EXPECT_EQ(found, 4U);
+}
+
+TEST_F(Scenes, TakeTheModelAndTheIntegratorOfTheStep) {
+  EXPECT_EQ(read(replaced(whole, "*STEP\n", "*STEP, NLGEOM\n")).model, "fem_green");
+  EXPECT_EQ(read(replaced(whole, "*STEP\n", "*STEP, NLGEOM=NO\n")).model, "fem_cauchy");
+  EXPECT_EQ(read(replaced(whole, "ALPHA=-0.1, DIRECT", "EXPLICIT")).method, "central_difference");
+  EXPECT_EQ(read(replaced(whole, ", ALPHA=-0.1, DIRECT", "")).method, "hht_alpha:alpha=-0.05");
+  EXPECT_EQ(read(replaced(whole, "*DYNAMIC, ALPHA=-0.1, DIRECT", "*STATIC")).method, "");
+  EXPECT_FALSE(read(replaced(whole, "1e-5, 1e-3\n", "")).step);
+}
+
+TEST_F(Scenes, HaveAMaterialInEachSection) {
+  const std::string two =
+      std::string(mesh) + "*ELSET, ELSET=END\n13,14,15,\n16,17,18\n*ELSET, ELSET=REST, GENERATE\n1,12\n" +
+      material + "*MATERIAL, NAME=SOFT\n*ELASTIC\n100., 0.2\n*DENSITY\n1e-9\n" +
+      "*SOLID SECTION, ELSET=REST, MATERIAL=STEEL\n*SOLID SECTION, ELSET=END, MATERIAL=SOFT\n" + boundary;
+  const auto made = body(read(two));
+  ASSERT_EQ(made->settings().materials.size(), 2U);
+  double mass = 0;
+  for (Eigen::Index i = 0; i < made->dofs(); i += 3) mass += made->mass()[i];
+  // A quarter of each tetrahedron at the held points is not in it: 6 of the 12 of the first cube's corners.
+  EXPECT_GT(mass, 7800 * 1e-6);
+  EXPECT_LT(mass, 7800 * 2e-6 + 1000 * 1e-6);
+  EXPECT_TRUE(says(error(replaced(two, "13,14,15,", "12,13,14,15,")), "has a *SOLID SECTION already"));
+  EXPECT_TRUE(says(error(replaced(two, "\n1,12\n", "\n1,11\n")), "1 elements are in no *SOLID SECTION"));
+  EXPECT_TRUE(says(error(replaced(two, "100., 0.2", "100., 0.5")), "Poisson's ratio is 0.5"));
+}
+
+TEST_F(Scenes, CollectDirectionsOfHeldPoints) {
+  const auto held = [&](const std::string& lines) {
+    return body(read(replaced(whole, "FIX, 1, 3\n", lines)))->dofs();
+  };
+  EXPECT_EQ(held("FIX, 1\nFIX, 2, 2\nFIX, 3, 6, 0.\n"), 36);
+  EXPECT_EQ(held("FIX, ENCASTRE\n5, 1, 3\n"), 33);
+  for (const char* other :
+       {"FIX, 1, 2\n", "FIX, XSYMM\n", "FIX, 1, 3, 0.1\n", "FIX, 1, 3\n16, 2\n", "FIX, 11\n"})
+    EXPECT_TRUE(says(error(replaced(whole, "FIX, 1, 3\n", other)), "--ignore 'BOUNDARY'")) << other;
+  const Scene freed = read(replaced(whole, "FIX, 1, 3\n", "FIX, 1, 3\n16, 2\n"), "mm,t,s", "boundary");
+  EXPECT_EQ(body(freed)->dofs(), 36);
+  ASSERT_EQ(freed.notes.size(), 2U);
+  EXPECT_TRUE(says(freed.notes.back(), "BOUNDARY"));
+  EXPECT_EQ(body(read(std::string(mesh) + material + section))->dofs(), 48);
+}
+
+TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
+  const auto refused = [&](const std::string& what, const std::string& by, const std::string& named) {
+    const std::string told = error(replaced(whole, what, by));
+    EXPECT_TRUE(says(told, named));
+    EXPECT_TRUE(says(told, "bar.inp")) << named;
+    EXPECT_EQ(told.find('\n'), std::string::npos);
+  };
+  refused("*STEP\n", "*CONTACT PAIR, INTERACTION=A\nB,C\n*STEP\n",
+          "line 51: *CONTACT PAIR is not understood");
+  refused("*DLOAD", "*CLOAD\n16,3,1.\n*DLOAD", "*CLOAD is forces at single points");
+  refused("EALL, GRAV, 9810.", "EALL, P1, 9810.", "*DLOAD is not GRAV");
+  refused("EALL, GRAV, 9810.", "SOME, GRAV, 9810.", "'SOME', which is not the whole body");
+  refused("TYPE=C3D4", "TYPE=C3D8", "only C3D4 is read");
+  refused("MATERIAL=STEEL", "MATERIAL=WOOD", "no material 'WOOD'");
+  refused("ELSET=EALL, M", "ELSET=EVERY, M", "no element set 'EVERY'");
+  refused("*BOUNDARY\nFIX", "*BOUNDARY\nFIXED", "no node set 'FIXED'");
+  refused("1,4,1\n", "1,1000000000,1\n", "needs node 17");
+  refused("1,4,1\n", "1,4,0\n", "step of a set is 0");
+  refused("1,1,5,7,8\n", "1,1,5,7,1000000000\n", "needs node 1000000000");
+  refused("1,1,5,7,8\n", "1,1,5,7\n", "has no node of an element");
+  refused("2,1,6,5,8\n", "1,1,6,5,8\n", "element 1 is given twice");
+  refused("2,0,0,10\n", "2,0,0,1O\n", "'1O'");
+  refused("2,0,0,10\n", "2,0,0,10 1\n", "one value between two commas");
+  refused("7.8e-9\n", "-7.8e-9\n", "the density is -7.8e-09 but must be positive");
+  refused("*DENSITY\n7.8e-9\n", "", "has no *DENSITY");
+  refused("*ELASTIC\n", "*ELASTIC, TYPE=ORTHO\n", "only isotropic solids");
+  refused("*BOUNDARY\n", "*BOUNDARY, OP=NEW\n", "OP of *BOUNDARY");
+  refused("*END STEP\n", "*END STEP\n*STEP\n", "a second *STEP");
+  refused("*END STEP\n", "", "no *END STEP");
+  refused("*END STEP\n", "*END ST", "the last line has no end");
+  refused("1e-5, 1e-3", "0, 1e-3", "time increment is 0");
+  refused("ALPHA=-0.1", "ALPHA=0.1", "between -1/3 and 0");
+  refused("*HEADING", "1,2\n*HEADING", "begins with a keyword");
+  refused("*NSET", "*INCLUDE, INPUT=A\n*NSET", "*INCLUDE is not read");
+}
+
+TEST_F(Scenes, LeaveOutWhatIsIgnored) {
+  const std::string loaded = replaced(whole, "*DLOAD", "*CLOAD\n16,3,1.\n*DLOAD");
+  const Scene scene = read(loaded, "mm,t,s", "*cload");
+  EXPECT_TRUE(says(scene.notes.back(), "CLOAD"));
+  EXPECT_TRUE(says(error(whole, "CLOAD"), "nothing of it to leave out"));
+  EXPECT_TRUE(says(error(loaded, "CLOAD,"), "empty part"));
+}
+
+TEST_F(Scenes, NeedThreeUnits) {
+  for (const auto& [units, named] : std::map<std::string, std::string>{{"", "does not say its units"},
+                                                                       {"mm", "is not enough"},
+                                                                       {"mm,t,s,K", "is not enough"},
+                                                                       {"mm,lb,s", "no unit of mass"},
+                                                                       {"mm,t,0", "no unit of time"},
+                                                                       {"ft,t,s", "no unit of length"}})
+    EXPECT_TRUE(says(error_of<InputError>([&] { read(whole, units); }), named));
+  EXPECT_TRUE(
+      says(error_of<InputError>([] { read_scene("a.scn", "m,kg,s", ""); }), "no scene by its extension"));
+}
+
+/// Wherever a file is cut off, it is refused or read, and never more than that.
+TEST_F(Scenes, SurviveCuts) {
+  std::size_t refused = 0;
+  for (std::size_t size = 0; size < whole.size(); size += 7)
+    refused += error(whole.substr(0, size)).empty() ? 0 : 1;
+  EXPECT_GT(refused, whole.size() / 7 - 10);
+}
+
+}  // namespace
+}  // namespace hmax

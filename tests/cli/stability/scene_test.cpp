@@ -1,0 +1,67 @@
+/// hmax --scene
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.hpp"
+
+namespace hmax {
+namespace {
+
+std::string bar(const std::string& dynamic) {
+  return "*NODE\n1,0,0,0\n2,10,0,0\n3,0,10,0\n4,0,0,10\n5,10,10,10\n"
+         "*ELEMENT, TYPE=C3D4, ELSET=ALL\n1,1,2,3,4\n2,2,3,4,5\n"
+         "*NSET, NSET=FIX\n1,2,3\n*MATERIAL, NAME=M\n*ELASTIC\n0.01,0.3\n*DENSITY\n1e-9\n"
+         "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n*BOUNDARY\nFIX,1,3\n*STEP\n" +
+         dynamic + "\n*END STEP\n";
+}
+
+TEST(StabilityOfScenes, SpeaksOfTheirIntegratorAndStep) {
+  Shell shell;
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
+  const std::string predict = "stability predict --scene bar.inp --unit mm,t,s";
+  const auto json = shell.hmax(predict + " --json").json();
+  const double h_max = json.at("rows").at(0).at("h_max");
+  EXPECT_EQ(json["rows"][0]["method"], "central_difference");
+  EXPECT_EQ(json["scene"]["h"], 0.1);
+  EXPECT_EQ(json["scene"]["h_max"], h_max);
+  EXPECT_EQ(json["scene"]["within"], false);
+  EXPECT_TRUE(
+      says(shell.hmax(predict).out,
+           "the file's increment 0.1 s with *DYNAMIC, EXPLICIT (central_difference) is unstable: at most"));
+
+  // The same body by the mesh of the file.
+  const auto same = shell.hmax(
+      "stability predict --mesh bar.inp --unit mm --model fem_cauchy --set E=1e4 --set nu=0.3 "
+      "--set rho=1000 --support fix --method central_difference --json");
+  EXPECT_EQ(same.exit_code, 2) << "names of files are in capitals";
+  const auto again = shell.hmax(
+      "stability predict --mesh bar.inp --unit mm --model fem_cauchy --set E=1e4 --set nu=0.3 "
+      "--set rho=1000 --set g=0 --support FIX --method central_difference --json");
+  EXPECT_NEAR(again.json()["rows"][0]["h_max"], h_max, 1e-9 * h_max);
+
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n" + std::to_string(0.9 * h_max) + ",1"));
+  EXPECT_TRUE(says(shell.hmax(predict).out, "is below the limit"));
+  write_text(shell / "bar.inp", bar("*DYNAMIC\n0.1,1"));
+  EXPECT_TRUE(says(shell.hmax(predict).out, "(hht_alpha:alpha=-0.05) has no limit of stability"));
+  EXPECT_EQ(shell.hmax(predict + " --method rk4 --json").json().count("scene"), 0U);
+  write_text(shell / "bar.inp", bar("*STATIC"));
+  expect_refused(shell.hmax(predict), "no *DYNAMIC");
+}
+
+TEST(StabilityOfScenes, AreModelsOfAllCommands) {
+  Shell shell;
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1\n*CLOAD\n4,3,1"));
+  const std::string scene = " --scene bar.inp --unit mm,t,s --ignore CLOAD";
+  const Told modes = shell.hmax("stability modes --count 1" + scene);
+  EXPECT_EQ(modes.exit_code, 0) << modes.err;
+  EXPECT_TRUE(says(modes.err, "left out of bar.inp: CLOAD"));
+  EXPECT_EQ(shell.hmax("run --method central_difference --h 1e-4 --t-end 1e-3" + scene).exit_code, 0);
+  expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm,t,s"), "bar.inp, line 23: *CLOAD");
+  expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm"), "--unit mm is not enough");
+  expect_refused(shell.hmax("stability predict --mesh liver" + scene), "--mesh and --scene are both given");
+  expect_refused(shell.hmax("stability predict --mesh liver --ignore CLOAD --method rk4"),
+                 "name one with --scene");
+  expect_refused(shell.hmax("stability predict --scene none.inp --unit m,kg,s"), "none.inp");
+}
+
+}  // namespace
+}  // namespace hmax
