@@ -240,7 +240,7 @@ class InpSceneReader {
     scene_.method = is_explicit ? "central_difference" : fmt::format("hht_alpha:alpha={}", to_text(alpha));
     scene_.notes.emplace_back(
         is_explicit
-            ? "CalculiX chooses smaller increments itself under EXPLICIT; the limit is for those of the file"
+            ? "CalculiX chooses smaller increments itself under EXPLICIT; the limit is that of central differences"
             : "the program steps a consistent mass and hmax a lumped one; modes of few elements differ");
     if (card.lines.empty() || card.lines[0].fields.empty() || card.lines[0].fields[0].empty()) return;
     const double step = file_.number(card.lines[0], 0, "time increment");

@@ -93,6 +93,12 @@ std::optional<double> MeshOptions::metres() const {
 std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
   std::vector<std::pair<std::string, double>> parameters;
   if (!scene.empty()) parameters = read().settings.parameters;
+  // Another load has no gravity.
+  if (!scene.empty() && !load.empty() && load != tissue_loads().front())
+    std::erase_if(parameters, [](const auto& parameter) {
+      return parameter.first == "g" ||
+             std::ranges::find(gravity_names, parameter.first) != gravity_names.end();
+    });
   const auto take = [&](const char* option, const std::string& text,
                         const std::array<std::string_view, 3>& names) {
     if (text.empty()) return;

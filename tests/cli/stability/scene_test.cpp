@@ -55,6 +55,8 @@ TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   EXPECT_EQ(modes.exit_code, 0) << modes.err;
   EXPECT_TRUE(says(modes.err, "left out of bar.inp: CLOAD"));
   EXPECT_EQ(shell.hmax("run --method central_difference --h 1e-4 --t-end 1e-3" + scene).exit_code, 0);
+  const auto pressed = shell.hmax("static --load press --set E=2e4 --json" + scene).json();
+  EXPECT_EQ(pressed["problem"], "fem_cauchy/press@bar.inp");
   expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm,t,s"), "bar.inp, line 23: *CLOAD");
   expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm"), "--unit mm is not enough");
   expect_refused(shell.hmax("stability predict --mesh liver" + scene), "--mesh and --scene are both given");
