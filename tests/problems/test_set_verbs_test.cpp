@@ -24,7 +24,7 @@ TYPED_TEST_SUITE(TestSet, test_set::All<Quad>);
 
 /// Column j of the derivative of `call` at x by central differences.
 template <class Vector, class Call>
-Vector difference(const Call& call, const Vector& x, Eigen::Index j) {
+Vector central_quotient(const Call& call, const Vector& x, Eigen::Index j) {
   const Quad d = 1e-6L * (1 + std::abs(x[j])) * 0.01L;
   Vector plus = x, minus = x, at_plus = x, at_minus = x;
   plus[j] += d;
@@ -41,7 +41,8 @@ void expect_derivative(const Matrix& A, const Call& call, const Vector& x) {
   ASSERT_EQ(full.rows(), x.size());
   ASSERT_EQ(full.cols(), x.size());
   for (Eigen::Index j = 0; j < x.size(); ++j)
-    EXPECT_LT((difference(call, x, j) - full.col(j)).norm(), 1e-9L * (1 + full.norm())) << "column " << j;
+    EXPECT_LT((central_quotient(call, x, j) - full.col(j)).norm(), 1e-9L * (1 + full.norm()))
+        << "column " << j;
 }
 
 TYPED_TEST(TestSet, SatisfiesTheConceptsOfItsVerbs) {
