@@ -254,9 +254,9 @@ TEST(Mesh, WhatIsNoMeshFileIsToldTheExtensionsThatAreRead) {
   write_text(shell / "a.scn", "<Node/>");
   for (const char* command : {"mesh info ", "mesh check ", "run --unit m --method rk4 --h 1 --mesh "}) {
     expect_refused(shell.hmax(std::string(command) + "folder.msh"),
-                   "is a folder; name a file .msh .vtk .vtu .node .ele .mesh .veg in it");
+                   "is a folder; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp in it");
     expect_refused(shell.hmax(std::string(command) + "a.scn"),
-                   "no mesh by its extension; name a file .msh .vtk .vtu .node .ele .mesh .veg");
+                   "no mesh by its extension; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp");
   }
 }
 
