@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text/split.hpp"
 #include "integrators/explicit/user_tableau.hpp"
 
 namespace hmax {
@@ -20,12 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_tableau_stages = 40;
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 /// A decimal such as -0.25, +3, 1e-3 or 1.0D+3.
 long double decimal(const TomlDocument& document, std::string_view place, std::string_view written) {

@@ -13,6 +13,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
+#include "core/text/split.hpp"
 #include "problems/tissue/loads.hpp"
 
 namespace hmax {
@@ -28,16 +29,6 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
   return number;
 }
 
-std::vector<std::string> split(const std::string& text, const char* separators) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 /// The points of a mesh by the numbers of its file.
 class NumberedPoints {
  public:
@@ -50,7 +41,7 @@ class NumberedPoints {
   }
 
   /// @param where  what names the point, for the error
-  [[nodiscard]] Index find(const std::string& text, const std::string& where) const {
+  [[nodiscard]] Index find(std::string_view text, const std::string& where) const {
     const auto number = whole_number(text);
     if (!number)
       throw InputError(fmt::format(
@@ -82,7 +73,7 @@ class NumberedPoints {
 std::vector<Index> listed_points(const std::string& list, const LoadedMesh& mesh) {
   const NumberedPoints points(mesh);
   std::vector<Index> found;
-  for (const std::string& part : split(list, ",")) found.push_back(points.find(part, "points:" + list));
+  for (const std::string_view part : split(list, ",")) found.push_back(points.find(part, "points:" + list));
   return found;
 }
 
@@ -96,7 +87,7 @@ std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mes
   std::vector<Index> found;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number)
-    for (const std::string& word : split(line.substr(0, line.find('#')), " \t\r,"))
+    for (const std::string_view word : split(std::string_view(line).substr(0, line.find('#')), " \t\r,"))
       if (!word.empty()) found.push_back(points.find(word, fmt::format("{}, line {}", file, number)));
   return found;
 }
@@ -118,7 +109,7 @@ std::vector<Index> with_inserted(std::vector<Index> points, const LoadedMesh& me
 
 /// Six numbers with commas between them; nothing where the text is none.
 std::optional<std::array<double, 6>> box_of(const std::string& text) {
-  const std::vector<std::string> parts = split(text, ",");
+  const std::vector<std::string_view> parts = split(text, ",");
   std::array<double, 6> box{};
   if (parts.size() != box.size()) return std::nullopt;
   for (std::size_t i = 0; i < box.size(); ++i) {

@@ -11,6 +11,7 @@
 #include "catalogue/models/support_sets.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/contact.hpp"
@@ -156,29 +157,21 @@ TetMesh::Index region_count(const TetMesh& mesh) {
   return mesh.regions.empty() ? 1 : std::ranges::max(mesh.regions) + 1;
 }
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// "tissue:liver,tumour=tissue:fibroadenoma" in its parts: a region, empty of the whole body, and a material.
 /// @throws InputError  for an empty part
 std::vector<std::pair<std::string, std::string>> materials_in(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> parts;
   if (text.empty()) return parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
+  for (const std::string_view part : split(text, ",")) {
     // No material has '=' in its name; a region may.
     const std::size_t equals = part.rfind('=');
     const bool of_region = equals != std::string::npos;
-    const std::string region = trimmed(of_region ? part.substr(0, equals) : ""),
-                      material = trimmed(of_region ? part.substr(equals + 1) : part);
+    const std::string_view region = trimmed(of_region ? part.substr(0, equals) : ""),
+                           material = trimmed(of_region ? part.substr(equals + 1) : part);
     if (material.empty() || (of_region && region.empty()))
       throw InputError(fmt::format(
           "--material '{}' has an empty part; write it like tissue:liver,tumour=tissue:fibroadenoma", text));
     parts.emplace_back(region, material);
-    begin = end + 1;
   }
   return parts;
 }

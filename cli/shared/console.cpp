@@ -20,6 +20,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/part_file.hpp"
+#include "core/text/split.hpp"
 
 namespace hmax {
 
@@ -217,11 +218,8 @@ std::int64_t parse_count(std::string_view what, std::string_view text, std::int6
 
 std::vector<std::string> parse_names(std::string_view what, std::string_view text) {
   std::vector<std::string> names;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string_view part = text.substr(begin, end - begin);
-    while (part.starts_with(' ')) part.remove_prefix(1);
-    while (part.ends_with(' ')) part.remove_suffix(1);
+  for (std::string_view part : split(text, ",")) {
+    part = trimmed(part);
     if (part.empty())
       throw InputError(
           fmt::format("{} is '{}', where a part is empty; write the parts with commas between "
@@ -234,7 +232,6 @@ std::vector<std::string> parse_names(std::string_view what, std::string_view tex
       names.back().append(",").append(part);
     else
       names.emplace_back(part);
-    begin = end + 1;
   }
   return names;
 }
