@@ -13,7 +13,7 @@
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "catalogue/plugin/plugin_model.hpp"
-#include "catalogue/scenes/read_scene.hpp"
+#include "catalogue/scenes/scene.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"

@@ -185,7 +185,7 @@ void predict_by_engine(const PredictOptions& options, Console& console) {
   print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
 }
 
-/// The increment of a scene beside the limit of its own integrator.
+/// The step of a scene beside the limit of its own integrator.
 struct SceneAnswer {
   const Scene& scene;
   double limit;  ///< [s], also along the motion; infinite or not a number where there is none
@@ -197,8 +197,7 @@ struct SceneAnswer {
   [[nodiscard]] bool is_within() const { return !(*scene.step > limit); }
 
   [[nodiscard]] std::string in_words() const {
-    const std::string step = scene.step ? fmt::format("the file's increment {:.4g} s", *scene.step)
-                                        : std::string("the file, which gives no increment,");
+    const std::string step = scene.step ? fmt::format("the step of {:.4g} s", *scene.step) : "no step given,";
     const std::string with = fmt::format("{} with {} ({})", step, scene.integrator, scene.method);
     if (!std::isfinite(limit)) return with + " has no limit of stability\n";
     if (!scene.step) return fmt::format("{} is stable up to {:.4g} s\n", with, limit);
@@ -208,11 +207,14 @@ struct SceneAnswer {
   }
 
   [[nodiscard]] nlohmann::ordered_json to_json() const {
-    nlohmann::ordered_json document{{"integrator", scene.integrator}, {"method", scene.method}};
-    document["h"] = scene.step ? nlohmann::ordered_json(*scene.step) : nullptr;
-    document["h_max"] = std::isfinite(limit) ? nlohmann::ordered_json(limit) : nullptr;
-    document["within"] = scene.step ? nlohmann::ordered_json(is_within()) : nullptr;
-    return document;
+    const auto or_null = [](bool given, const auto& value) {
+      return given ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+    };
+    return {{"integrator", scene.integrator},
+            {"method", scene.method},
+            {"h", or_null(scene.step.has_value(), scene.step.value_or(0))},
+            {"h_max", or_null(std::isfinite(limit), limit)},
+            {"within", or_null(scene.step.has_value(), scene.step && is_within())}};
   }
 };
 
@@ -286,8 +288,7 @@ const Scene* take_integrator(PredictOptions& options) {
   static_cast<void>(options.problem.id());  // which refuses a second model
   const Scene& scene = body.read();
   if (scene.method.empty())
-    throw InputError(
-        fmt::format("{} has no *DYNAMIC and so no integrator; name one with --methods", body.scene));
+    throw InputError(fmt::format("{} has no integrator; name a method with --methods", body.scene));
   options.methods.names = scene.method;
   return &scene;
 }

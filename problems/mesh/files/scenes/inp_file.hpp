@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "problems/mesh/files/mesh_file.hpp"
@@ -23,29 +22,30 @@ struct InpLine {
 
 /// A keyword with its parameters, in upper case, and the lines below it.
 struct InpCard {
-  std::string keyword;  ///< "SOLID SECTION"
-  std::vector<std::pair<std::string, std::string>> parameters;
+  std::string keyword;                            ///< "SOLID SECTION"
+  std::map<std::string, std::string> parameters;  ///< empty where one has no value
   std::int64_t place = 0;
   std::vector<InpLine> lines;
 
-  /// The value of a parameter, empty where it has none; nothing where it is not given.
-  [[nodiscard]] std::optional<std::string> parameter(std::string_view name) const;
+  /// The value of a parameter; nothing where it is not given.
+  [[nodiscard]] std::optional<std::string> parameter(const std::string& name) const;
 };
 
 /// A whole file, which must live as long as this.
 class InpFile {
  public:
-  /// @throws std::invalid_argument  as MeshText, for lines before the first keyword and a last line without
-  /// an end
+  /// @throws std::invalid_argument  for lines before the first keyword and a last line without an end
   InpFile(const std::string& name, std::string_view bytes);
 
+  [[nodiscard]] const std::string& name() const { return text_.name(); }
   [[nodiscard]] const std::vector<InpCard>& cards() const { return cards_; }
   /// A value of a line. @throws std::invalid_argument  naming the line, where it is missing or no number
   [[nodiscard]] double number(const InpLine& line, std::size_t field, const char* what) const;
   [[nodiscard]] std::int64_t integer(const InpLine& line, std::size_t field, const char* what) const;
   /// Throws "NAME, line N: `text`".
-  [[noreturn]] void fail(std::int64_t place, const std::string& text) const;
-  [[nodiscard]] const MeshText& text() const { return text_; }
+  [[noreturn]] void fail(std::int64_t place, const std::string& text) const { at(place).fail(text); }
+  /// The file, for errors at a line.
+  [[nodiscard]] MeshText at(std::int64_t place) const;
 
  private:
   [[nodiscard]] MeshText value(const InpLine& line, std::size_t field, const char* what) const;

@@ -2,7 +2,7 @@
 /// has no bearing on it is passed over.
 #include <algorithm>
 #include <array>
-#include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include "problems/mesh/files/mesh_readers.hpp"
@@ -26,25 +26,24 @@ class InpMeshReader {
         file_.fail(card.place, "*" + card.keyword + " is not read; write its points and elements out, as " +
                                    "one part, and export the file again");
     each("NODE", [&](const InpCard& card) { read_nodes(card); });
-    builder_.number_points(file_.text());
+    builder_.number_points(whole_);
     each("ELEMENT", [&](const InpCard& card) { read_elements(card); });
-    find_elements();
     each("NSET", [&](const InpCard& card) {
-      read_set(card, "NSET", nodes_, [&](std::int64_t n, std::int64_t place) { return point(n, place); });
+      read_set(card, nodes_, [&](std::int64_t n, std::int64_t place) { return point(n, place); });
     });
     each("ELSET", [&](const InpCard& card) {
-      read_set(card, "ELSET", elements_,
-               [&](std::int64_t n, std::int64_t place) { return element(n, place); });
+      read_set(card, elements_, [&](std::int64_t n, std::int64_t place) { return element(n, place); });
     });
     set_regions();
     set_groups();
-    result_.mesh = builder_.finish(file_.text(), "CalculiX/Abaqus");
+    result_.mesh = builder_.finish(whole_, "CalculiX/Abaqus");
     result_.element_sets = std::move(elements_);
     return std::move(result_);
   }
 
  private:
   using Set = std::vector<std::size_t>;
+  using Sets = std::map<std::string, Set>;
 
   template <class Read>
   void each(std::string_view keyword, Read read) {
@@ -53,26 +52,22 @@ class InpMeshReader {
   }
 
   std::size_t point(std::int64_t number, std::int64_t place) const {
-    MeshText there = file_.text();
-    there.about(place);
-    return static_cast<std::size_t>(builder_.numbered_point(number, there, place, "line"));
+    return static_cast<std::size_t>(builder_.numbered_point(number, file_.at(place), place, "line"));
   }
 
   std::size_t element(std::int64_t number, std::int64_t place) const {
-    const auto found =
-        std::ranges::lower_bound(by_number_, number, {}, &std::pair<std::int64_t, std::size_t>::first);
-    if (found == by_number_.end() || found->first != number)
+    const auto found = by_number_.find(number);
+    if (found == by_number_.end())
       file_.fail(place, "there is no element " + std::to_string(number) +
                             "; correct the set, or export the file again");
     return found->second;
   }
 
-  const Set& set(const std::map<std::string, Set>& sets, const std::string& name, const char* what,
-                 std::int64_t place) const {
+  const Set& set(const Sets& sets, std::string_view name, std::int64_t place) const {
     const auto found = sets.find(upper(name));
     if (found == sets.end())
-      file_.fail(place, std::string("there is no ") + what + " " + in_quotes(name) +
-                            "; define it, or correct the name");
+      file_.fail(place, std::string("there is no ") + (&sets == &nodes_ ? "node" : "element") + " set " +
+                            in_quotes(name) + "; define it, or correct the name");
     return found->second;
   }
 
@@ -103,29 +98,20 @@ class InpMeshReader {
       if (line.fields.size() > 5)
         file_.fail(line.place,
                    "element " + std::to_string(number) + " has more than four nodes; export the file again");
-      by_number_.emplace_back(number, builder_.tetrahedron_count());
+      if (!by_number_.emplace(number, builder_.tetrahedron_count()).second)
+        file_.fail(line.place, "element " + std::to_string(number) + " is given twice; remove one of them");
       if (named) elements_[*named].push_back(builder_.tetrahedron_count());
-      builder_.add_tetrahedron(corners, number, line.place, 0, file_.text());
+      builder_.add_tetrahedron(corners, number, line.place, 0, whole_);
     }
-  }
-
-  void find_elements() {
-    std::ranges::sort(by_number_);
-    const auto twice =
-        std::ranges::adjacent_find(by_number_, {}, &std::pair<std::int64_t, std::size_t>::first);
-    if (twice != by_number_.end())
-      throw std::invalid_argument(file_.text().name() + ": element " + std::to_string(twice->first) +
-                                  " is given twice; remove one of them");
   }
 
   /// Numbers and names of sets before it, or, with GENERATE, "first, last, step".
   template <class Find>
-  void read_set(const InpCard& card, const char* parameter, std::map<std::string, Set>& sets,
-                const Find& find) {
-    const auto name = card.parameter(parameter);
-    if (!name || name->empty())
-      file_.fail(card.place, "the set has no name; write *" + card.keyword + ", " + parameter + "=NAME");
-    Set more = sets[*name];
+  void read_set(const InpCard& card, Sets& sets, const Find& find) {
+    const std::string name = card.parameter(card.keyword).value_or("");
+    if (name.empty())
+      file_.fail(card.place, "the set has no name; write *" + card.keyword + ", " + card.keyword + "=NAME");
+    Set more = sets[name];
     for (const InpLine& line : card.lines) {
       if (card.parameter("GENERATE")) {
         const std::int64_t last = file_.integer(line, 1, "last number");
@@ -143,42 +129,37 @@ class InpMeshReader {
           more.push_back(find(file_.integer(line, k, "member of a set"), line.place));
           continue;
         }
-        const Set& other = set(sets, std::string(line.fields[k]), "set", line.place);
+        const Set& other = set(sets, line.fields[k], line.place);
         more.insert(more.end(), other.begin(), other.end());
       }
     }
-    sets[*name] = std::move(more);
+    sets[name] = std::move(more);
   }
 
-  static bool is_number(std::string_view word) {
-    return !word.empty() &&
-           (word.front() == '-' || word.front() == '+' || (word.front() >= '0' && word.front() <= '9'));
-  }
+  static bool is_number(std::string_view word) { return word.find_first_of("+-0123456789") == 0; }
 
   void set_regions() {
+    each("SOLID SECTION", [&](const InpCard& card) { result_.sections.push_back(&card); });
     std::int64_t region = 0;
+    if (result_.sections.empty())
+      for (const std::string& name : element_cards_) set_region(++region, name);
     std::vector<char> taken(builder_.tetrahedron_count(), 0);
-    each("SOLID SECTION", [&](const InpCard& card) {
-      result_.sections.push_back(&card);
-      const std::string name = card.parameter("ELSET").value_or("");
-      builder_.name_group(3, ++region, name, file_.text());
-      for (const std::size_t t : set(elements_, name, "element set", card.place)) {
+    for (const InpCard* card : result_.sections) {
+      const std::string name = card->parameter("ELSET").value_or("");
+      for (const std::size_t t : set(elements_, name, card->place))
         if (std::exchange(taken[t], 1) != 0)
-          file_.fail(card.place, "an element of the set " + in_quotes(name) +
-                                     " has a *SOLID SECTION already; keep one of them");
-        builder_.set_region(t, region, file_.text());
-      }
-    });
-    if (!result_.sections.empty()) {
-      if (const auto none = std::ranges::find(taken, 0); none != taken.end())
-        file_.fail(result_.sections.front()->place, std::to_string(std::ranges::count(taken, 0)) +
-                                                        " elements are in no *SOLID SECTION; give them one");
-      return;
+          file_.fail(card->place, "an element of the set " + in_quotes(name) +
+                                      " has a *SOLID SECTION already; keep one of them");
+      set_region(++region, name);
     }
-    for (const std::string& name : element_cards_) {
-      builder_.name_group(3, ++region, name, file_.text());
-      for (const std::size_t t : elements_[name]) builder_.set_region(t, region, file_.text());
-    }
+    if (const auto none = std::ranges::count(taken, 0); !result_.sections.empty() && none > 0)
+      file_.fail(result_.sections.front()->place,
+                 std::to_string(none) + " elements are in no *SOLID SECTION; give them one");
+  }
+
+  void set_region(std::int64_t region, const std::string& name) {
+    builder_.name_group(3, region, name, whole_);
+    for (const std::size_t t : elements_[name]) builder_.set_region(t, region, whole_);
   }
 
   /// The directions of a line of *BOUNDARY as bits 0 to 2; bit 3: held in a way that is not read.
@@ -208,8 +189,7 @@ class InpMeshReader {
         if (!line.fields.empty() && is_number(line.fields[0]))
           held[point(file_.integer(line, 0, "node"), line.place)] |= bits;
         else
-          for (const std::size_t i :
-               set(nodes_, std::string(line.fields.empty() ? "" : line.fields[0]), "node set", line.place))
+          for (const std::size_t i : set(nodes_, line.fields.empty() ? "" : line.fields[0], line.place))
             held[i] |= bits;
       }
     });
@@ -218,17 +198,18 @@ class InpMeshReader {
       if (held[i] != 0) nodes_[std::string(held[i] == 7 ? held_points : otherwise_held_points)].push_back(i);
     std::int64_t number = 0;
     for (const auto& [name, points] : nodes_) {
-      builder_.name_group(0, ++number, name, file_.text());
+      builder_.name_group(0, ++number, name, whole_);
       for (const std::size_t i : points)
         builder_.add_to_group(number, std::array{static_cast<TetMesh::Index>(i)});
     }
   }
 
   const InpFile& file_;
+  MeshText whole_ = file_.at(-1);
   InpMesh result_;
   MeshBuilder builder_;
-  std::vector<std::pair<std::int64_t, std::size_t>> by_number_;
-  std::map<std::string, Set> nodes_, elements_;
+  std::unordered_map<std::int64_t, std::size_t> by_number_;
+  Sets nodes_, elements_;
   std::vector<std::string> element_cards_;
 };
 

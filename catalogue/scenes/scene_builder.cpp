@@ -1,0 +1,118 @@
+#include "catalogue/scenes/scene_builder.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/tissue_parameters.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+#include "core/process/whole_file.hpp"
+#include "core/text/split.hpp"
+#include "problems/mesh/files/mesh_text.hpp"
+
+namespace hmax {
+
+namespace {
+
+using NamedUnits = std::vector<std::pair<std::string_view, double>>;
+
+double unit_of(std::string_view what, std::string_view text, const NamedUnits& known) {
+  for (const auto& [name, value] : known)
+    if (name == text) return value;
+  const auto value = to_number(text);
+  constexpr double least = 1e-12, most = 1e12;
+  if (value && *value >= least && *value <= most) return *value;
+  std::string names;
+  for (const auto& [name, ignored] : known) names += std::string(name) + ", ";
+  throw InputError(fmt::format("'{}' is no unit of {}; write {}or a number of {}", text, what, names,
+                               known.front().first));
+}
+
+SceneUnits scene_units(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",");
+  if (text.empty() || parts.size() != 3)
+    throw InputError(fmt::format(
+        "{}; its moduli and densities need the units of length, mass and time: --unit m,kg,s, or mm,t,s "
+        "where moduli are in MPa",
+        text.empty() ? std::string("a scene does not say its units")
+                     : fmt::format("--unit {} is not enough for a scene", text)));
+  return {.length = unit_in_metres(parts[0]),
+          .mass = unit_of("mass", parts[1], {{"kg", 1}, {"g", 1e-3}, {"t", 1e3}}),
+          .time = unit_of("time", parts[2], {{"s", 1}, {"ms", 1e-3}})};
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder(std::string_view units, std::string_view ignored) : units_(scene_units(units)) {
+  scene.settings.unit = units_.length;
+  if (ignored.empty()) return;
+  for (std::string_view part : split(ignored, ",")) {
+    if (part.starts_with('*')) part.remove_prefix(1);
+    if (part.empty()) throw InputError("--ignore has an empty part; write it like CLOAD,AMPLITUDE");
+    ignored_.insert(lower(part));
+  }
+}
+
+void SceneBuilder::refuse(std::string_view part, const std::string& where, const std::string& what) {
+  if (!ignored_.contains(lower(part)))
+    throw InputError(fmt::format("{}{}; remove it, or leave it out with --ignore '{}'", where, what, part));
+  left_out_.insert(std::string(part));
+}
+
+void SceneBuilder::add_material(const std::string& region, double young, double poisson, double density) {
+  const std::string of = region.empty() ? "" : ":" + region;
+  const double length = units_.length;
+  set("E" + of, young * units_.mass / (length * units_.time * units_.time));
+  set("nu" + of, poisson);
+  set("rho" + of, density * units_.mass / (length * length * length));
+}
+
+void SceneBuilder::set_damping(double alpha, double beta) {
+  if (alpha != 0) set("alpha", alpha / units_.time);
+  if (beta != 0) set("beta", beta * units_.time);
+}
+
+void SceneBuilder::set_gravity(const Eigen::Vector3d& acceleration) {
+  if (acceleration.isZero(0)) return set("g", 0);
+  for (std::size_t k = 0; k < gravity_names.size(); ++k)
+    set(std::string(gravity_names[k]),
+        acceleration[static_cast<Eigen::Index>(k)] * units_.length / (units_.time * units_.time));
+}
+
+void SceneBuilder::set_support(std::string_view group) {
+  if (group.empty()) return set(std::string(support_name), 0);
+  set(fmt::format("{}:vertices:{}", support_name, group), 1);
+}
+
+Scene SceneBuilder::finish(const std::string& file) {
+  for (const std::string& part : ignored_)
+    if (std::ranges::none_of(left_out_, [&](const std::string& left) { return lower(left) == part; }))
+      throw InputError(
+          fmt::format("--ignore names {}, and {} has nothing of it to leave out; remove it", part, file));
+  if (!left_out_.empty())
+    scene.notes.push_back(fmt::format("left out of {}: {}", file, fmt::join(left_out_, ", ")));
+  return std::move(scene);
+}
+
+Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
+  if (lower(std::filesystem::path(file).extension().string()) != ".inp")
+    throw InputError(
+        fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus", file));
+  try {
+    return within_memory(file, [&] {
+      const std::string bytes = read_whole(file, "a scene");
+      SceneBuilder builder(units, ignored);
+      read_inp_scene(file, bytes, builder);
+      return builder.finish(file);
+    });
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
+}  // namespace hmax

@@ -1,0 +1,55 @@
+/// What the readers of scenes share; for their sources only.
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Core>
+
+#include "catalogue/scenes/scene.hpp"
+
+namespace hmax {
+
+/// The units of all numbers of a file.
+struct SceneUnits {
+  double length = 1;  ///< [m]
+  double mass = 1;    ///< [kg]
+  double time = 1;    ///< [s]
+};
+
+/// Makes a scene of numbers in the units of a file.
+class SceneBuilder {
+ public:
+  /// @throws InputError  as read_scene()
+  SceneBuilder(std::string_view units, std::string_view ignored);
+
+  Scene scene;
+
+  /// Refuses a part that is not understood, or notes that it is left out.
+  /// @param where  "FILE, line N: "; @param what  "*CLOAD is forces at single points, which bodies have not"
+  void refuse(std::string_view part, const std::string& where, const std::string& what);
+  /// E, nu and density of a region, or of the whole body where its name is empty.
+  void add_material(const std::string& region, double young, double poisson, double density);
+  /// Rayleigh damping alpha M + beta K.
+  void set_damping(double alpha, double beta);
+  void set_gravity(const Eigen::Vector3d& acceleration);
+  /// @param group  of vertices of the mesh; empty: nothing is fixed
+  void set_support(std::string_view group);
+  /// The step in which `integrator` is stepped.
+  void set_step(double step) { scene.step = step * units_.time; }
+  /// The scene with notes of what was left out.
+  /// @throws InputError  for parts of which nothing had to be left out
+  Scene finish(const std::string& file);
+
+ private:
+  void set(std::string name, double value) { scene.settings.parameters.emplace_back(std::move(name), value); }
+
+  SceneUnits units_;
+  std::set<std::string> ignored_, left_out_;
+};
+
+/// CalculiX's and Abaqus' .inp. @throws InputError, std::invalid_argument  as read_scene()
+void read_inp_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
+
+}  // namespace hmax
