@@ -28,11 +28,6 @@ constexpr std::string_view passed_over =
     "HEADING|PREPRINT|SURFACE|STATIC|FREQUENCY|OUTPUT|NODE FILE|EL FILE|NODE PRINT|EL PRINT|NODE OUTPUT|"
     "ELEMENT OUTPUT|RESTART|TIME POINTS";
 
-bool is_in(std::string_view word, std::string_view list, std::string_view separator) {
-  const std::vector<std::string_view> words = split(list, separator);
-  return std::ranges::find(words, word) != words.end();
-}
-
 class InpSceneReader {
  public:
   InpSceneReader(const InpFile& file, SceneBuilder& builder)
@@ -52,7 +47,7 @@ class InpSceneReader {
  private:
   /// A keyword that is understood.
   struct Keyword {
-    std::string_view name, parameters;                       ///< with blanks between these
+    std::string_view name, parameters;                       ///< these as a list
     void (InpSceneReader::*read)(const InpCard&) = nullptr;  ///< null: only the mesh has it
   };
 
@@ -60,18 +55,18 @@ class InpSceneReader {
     using Self = InpSceneReader;
     static constexpr std::array<Keyword, 14> keywords{
         {{"NODE", "NSET"},
-         {"ELEMENT", "TYPE ELSET"},
-         {"NSET", "NSET GENERATE"},
-         {"ELSET", "ELSET GENERATE"},
-         {"SOLID SECTION", "ELSET MATERIAL"},
+         {"ELEMENT", "TYPE|ELSET"},
+         {"NSET", "NSET|GENERATE"},
+         {"ELSET", "ELSET|GENERATE"},
+         {"SOLID SECTION", "ELSET|MATERIAL"},
          {"BOUNDARY", "OP"},
          {"MATERIAL", "NAME", &Self::read_material},
          {"ELASTIC", "TYPE", &Self::read_elastic},
          {"DENSITY", "", &Self::read_density},
-         {"DAMPING", "ALPHA BETA", &Self::read_damping},
+         {"DAMPING", "ALPHA|BETA", &Self::read_damping},
          {"DLOAD", "OP", &Self::read_loads},
-         {"STEP", "NLGEOM INC NAME", &Self::read_step},
-         {"DYNAMIC", "ALPHA EXPLICIT DIRECT SOLVER", &Self::read_dynamic},
+         {"STEP", "NLGEOM|INC|NAME", &Self::read_step},
+         {"DYNAMIC", "ALPHA|EXPLICIT|DIRECT|SOLVER", &Self::read_dynamic},
          {"END STEP", "", &Self::end_step}}};
     const auto* const found = std::ranges::find(keywords, name, &Keyword::name);
     return found == keywords.end() ? nullptr : found;
@@ -83,7 +78,7 @@ class InpSceneReader {
 
   /// Reads a keyword that is understood with all of its parameters.
   void read(const InpCard& card) {
-    if (is_in(card.keyword, passed_over, "|")) return;
+    if (is_listed(card.keyword, passed_over)) return;
     const Keyword* const keyword = known(card.keyword);
     if (!keyword)
       return refuse(card,
@@ -92,7 +87,7 @@ class InpSceneReader {
                           "bodies do not depend on them"
                         : fmt::format("*{} is not understood", card.keyword));
     for (const auto& [parameter, value] : card.parameters)
-      if (!is_in(parameter, keyword->parameters, " ") || (parameter == "OP" && value != "MOD"))
+      if (!is_listed(parameter, keyword->parameters) || (parameter == "OP" && value != "MOD"))
         return refuse(card, fmt::format("{} of *{} is not understood", parameter, card.keyword));
     if (keyword->read) (this->*keyword->read)(card);
   }

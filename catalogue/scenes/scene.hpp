@@ -23,7 +23,9 @@ struct Scene {
 
 /// Reads CalculiX and Abaqus .inp: *NODE, *ELEMENT of C3D4, *NSET, *ELSET, *SOLID SECTION; *MATERIAL with
 /// *ELASTIC, *DENSITY and *DAMPING; *BOUNDARY that fixes directions 1 to 3; *DLOAD of GRAV; one *STEP with
-/// *DYNAMIC, *STATIC or *FREQUENCY.
+/// *DYNAMIC, *STATIC or *FREQUENCY. SOFA .scn: one body of tetrahedra, in the file or from one that a loader
+/// names; TetrahedronFEMForceField and the like, UniformMass, DiagonalMass, FixedProjectiveConstraint,
+/// BoxROI; implicit and explicit Euler, Newmark and Runge-Kutta solvers.
 /// @param units    of length, mass and time, which files do not say: "m,kg,s", "mm,t,s", or numbers of
 ///                 metres, kilograms and seconds
 /// @param ignored  parts that are left out where they are not understood: "CLOAD,BOUNDARY"

@@ -60,16 +60,23 @@ SceneBuilder::SceneBuilder(std::string_view units, std::string_view ignored) : u
 
 void SceneBuilder::refuse(std::string_view part, const std::string& where, const std::string& what) {
   if (!ignored_.contains(lower(part)))
-    throw InputError(fmt::format("{}{}; remove it, or leave it out with --ignore '{}'", where, what, part));
+    throw InputError(
+        fmt::format("{}{}; remove it, or leave it out with --ignore {}", where, what, in_quotes(part)));
   left_out_.insert(std::string(part));
 }
 
-void SceneBuilder::add_material(const std::string& region, double young, double poisson, double density) {
+void SceneBuilder::add_material(const std::string& region, double young, double poisson,
+                                std::optional<double> density) {
   const std::string of = region.empty() ? "" : ":" + region;
   const double length = units_.length;
   set("E" + of, young * units_.mass / (length * units_.time * units_.time));
   set("nu" + of, poisson);
-  set("rho" + of, density * units_.mass / (length * length * length));
+  if (density) set("rho" + of, *density * units_.mass / (length * length * length));
+}
+
+void SceneBuilder::set_mass(double mass, bool equal) {
+  set("mass", mass * units_.mass);
+  if (equal) set("equal_masses", 1);
 }
 
 void SceneBuilder::set_damping(double alpha, double beta) {
@@ -100,14 +107,15 @@ Scene SceneBuilder::finish(const std::string& file) {
 }
 
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
-  if (lower(std::filesystem::path(file).extension().string()) != ".inp")
-    throw InputError(
-        fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus", file));
+  const std::string extension = lower(std::filesystem::path(file).extension().string());
+  if (extension != ".inp" && extension != ".scn")
+    throw InputError(fmt::format(
+        "'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, or .scn of SOFA", file));
   try {
     return within_memory(file, [&] {
       const std::string bytes = read_whole(file, "a scene");
       SceneBuilder builder(units, ignored);
-      read_inp_scene(file, bytes, builder);
+      (extension == ".inp" ? read_inp_scene : read_sofa_scene)(file, bytes, builder);
       return builder.finish(file);
     });
   } catch (const std::invalid_argument& error) {

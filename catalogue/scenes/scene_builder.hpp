@@ -1,6 +1,7 @@
 /// What the readers of scenes share; for their sources only.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -30,7 +31,9 @@ class SceneBuilder {
   /// @param where  "FILE, line N: "; @param what  "*CLOAD is forces at single points, which bodies have not"
   void refuse(std::string_view part, const std::string& where, const std::string& what);
   /// E, nu and density of a region, or of the whole body where its name is empty.
-  void add_material(const std::string& region, double young, double poisson, double density);
+  void add_material(const std::string& region, double young, double poisson, std::optional<double> density);
+  /// The mass of the whole body, instead of densities. @param equal  the same at all points
+  void set_mass(double mass, bool equal);
   /// Rayleigh damping alpha M + beta K.
   void set_damping(double alpha, double beta);
   void set_gravity(const Eigen::Vector3d& acceleration);
@@ -49,7 +52,8 @@ class SceneBuilder {
   std::set<std::string> ignored_, left_out_;
 };
 
-/// CalculiX's and Abaqus' .inp. @throws InputError, std::invalid_argument  as read_scene()
+/// CalculiX's and Abaqus' .inp, and SOFA's .scn. @throws InputError, std::invalid_argument  as read_scene()
 void read_inp_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
+void read_sofa_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 
 }  // namespace hmax

@@ -18,6 +18,12 @@ inline std::vector<std::string_view> split(std::string_view text, std::string_vi
   return parts;
 }
 
+/// Whether a word is one of a list like "a|b|c".
+inline bool is_listed(std::string_view word, std::string_view list) {
+  const std::vector<std::string_view> words = split(list, "|");
+  return std::ranges::find(words, word) != words.end();
+}
+
 /// A text without blanks around it.
 inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view blanks = " \t\r\f\v\n";

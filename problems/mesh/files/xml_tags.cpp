@@ -88,6 +88,7 @@ std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std
       if (equals == std::string_view::npos) damaged();
       std::string_view key = inner.substr(at, equals - at);
       key = key.substr(0, key.find_last_not_of(blanks) + 1);
+      if (key.find_first_of(" \t\r\n<>\"'/") != std::string_view::npos) damaged();
       const std::size_t open = inner.find_first_of("\"'", equals);
       if (open == std::string_view::npos) damaged();
       const std::size_t close = inner.find(inner[open], open + 1);

@@ -195,7 +195,7 @@ TEST_F(Scenes, NeedThreeUnits) {
                                                                        {"ft,t,s", "no unit of length"}})
     EXPECT_TRUE(says(error_of<InputError>([&] { read(whole, units); }), named));
   EXPECT_TRUE(
-      says(error_of<InputError>([] { read_scene("a.scn", "m,kg,s", ""); }), "no scene by its extension"));
+      says(error_of<InputError>([] { read_scene("a.xml", "m,kg,s", ""); }), "no scene by its extension"));
 }
 
 /// Wherever a file is cut off, it is refused or read, and never more than that.

@@ -54,6 +54,28 @@ TEST(StabilityOfScenes, SpeaksOfTheirIntegratorAndStep) {
   expect_refused(shell.hmax(predict), "has no integrator");
 }
 
+TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
+  Shell shell;
+  const std::string body = " --support 'z<0.01' --material tissue:liver --model fem_corotational ";
+  ASSERT_EQ(shell.hmax("mesh convert phantom gel.scn --h 0.01 --gravity 0,0,-9.81" + body).exit_code, 0);
+  const std::string predict = "stability predict --scene gel.scn --unit m,kg,s";
+  EXPECT_TRUE(says(shell.hmax(predict).out,
+                   "the step of 0.01 s with EulerImplicitSolver (linearly_implicit_euler) has no limit of"));
+  std::string text = read_text(shell / "gel.scn");
+  const std::string implicit = "EulerImplicitSolver rayleighMass=\"0\" rayleighStiffness=\"0\"";
+  text.replace(text.find(implicit), implicit.size(), "EulerExplicitSolver");
+  write_text(shell / "gel.scn", text);
+  const auto json = shell.hmax(predict + " --json").json();
+  const double h_max = json["rows"][0]["h_max"];
+  EXPECT_NEAR(shell.hmax("stability predict --mesh phantom --method symplectic_euler --json" + body)
+                  .json()["rows"][0]["h_max"],
+              h_max, 1e-6 * h_max);
+  EXPECT_EQ(json["scene"]["integrator"], "EulerExplicitSolver");
+  EXPECT_EQ(json["scene"]["within"], false);
+  EXPECT_TRUE(says(shell.hmax(predict).out,
+                   "the step of 0.01 s with EulerExplicitSolver (symplectic_euler) is unstable: at most"));
+}
+
 TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   Shell shell;
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1\n*CLOAD\n4,3,1"));

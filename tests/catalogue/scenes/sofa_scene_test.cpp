@@ -1,0 +1,245 @@
+#include "problems/tissue/sofa_scene.hpp"
+
+#include <cmath>
+#include <map>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "catalogue/scenes/scene.hpp"
+#include "core/errors.hpp"
+#include "problems/mesh/files/mesh_file.hpp"
+#include "problems/tissue/body.hpp"
+#include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
+
+namespace hmax {
+namespace {
+
+/// The unit tetrahedron with one free corner, of SOFA's own making.
+const std::string tetrahedron =
+    "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<Node name=\"root\" dt=\"0.02\" gravity=\"0 -9 0\">\n"
+    "  <RequiredPlugin name=\"Sofa.Component.Mass\"/>\n  <DefaultAnimationLoop/>\n"
+    "  <Node name=\"body\">\n    <EulerExplicitSolver name=\"solver\" />\n"
+    "    <TetrahedronSetTopologyContainer name=\"topo\" position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 "
+    "3\"/>\n"
+    "    <MechanicalObject template=\"Vec3\" name=\"dofs\" showObject=\"1\"/>\n"
+    "    <UniformMass totalMass=\"4\"/>\n"
+    "    <TetrahedronFEMForceField youngModulus=\"1000\" poissonRatio=\"0.25\" method='small'/>\n"
+    "    <FixedProjectiveConstraint indices=\"0 1 2\"/>\n"
+    "    <Node name=\"look\">\n      <OglModel name=\"seen\" src=\"@../../surface\"/>\n"
+    "      <MechanicalObject name=\"spheres\"/>\n      <BarycentricMapping/>\n    </Node>\n  </Node>\n</Node>\n";
+
+class SofaScenes : public ::testing::Test {
+ protected:
+  Scene read(const std::string& text, const std::string& units = "m,kg,s", const std::string& ignored = "") {
+    write_text(folder / "a.scn", text);
+    return read_scene((folder / "a.scn").string(), units, ignored);
+  }
+  std::string error(const std::string& text, const std::string& ignored = "") {
+    return error_of<InputError>([&] { read(text, "m,kg,s", ignored); });
+  }
+  std::shared_ptr<const TissueBody> body(const Scene& scene) {
+    return make_problem(tissue_id(scene.model, (folder / "a.scn").string(), ""), scene.settings).body;
+  }
+
+  Scratch folder;
+};
+
+std::string with(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+/// The squares of the frequencies at rest, sorted.
+Eigen::VectorXd frequencies(const TissueBody& body) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  TissueBody::DofMatrix K;
+  body.stiffness(0, zero, zero, K);
+  const Eigen::VectorXd scale = Eigen::VectorXd(body.mass()).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * Eigen::MatrixXd(K) * scale.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+TEST_F(SofaScenes, ComeBackFromWhatHmaxWrites) {
+  for (const char* model : {"fem_cauchy", "fem_corotational", "fem_green", "fem_neo_hookean"}) {
+    for (const bool by_mass : {false, true}) {
+      const ProblemSettings settings{.parameters = {{"E", 4000},
+                                                    {"nu", 0.4},
+                                                    {by_mass ? "mass" : "rho", by_mass ? 2 : 900},
+                                                    {"alpha", 3},
+                                                    {"beta", 0.002},
+                                                    {"gx", 1.5},
+                                                    {"gz", -9.81},
+                                                    {"equal_masses", by_mass ? 1 : 0}}};
+      const auto before = make_problem(tissue_id(model, "ball:n=3", ""), settings).body;
+      const Scene scene = read(sofa_text(*before, 0.005));
+      const auto after = body(scene);
+      EXPECT_EQ(scene.model, model);
+      EXPECT_EQ(scene.method, "linearly_implicit_euler");
+      EXPECT_EQ(scene.step, 0.005);
+      ASSERT_EQ(after->dofs(), before->dofs());
+      const Eigen::VectorXd expected = frequencies(*before);
+      EXPECT_LT((frequencies(*after) - expected).norm(), 1e-10 * expected.norm()) << model;
+      EXPECT_NEAR(after->point_mass().sum(), before->point_mass().sum(), 1e-12);
+      EXPECT_EQ(after->settings().alpha, 3);
+      EXPECT_EQ(after->settings().beta, 0.002);
+      EXPECT_EQ(after->settings().gravity, Eigen::Vector3d(1.5, 0, -9.81));
+    }
+  }
+}
+
+TEST_F(SofaScenes, HaveTheModulusOfEachElement) {
+  write_text(
+      folder / "two.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
+      "$Elements\n2\n1 4 2 7 1 1 2 3 4\n2 4 2 5 1 2 3 4 5\n$EndElements\n");
+  const auto before = make_problem(tissue_id("fem_corotational", (folder / "two.msh").string(), ""),
+                                   {.parameters = {{"E:7", 4000}, {"E:5", 500}, {"support", 0}}, .unit = 1})
+                          .body;
+  const std::string text = sofa_text(*before, 0.005);
+  EXPECT_TRUE(says(text, "youngModulus=\"4000 500\""));
+  const auto after = body(read(text));
+  const Eigen::VectorXd expected = frequencies(*before);
+  EXPECT_LT((frequencies(*after) - expected).norm(), 1e-10 * expected.norm());
+  EXPECT_TRUE(says(error(with(text, "4000 500", "4000 500 3")), "3 numbers for 2 tetrahedra"));
+}
+
+/// V (lambda + 2 mu) / m of the corner along z, V mu / m across.
+TEST_F(SofaScenes, AreWhatSofaIntegrates) {
+  const Scene scene = read(tetrahedron);
+  EXPECT_EQ(scene.integrator, "EulerExplicitSolver");
+  EXPECT_EQ(scene.method, "symplectic_euler");
+  EXPECT_EQ(scene.step, 0.02);
+  const auto made = body(scene);
+  ASSERT_EQ(made->dofs(), 3);
+  const Eigen::Vector3d squares = frequencies(*made);
+  EXPECT_NEAR(squares[0], 400.0 / 6, 1e-10);
+  EXPECT_NEAR(squares[2], 1200.0 / 6, 1e-10);
+  EXPECT_EQ(made->settings().gravity, Eigen::Vector3d(0, -9, 0));
+  // The same numbers in other units: E of 1000 g/(mm ms^2), masses in g, and -9 mm/ms^2.
+  const auto other = body(read(tetrahedron, "mm,g,ms"));
+  EXPECT_NEAR(frequencies(*other)[2], 1e6 * squares[2], 1e-4);
+  EXPECT_NEAR(other->settings().gravity.y(), -9000, 1e-9);
+}
+
+TEST_F(SofaScenes, TakeTheSolverAndTheForceField) {
+  const auto method = [&](const std::string& solver) {
+    return read(with(tetrahedron, "EulerExplicitSolver name=\"solver\"", solver)).method;
+  };
+  EXPECT_EQ(method("EulerExplicitSolver symplectic=\"0\""), "explicit_euler");
+  EXPECT_EQ(method("RungeKutta4Solver"), "rk4");
+  EXPECT_EQ(method("Object type=\"EulerImplicit\" vdamping=\"0\" firstOrder=\"false\""),
+            "linearly_implicit_euler");
+  EXPECT_EQ(method("NewmarkImplicitSolver gamma=\"0.6\""), "newmark:beta=0.25,gamma=0.6");
+  EXPECT_EQ(method("CGLinearSolver iterations=\"9\""), "");
+  const Scene damped = read(
+      with(
+          tetrahedron, "EulerExplicitSolver",
+          "CGLinearSolver iterations=\"9\"/><EulerImplicitSolver rayleighMass=\"2\" rayleighStiffness=\"0.1\""),
+      "mm,g,ms");
+  EXPECT_TRUE(says(damped.notes.back(), "--linear cg:TOLERANCE,9"));
+  const std::map<std::string, double> values(damped.settings.parameters.begin(),
+                                             damped.settings.parameters.end());
+  EXPECT_DOUBLE_EQ(values.at("alpha"), 2000);
+  EXPECT_DOUBLE_EQ(values.at("beta"), 1e-4);
+  EXPECT_EQ(read(with(tetrahedron, " method='small'", "")).model, "fem_corotational");
+  const Scene neo = read(
+      with(tetrahedron, "TetrahedronFEMForceField youngModulus=\"1000\" poissonRatio=\"0.25\" method='small'",
+           "TetrahedronHyperelasticityFEMForceField materialName=\"NeoHookean\" ParameterSet=\"400 "
+           "666.6666666666666\""));
+  EXPECT_EQ(neo.model, "fem_neo_hookean");
+  EXPECT_NEAR(frequencies(*body(neo))[2], 200, 1e-10);
+}
+
+TEST_F(SofaScenes, TakeMeshesFromLoadersAndFixPointsInBoxes) {
+  write_text(
+      folder / "one.msh",
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+      "$Elements\n1\n1 4 0 1 2 3 4\n$EndElements\n");
+  std::string text = with(tetrahedron, "  <Node name=\"body\">",
+                          "<MeshGmshLoader name=\"file\" filename=\"one.msh\"/>\n<Node name=\"body\">");
+  text = with(text, "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"", "src=\"@../file\"");
+  EXPECT_NEAR(frequencies(*body(read(text)))[2], 200, 1e-10);
+  const std::string box =
+      with(text, "<FixedProjectiveConstraint indices=\"0 1 2\"/>",
+           "<BoxROI name=\"low\" box=\"0 0 0 1 1 0\"/><FixedConstraint indices=\"@low.indices\"/>");
+  EXPECT_NEAR(frequencies(*body(read(box)))[2], 200, 1e-10);
+  EXPECT_TRUE(says(error(with(text, "one.msh", "two.msh")), "no file"));
+  EXPECT_TRUE(says(error(with(text, "one.msh", "a.scn")), "a scene is no mesh"));
+  EXPECT_TRUE(says(error(with(text, "@../file", "@../files")), "no component has this name"));
+  EXPECT_TRUE(says(error(with(box, "@low", "@dofs")), "only BoxROI is read"));
+  EXPECT_TRUE(says(error(with(box, "1 1 0\"/>", "1 1\"/>")), "not six of each box"));
+}
+
+TEST_F(SofaScenes, NameWhatTheyDoNotUnderstand) {
+  const auto refused = [&](const std::string& what, const std::string& by, const std::string& named) {
+    const std::string told = error(with(tetrahedron, what, by));
+    EXPECT_TRUE(says(told, named));
+    EXPECT_TRUE(says(told, "a.scn"));
+    EXPECT_EQ(told.find('\n'), std::string::npos);
+  };
+  refused("<DefaultAnimationLoop/>", "<CollisionPipeline/>", "line 5: 'CollisionPipeline' is not understood");
+  refused("UniformMass ", "PointMass ", "'PointMass' is not understood");
+  refused("method='small'", "method='small' plasticYieldThreshold=\"1\"", "'plasticYieldThreshold' = '1'");
+  refused("method='small'", "method='huge'", "method 'huge'");
+  refused("EulerExplicitSolver", "EulerImplicitSolver vdamping=\"0.1\"", "'vdamping' = '0.1'");
+  refused("EulerExplicitSolver", "RungeKutta4Solver/><EulerExplicitSolver", "one is read");
+  refused("template=\"Vec3\"", "translation=\"0 0 1\"", "'translation' = '0 0 1'");
+  refused("<BarycentricMapping/>", "", "second MechanicalObject");
+  refused("<OglModel", "<UniformMass totalMass=\"1\"/><OglModel", "not beside the first MechanicalObject");
+  refused("UniformMass totalMass=\"4\"", "MeshMatrixMass massDensity=\"4\"",
+          "without lumping couples points");
+  refused("UniformMass totalMass=\"4\"", "DiagonalMass", "has 0 of massDensity");
+  refused("UniformMass totalMass=\"4\"", "UniformMass massDensity=\"4\"", "'massDensity' = '4'");
+  refused("EulerExplicitSolver", "EulerExplicitSolver symplectic=\"yes\"", "symplectic is 'yes'");
+  refused("EulerExplicitSolver", "EulerImplicitSolver gamma=\"0.6\"", "'gamma' = '0.6'");
+  refused("UniformMass totalMass=\"4\"", "DiagonalMass vertexMass=\"1 1 1 2\"", "not the same everywhere");
+  refused("poissonRatio=\"0.25\"", "", "poissonRatio of TetrahedronFEMForceField is missing");
+  refused(" indices=\"0 1 2\"", "", "SOFA fixes point 0");
+  refused("indices=\"0 1 2\"", "indices=\"0 1 4\"", "fixes point 4, but there are 4");
+  refused("tetrahedra=\"0 1 2 3\"", "tetrahedra=\"0 1 2 4\"", "4");
+  refused("tetrahedra=\"0 1 2 3\"", "tetrahedra=\"0 1 2\"", "corner");
+  refused("0 0 1\"", "0 0\"", "not three of each point");
+  refused("dt=\"0.02\"", "dt=\"0\"", "dt is 0");
+  refused("dt=\"0.02\"", "dt=\"0.02 1\"", "2 numbers of dt");
+  refused("youngModulus=\"1000\"", "youngModulus=\"1O00\"", "1O00");
+  refused("</Node>\n</Node>", "</Node>", "'Node' has no end");
+  refused("</Node>\n</Node>", "</Node>\n</Nodes>", "has no beginning");
+  refused("MechanicalObject template", "MechanicalState template",
+          "no TetrahedronSetTopologyContainer beside");
+  EXPECT_TRUE(says(error(""), "no Node"));
+  EXPECT_TRUE(says(error("<Scene/>"), "one Node"));
+  const Scene scene = read(with(tetrahedron, "<DefaultAnimationLoop/>", "<CollisionPipeline verbose=\"0\"/>"),
+                           "m,kg,s", "collisionpipeline");
+  EXPECT_TRUE(says(scene.notes.back(), "left out"));
+}
+
+/// Whatever a damaged file says, it is refused in one sentence or is a mesh, and a scene.
+TEST_F(SofaScenes, SurviveDamage) {
+  std::size_t refused = 0;
+  const auto told = [&](const std::string& sentence) {
+    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+    refused += sentence.empty() ? 0 : 1;
+  };
+  const auto attempt = [&](const std::string& text) {
+    told(error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.scn", text)); }));
+  };
+  for (std::size_t i = 0; i < tetrahedron.size(); ++i) {
+    attempt(tetrahedron.substr(0, i));
+    attempt(std::string(tetrahedron).erase(i, 1));
+    for (const char c : {'<', '>', '"', '/', '@', '-', '9', '\0', '\xff'}) {
+      std::string damaged = tetrahedron;
+      damaged[i] = c;
+      attempt(damaged);
+      if (i % 32 == static_cast<unsigned char>(c) % 32) told(error(damaged));
+    }
+  }
+  EXPECT_GT(refused, 3 * tetrahedron.size());
+}
+
+}  // namespace
+}  // namespace hmax
