@@ -36,13 +36,13 @@ bool is_inert(std::string_view type) {
 
 class SofaSceneReader {
  public:
-  SofaSceneReader(const SofaFile& file, SceneBuilder& builder)
-      : file_(file), builder_(builder), state_(file.state()), mesh_(sofa_mesh(file)) {}
+  SofaSceneReader(const XmlFile& file, SceneBuilder& builder)
+      : file_(file), builder_(builder), state_(sofa_state(file)), mesh_(sofa_mesh(file)) {}
 
   void read() {
     if (is_mapped(state_))
       file_.fail(state_, "the points of the body are mapped from others, which is not read");
-    for (const SofaPart& part : file_.parts()) read(part);
+    for (const XmlPart& part : file_.parts()) read(part);
     for (const auto& [part, what] : {std::pair(field_, "force field of tetrahedra"), {mass_, "mass"}})
       if (!part) file_.fail(state_, fmt::format("there is no {} beside the MechanicalObject; add one", what));
     for (std::size_t i = 0; i < moduli_.size(); ++i)
@@ -66,7 +66,7 @@ class SofaSceneReader {
   struct Known {
     std::string_view types, attributes;
     std::string_view idle;  ///< attributes that must be 0 or false, and 1 of scales
-    void (Self::*read)(const SofaPart&) = nullptr;
+    void (Self::*read)(const XmlPart&) = nullptr;
     bool is_of_body = true;  ///< acts on the points beside it
   };
 
@@ -104,11 +104,11 @@ class SofaSceneReader {
     return found == all.end() ? nullptr : found;
   }
 
-  void refuse(std::string_view part, const SofaPart& at, const std::string& what) {
+  void refuse(std::string_view part, const XmlPart& at, const std::string& what) {
     builder_.refuse(part, fmt::format("{}, line {}: ", file_.name(), at.place), what);
   }
 
-  void read(const SofaPart& part) {
+  void read(const XmlPart& part) {
     if (is_inert(part.type)) return;
     const Known* const known_part = known(part.type);
     if (!known_part)
@@ -123,7 +123,7 @@ class SofaSceneReader {
     if (known_part->read) (this->*known_part->read)(part);
   }
 
-  void check(const SofaPart& part, const Known& known_part, std::string_view name) {
+  void check(const XmlPart& part, const Known& known_part, std::string_view name) {
     if (is_listed(name, known_part.attributes) ||
         is_listed(name, "name|type|template|printLog|tags|listening") || name.starts_with("show") ||
         name.starts_with("draw") || name.starts_with("compute"))
@@ -148,19 +148,19 @@ class SofaSceneReader {
     return false;
   }
 
-  [[nodiscard]] bool is_mapped(const SofaPart& state) const {
-    return std::ranges::any_of(file_.parts(), [&](const SofaPart& part) {
+  [[nodiscard]] bool is_mapped(const XmlPart& state) const {
+    return std::ranges::any_of(file_.parts(), [&](const XmlPart& part) {
       return part.node == state.node && part.type.ends_with("Mapping") &&
              !part.type.ends_with("TopologicalMapping");
     });
   }
 
-  double number(const SofaPart& part, std::string_view attribute, double otherwise) {
+  double number(const XmlPart& part, std::string_view attribute, double otherwise) {
     return part.has(attribute) ? file_.numbers(part, attribute, 1).front() : otherwise;
   }
 
   /// One number, given once or for each element.
-  double common_number(const SofaPart& part, std::string_view attribute) {
+  double common_number(const XmlPart& part, std::string_view attribute) {
     const std::vector<double> values = file_.numbers(part, attribute);
     if (values.empty() || std::ranges::count(values, values.front()) != std::ssize(values))
       file_.fail(part, fmt::format("{} of {} is {}; give one number", attribute, part.type,
@@ -168,21 +168,21 @@ class SofaSceneReader {
     return values.front();
   }
 
-  bool is_on(const SofaPart& part, std::string_view attribute, std::string_view otherwise) {
+  bool is_on(const XmlPart& part, std::string_view attribute, std::string_view otherwise) {
     const std::string_view value = part.tag.attribute(attribute, otherwise);
     if (!is_listed(value, "0|1|false|true"))
       file_.fail(part, fmt::format("{} is {}; write 0 or 1", attribute, in_quotes(value)));
     return value == "1" || value == "true";
   }
 
-  void only(const SofaPart*& slot, const SofaPart& part) {
+  void only(const XmlPart*& slot, const XmlPart& part) {
     if (slot)
       file_.fail(part, fmt::format("{} stands beside {} of line {}, and one is read; remove one", part.type,
                                    slot->type, slot->place));
     slot = &part;
   }
 
-  void read_node(const SofaPart& part) {
+  void read_node(const XmlPart& part) {
     const auto index = static_cast<std::size_t>(&part - file_.parts().data());
     if (index == 0) step_ = number(part, "dt", step_);
     if (!(step_ > 0))
@@ -191,19 +191,19 @@ class SofaSceneReader {
       gravity_ = Eigen::Map<const Eigen::Vector3d>(file_.numbers(part, "gravity", 3).data());
   }
 
-  void read_state(const SofaPart& part) {
+  void read_state(const XmlPart& part) {
     if (&part != &state_ && !is_mapped(part))
       refuse(part.type, part, "there is a second MechanicalObject, and one body is read");
   }
 
-  void read_gradients(const SofaPart& part) { gradients_ = &part; }
+  void read_gradients(const XmlPart& part) { gradients_ = &part; }
 
-  void read_fixed(const SofaPart& part) {
+  void read_fixed(const XmlPart& part) {
     if (!part.has("indices"))
       file_.fail(part, fmt::format("{} has no indices, so that SOFA fixes point 0; write them", part.type));
   }
 
-  void read_mass(const SofaPart& part) {
+  void read_mass(const XmlPart& part) {
     only(mass_, part);
     const auto given = std::ranges::count_if(std::array{"massDensity", "totalMass", "vertexMass"},
                                              [&](const char* each) { return part.has(each); });
@@ -227,7 +227,7 @@ class SofaSceneReader {
   }
 
   /// Rotations of elements by QR ("large") and by polar decomposition differ for large strains alone.
-  void read_elastic(const SofaPart& part) {
+  void read_elastic(const XmlPart& part) {
     only(field_, part);
     const std::string_view method = part.tag.attribute("method", "large");
     if (!is_listed(method, "small|large|polar|svd|qr|none"))
@@ -245,7 +245,7 @@ class SofaSceneReader {
   }
 
   /// SOFA's StVenantKirchhoff has mu and lambda, its NeoHookean mu and the bulk modulus.
-  void read_hyperelastic(const SofaPart& part) {
+  void read_hyperelastic(const XmlPart& part) {
     only(field_, part);
     const std::string_view material = part.tag.attribute("materialName");
     if (!is_listed(material, "StVenantKirchhoff|NeoHookean"))
@@ -263,7 +263,7 @@ class SofaSceneReader {
   }
 
   /// One linear solve a step, as for Newmark in SOFA; Rayleigh damping alpha M + beta K.
-  void read_implicit(const SofaPart& part) {
+  void read_implicit(const XmlPart& part) {
     take_solver(part, "linearly_implicit_euler");
     if (part.type.starts_with("Newmark"))
       builder_.scene.method = fmt::format("newmark:beta={},gamma={}", to_text(number(part, "beta", 0.25)),
@@ -271,24 +271,24 @@ class SofaSceneReader {
     builder_.set_damping(number(part, "rayleighMass", 0), number(part, "rayleighStiffness", 0));
   }
 
-  void read_explicit(const SofaPart& part) {
+  void read_explicit(const XmlPart& part) {
     const bool is_symplectic = is_on(part, "symplectic", "1");
     take_solver(part, part.type.starts_with("Runge") ? "rk4"
                       : is_symplectic                ? "symplectic_euler"
                                                      : "explicit_euler");
   }
 
-  void take_solver(const SofaPart& part, const char* method) {
+  void take_solver(const XmlPart& part, const char* method) {
     only(solver_, part);
     builder_.scene.integrator = part.type;
     builder_.scene.method = method;
   }
 
-  const SofaFile& file_;
+  const XmlFile& file_;
   SceneBuilder& builder_;
-  const SofaPart& state_;
+  const XmlPart& state_;
   MeshFile mesh_;
-  const SofaPart *field_ = nullptr, *mass_ = nullptr, *solver_ = nullptr, *gradients_ = nullptr;
+  const XmlPart *field_ = nullptr, *mass_ = nullptr, *solver_ = nullptr, *gradients_ = nullptr;
   std::vector<double> moduli_;
   double poisson_ = 0, step_ = 0.01;  // SOFA's default of the root
   std::optional<double> density_;
@@ -298,7 +298,7 @@ class SofaSceneReader {
 }  // namespace
 
 void read_sofa_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder) {
-  const SofaFile parsed(file, bytes);
+  const XmlFile parsed(file, bytes, sofa_root);
   SofaSceneReader(parsed, builder).read();
 }
 

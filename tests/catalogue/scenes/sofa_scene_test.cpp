@@ -66,14 +66,15 @@ Eigen::VectorXd frequencies(const TissueBody& body) {
 TEST_F(SofaScenes, ComeBackFromWhatHmaxWrites) {
   for (const char* model : {"fem_cauchy", "fem_corotational", "fem_green", "fem_neo_hookean"}) {
     for (const bool by_mass : {false, true}) {
-      const ProblemSettings settings{.parameters = {{"E", 4000},
-                                                    {"nu", 0.4},
-                                                    {by_mass ? "mass" : "rho", by_mass ? 2 : 900},
-                                                    {"alpha", 3},
-                                                    {"beta", 0.002},
-                                                    {"gx", 1.5},
-                                                    {"gz", -9.81},
-                                                    {"equal_masses", by_mass ? 1 : 0}}};
+      ProblemSettings settings;
+      settings.parameters = {{"E", 4000},
+                             {"nu", 0.4},
+                             {by_mass ? "mass" : "rho", by_mass ? 2 : 900},
+                             {"alpha", 3},
+                             {"beta", 0.002},
+                             {"gx", 1.5},
+                             {"gz", -9.81},
+                             {"equal_masses", by_mass ? 1 : 0}};
       const auto before = make_problem(tissue_id(model, "ball:n=3", ""), settings).body;
       const Scene scene = read(sofa_text(*before, 0.005));
       const auto after = body(scene);
@@ -96,9 +97,11 @@ TEST_F(SofaScenes, HaveTheModulusOfEachElement) {
       folder / "two.msh",
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n"
       "$Elements\n2\n1 4 2 7 1 1 2 3 4\n2 4 2 5 1 2 3 4 5\n$EndElements\n");
-  const auto before = make_problem(tissue_id("fem_corotational", (folder / "two.msh").string(), ""),
-                                   {.parameters = {{"E:7", 4000}, {"E:5", 500}, {"support", 0}}, .unit = 1})
-                          .body;
+  ProblemSettings settings;
+  settings.parameters = {{"E:7", 4000}, {"E:5", 500}, {"support", 0}};
+  settings.unit = 1;
+  const auto before =
+      make_problem(tissue_id("fem_corotational", (folder / "two.msh").string(), ""), settings).body;
   const std::string text = sofa_text(*before, 0.005);
   EXPECT_TRUE(says(text, "youngModulus=\"4000 500\""));
   const auto after = body(read(text));

@@ -16,13 +16,13 @@ bool is_link(std::string_view value) { return value.starts_with('@'); }
 
 class SofaMeshReader {
  public:
-  explicit SofaMeshReader(const SofaFile& file) : file_(file), state_(file.state()) {}
+  explicit SofaMeshReader(const XmlFile& file) : file_(file), state_(sofa_state(file)) {}
 
   MeshFile read() {
-    const SofaPart& topology = find_topology();
-    const SofaPart* const loader = loader_of(topology);
+    const XmlPart& topology = find_topology();
+    const XmlPart* const loader = loader_of(topology);
     mesh_ = loader ? loaded(*loader) : inline_mesh(topology);
-    for (const SofaPart& part : file_.parts()) {
+    for (const XmlPart& part : file_.parts()) {
       if (part.node != state_.node) continue;
       if (part.type == "FixedConstraint" || part.type == "FixedProjectiveConstraint") fix(part);
       if (part.has("youngModulus")) set_regions(part);
@@ -39,8 +39,21 @@ class SofaMeshReader {
   }
 
  private:
-  const SofaPart& find_topology() const {
-    for (const SofaPart& part : file_.parts())
+  /// The part that a link like "@../box.indices" names.
+  const XmlPart& linked(const XmlPart& part, std::string_view attribute) const {
+    std::string_view name = part.tag.attribute(attribute);
+    name.remove_prefix(std::min(name.find_last_of("@/") + 1, name.size()));
+    name = name.substr(0, name.find('.'));
+    const auto found = std::ranges::find(file_.parts(), name, &XmlPart::name);
+    if (name.empty() || found == file_.parts().end())
+      file_.fail(part, std::string(attribute) + " of " + std::string(part.type) + " is " +
+                           in_quotes(part.tag.attribute(attribute)) +
+                           ", and no component has this name; correct it");
+    return *found;
+  }
+
+  const XmlPart& find_topology() const {
+    for (const XmlPart& part : file_.parts())
       if (part.node == state_.node &&
           (part.type == "TetrahedronSetTopologyContainer" || part.type == "MeshTopology"))
         return part;
@@ -51,14 +64,14 @@ class SofaMeshReader {
   }
 
   /// The loader of a mesh file, also one that the topology itself is; null of one with its own numbers.
-  const SofaPart* loader_of(const SofaPart& topology) const {
+  const XmlPart* loader_of(const XmlPart& topology) const {
     if (topology.has("filename")) return &topology;
     for (const char* attribute : {"src", "tetrahedra"})
-      if (is_link(topology.tag.attribute(attribute))) return &file_.linked(topology, attribute);
+      if (is_link(topology.tag.attribute(attribute))) return &linked(topology, attribute);
     return nullptr;
   }
 
-  MeshFile loaded(const SofaPart& loader) const {
+  MeshFile loaded(const XmlPart& loader) const {
     const std::string name = unescaped(loader.tag.attribute("filename"));
     if (name.empty())
       file_.fail(loader,
@@ -73,17 +86,16 @@ class SofaMeshReader {
     return read_mesh_file(path);
   }
 
-  MeshFile inline_mesh(const SofaPart& topology) const {
+  MeshFile inline_mesh(const XmlPart& topology) const {
     MeshBuilder builder;
-    const SofaPart& points =
+    const XmlPart& points =
         topology.has("position") && !is_link(topology.tag.attribute("position")) ? topology : state_;
     const std::vector<double> x = file_.numbers(points, "position");
     if (x.empty() || x.size() % 3 != 0)
       file_.fail(points, "position has " + std::to_string(x.size()) +
                              " numbers, which are not three of each point; correct it");
     for (std::size_t i = 0; i < x.size(); i += 3) builder.add_point(x[i], x[i + 1], x[i + 2]);
-    MeshText corners(file_.name(), topology.tag.attribute("tetrahedra"));
-    corners.about(topology.place);
+    MeshText corners = file_.values(topology, topology.tag.attribute("tetrahedra"));
     for (std::int64_t t = 0; !corners.at_end(); ++t) {
       std::array<Index, 4> four{};
       for (Index& corner : four)
@@ -94,7 +106,7 @@ class SofaMeshReader {
   }
 
   /// A region of the elements of each modulus.
-  void set_regions(const SofaPart& field) {
+  void set_regions(const XmlPart& field) {
     const std::vector<double> values = file_.numbers(field, "youngModulus"), moduli = sorted_moduli(values);
     const auto count = static_cast<std::size_t>(mesh_.mesh.tetrahedron_count());
     if (moduli.size() < 2) return;
@@ -108,10 +120,9 @@ class SofaMeshReader {
     mesh_.names.clear();
   }
 
-  void fix(const SofaPart& part) {
-    if (is_link(part.tag.attribute("indices"))) return fix_box(file_.linked(part, "indices"));
-    MeshText indices(file_.name(), part.tag.attribute("indices"));
-    indices.about(part.place);
+  void fix(const XmlPart& part) {
+    if (is_link(part.tag.attribute("indices"))) return fix_box(linked(part, "indices"));
+    MeshText indices = file_.values(part, part.tag.attribute("indices"));
     while (!indices.at_end()) {
       const std::int64_t index = indices.integer("an index");
       if (index < 0 || index >= mesh_.mesh.point_count())
@@ -123,7 +134,7 @@ class SofaMeshReader {
   }
 
   /// All points in boxes, their sides included.
-  void fix_box(const SofaPart& roi) {
+  void fix_box(const XmlPart& roi) {
     if (roi.type != "BoxROI")
       file_.fail(roi, "points are fixed by " + in_quotes(roi.type) +
                           ", and only BoxROI is read; write their indices out");
@@ -140,13 +151,20 @@ class SofaMeshReader {
     }
   }
 
-  const SofaFile& file_;
-  const SofaPart& state_;
+  const XmlFile& file_;
+  const XmlPart& state_;
   MeshFile mesh_;
   MeshGroup fixed_{.dimension = 0, .number = 1, .name = std::string(fixed_points_of_sofa)};
 };
 
 }  // namespace
+
+const XmlPart& sofa_state(const XmlFile& file) {
+  const auto found = std::ranges::find(file.parts(), "MechanicalObject", &XmlPart::type);
+  if (found == file.parts().end())
+    file.fail(file.parts().front(), "the scene has no MechanicalObject and so no body; add one");
+  return *found;
+}
 
 std::vector<double> sorted_moduli(std::vector<double> values) {
   std::ranges::sort(values);
@@ -155,8 +173,10 @@ std::vector<double> sorted_moduli(std::vector<double> values) {
   return values;
 }
 
-MeshFile sofa_mesh(const SofaFile& file) { return SofaMeshReader(file).read(); }
+MeshFile sofa_mesh(const XmlFile& file) { return SofaMeshReader(file).read(); }
 
-MeshFile read_sofa(const std::string& name, std::string_view text) { return sofa_mesh(SofaFile(name, text)); }
+MeshFile read_sofa(const std::string& name, std::string_view text) {
+  return sofa_mesh(XmlFile(name, text, sofa_root));
+}
 
 }  // namespace hmax
