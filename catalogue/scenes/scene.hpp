@@ -25,7 +25,8 @@ struct Scene {
 /// *ELASTIC, *DENSITY and *DAMPING; *BOUNDARY that fixes directions 1 to 3; *DLOAD of GRAV; one *STEP with
 /// *DYNAMIC, *STATIC or *FREQUENCY. SOFA .scn: one body of tetrahedra, in the file or from one that a loader
 /// names; TetrahedronFEMForceField and the like, UniformMass, DiagonalMass, FixedProjectiveConstraint,
-/// BoxROI; implicit and explicit Euler, Newmark and Runge-Kutta solvers.
+/// BoxROI; implicit and explicit Euler, Newmark and Runge-Kutta solvers. FEBio .feb of format 4.0: tet4 of
+/// isotropic elastic and neo-Hookean solids, zero displacements, static and dynamic analyses.
 /// @param units    of length, mass and time, which files do not say: "m,kg,s", "mm,t,s", or numbers of
 ///                 metres, kilograms and seconds
 /// @param ignored  parts that are left out where they are not understood: "CLOAD,BOUNDARY"

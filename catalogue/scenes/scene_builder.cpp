@@ -1,6 +1,7 @@
 #include "catalogue/scenes/scene_builder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <stdexcept>
 
@@ -45,6 +46,13 @@ SceneUnits scene_units(std::string_view text) {
           .mass = unit_of("mass", parts[1], {{"kg", 1}, {"g", 1e-3}, {"t", 1e3}}),
           .time = unit_of("time", parts[2], {{"s", 1}, {"ms", 1e-3}})};
 }
+
+struct SceneFormat {
+  std::string_view extension;
+  void (*read)(const std::string& file, std::string_view bytes, SceneBuilder& builder);
+};
+constexpr std::array<SceneFormat, 3> formats{
+    {{".inp", read_inp_scene}, {".scn", read_sofa_scene}, {".feb", read_febio_scene}}};
 
 }  // namespace
 
@@ -108,14 +116,17 @@ Scene SceneBuilder::finish(const std::string& file) {
 
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
   const std::string extension = lower(std::filesystem::path(file).extension().string());
-  if (extension != ".inp" && extension != ".scn")
-    throw InputError(fmt::format(
-        "'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, or .scn of SOFA", file));
+  const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
+  if (format == formats.end())
+    throw InputError(
+        fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
+                    ".scn of SOFA, or .feb of FEBio",
+                    file));
   try {
     return within_memory(file, [&] {
       const std::string bytes = read_whole(file, "a scene");
       SceneBuilder builder(units, ignored);
-      (extension == ".inp" ? read_inp_scene : read_sofa_scene)(file, bytes, builder);
+      format->read(file, bytes, builder);
       return builder.finish(file);
     });
   } catch (const std::invalid_argument& error) {

@@ -52,8 +52,10 @@ class SceneBuilder {
   std::set<std::string> ignored_, left_out_;
 };
 
-/// CalculiX's and Abaqus' .inp, and SOFA's .scn. @throws InputError, std::invalid_argument  as read_scene()
+/// CalculiX's and Abaqus' .inp, SOFA's .scn, FEBio's .feb. @throws InputError, std::invalid_argument  as
+/// read_scene()
 void read_inp_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 void read_sofa_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
+void read_febio_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 
 }  // namespace hmax

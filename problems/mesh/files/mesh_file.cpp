@@ -24,15 +24,16 @@ struct MeshFormat {
   /// From the bytes of one file; null where a mesh takes two. @param name  in errors
   MeshFile (*read)(const std::string& name, std::string_view text);
 };
-constexpr std::array<MeshFormat, 9> formats{{{".msh", read_gmsh},
-                                             {".vtk", read_vtk},
-                                             {".vtu", read_vtu},
-                                             {".node", nullptr},
-                                             {".ele", nullptr},
-                                             {".mesh", read_medit},
-                                             {".veg", read_vega},
-                                             {".inp", read_inp},
-                                             {".scn", read_sofa}}};
+constexpr std::array<MeshFormat, 10> formats{{{".msh", read_gmsh},
+                                              {".vtk", read_vtk},
+                                              {".vtu", read_vtu},
+                                              {".node", nullptr},
+                                              {".ele", nullptr},
+                                              {".mesh", read_medit},
+                                              {".veg", read_vega},
+                                              {".inp", read_inp},
+                                              {".scn", read_sofa},
+                                              {".feb", read_febio}}};
 
 /// ".msh .vtk .vtu ..."
 std::string known_extensions() {

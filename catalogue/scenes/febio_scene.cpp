@@ -1,0 +1,156 @@
+/// FEBio's .feb as a body.
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "catalogue/scenes/scene_builder.hpp"
+#include "core/numbers.hpp"
+#include "core/text/split.hpp"
+#include "problems/mesh/files/scenes/febio_file.hpp"
+
+namespace hmax {
+
+namespace {
+
+class FebioSceneReader {
+ public:
+  FebioSceneReader(const XmlFile& file, SceneBuilder& builder)
+      : file_(file), builder_(builder), mesh_(febio_mesh(file)) {}
+
+  void read() {
+    const XmlPart& root = file_.parts().front();
+    for (const XmlPart& part : file_.parts()) {
+      const XmlPart* const parent = file_.parent(part);
+      if (parent == &root)
+        read_section(part);
+      else if (parent && parent->type == "MeshDomains")
+        read_domain(part);
+      else if (parent && parent->type == "Control" && part.type == "solver")
+        solver_ = &part;
+    }
+    if (regions_ != mesh_.names.size() || regions_ == 0)
+      file_.fail(root,
+                 "there is not one SolidDomain of each Elements, which gives it a material; correct them");
+    read_control();
+    set_supports();
+    builder_.set_gravity(Eigen::Vector3d::Zero());
+  }
+
+ private:
+  void refuse(std::string_view part, const XmlPart& at, const std::string& what) {
+    builder_.refuse(part, fmt::format("{}, line {}: ", file_.name(), at.place), what);
+  }
+
+  /// Load curves act through loads and conditions, which are refused.
+  void read_section(const XmlPart& part) {
+    if (part.type == "Module" && part.tag.attribute("type") != "solid")
+      file_.fail(part,
+                 fmt::format("the module is {}, and solid is read", in_quotes(part.tag.attribute("type"))));
+    if (!is_listed(part.type, "Module|Control|Globals|Material|Mesh|MeshDomains|Boundary|LoadData|Output"))
+      refuse(part.type, part, fmt::format("{} is not understood", in_quotes(part.type)));
+    if (part.type == "Control") control_ = &part;
+  }
+
+  /// The part of this type in another one; null where there is none.
+  [[nodiscard]] const XmlPart* in(const XmlPart& parent, std::string_view type) const {
+    const auto found = std::ranges::find_if(file_.parts(), [&](const XmlPart& part) {
+      return part.type == type && file_.parent(part) == &parent;
+    });
+    return found == file_.parts().end() ? nullptr : &*found;
+  }
+
+  std::optional<double> number(const XmlPart& parent, std::string_view type) {
+    const XmlPart* const part = in(parent, type);
+    if (!part) return std::nullopt;
+    const std::vector<double> values = file_.numbers(*part);
+    if (values.size() != 1) file_.fail(*part, fmt::format("{} is not one number; correct it", type));
+    return values.front();
+  }
+
+  /// FEBio's isotropic elastic solid is that of St. Venant and Kirchhoff.
+  void read_domain(const XmlPart& domain) {
+    const std::string_view called = domain.tag.attribute("mat");
+    const auto material = std::ranges::find_if(file_.parts(), [&](const XmlPart& part) {
+      return part.type == "material" && (part.name() == called || part.tag.attribute("id") == called);
+    });
+    if (material == file_.parts().end())
+      file_.fail(domain,
+                 fmt::format("there is no material {}; define it, or correct the name", in_quotes(called)));
+    const std::string_view type = material->tag.attribute("type");
+    if (!is_listed(type, "isotropic elastic|neo-Hookean"))
+      file_.fail(*material, fmt::format("the material is {}, and isotropic elastic and neo-Hookean are read",
+                                        in_quotes(type)));
+    for (const XmlPart& part : file_.parts())
+      if (file_.parent(part) == &*material && !is_listed(part.type, "E|v|density"))
+        refuse(part.type, part, fmt::format("{} of a material is not understood", in_quotes(part.type)));
+    const std::string model = type == "neo-Hookean" ? "fem_neo_hookean" : "fem_green";
+    if (std::exchange(builder_.scene.model, model) != model && regions_ > 0)
+      file_.fail(domain,
+                 "the regions are of different laws, and bodies here have one; give all the same type");
+    const auto young = number(*material, "E"), poisson = number(*material, "v"),
+               density = number(*material, "density");
+    if (!young || !poisson || !density)
+      file_.fail(*material, "the material does not have E, v and density; add them");
+    ++regions_;
+    if (std::ranges::none_of(mesh_.names, [&](const auto& each) { return each.second == domain.name(); }))
+      file_.fail(domain, fmt::format("there are no Elements {}; correct the name", in_quotes(domain.name())));
+    builder_.add_material(mesh_.names.size() == 1 ? "" : std::string(domain.name()), *young, *poisson,
+                          *density);
+  }
+
+  /// Newmark's method, or generalized alpha where the spectral radius of infinite steps is given.
+  void read_control() {
+    const XmlPart* const analysis = control_ ? in(*control_, "analysis") : nullptr;
+    const std::string kind =
+        analysis ? lower(analysis->has("type") ? analysis->tag.attribute("type") : trimmed(analysis->text))
+                 : "static";
+    if (!is_listed(kind, "static|dynamic"))
+      file_.fail(*analysis, fmt::format("the analysis is {}; take STATIC or DYNAMIC", in_quotes(kind)));
+    if (kind == "static") return;
+    const auto of_solver = [&](std::string_view type, double otherwise) {
+      return solver_ ? number(*solver_, type).value_or(otherwise) : otherwise;
+    };
+    const double radius = of_solver("rhoi", -2);
+    if (of_solver("alpha", 1) != 1)
+      file_.fail(*solver_, "alpha of the solver is not 1, which is not read; give rhoi");
+    builder_.scene.integrator = "DYNAMIC";
+    builder_.scene.method =
+        radius >= 0 && radius <= 1 ? fmt::format("generalized_alpha:rho_inf={}", to_text(radius))
+        : radius == -1             ? "newmark"
+                                   : fmt::format("newmark:beta={},gamma={}", to_text(of_solver("beta", 0.25)),
+                                                 to_text(of_solver("gamma", 0.5)));
+    builder_.scene.notes.emplace_back(
+        "the program steps a consistent mass and hmax a lumped one; modes of few elements differ");
+    const auto step = number(*control_, "step_size");
+    if (step && !(*step > 0))
+      file_.fail(*control_, fmt::format("step_size is {} but must be positive; correct it", to_text(*step)));
+    if (step) builder_.set_step(*step);
+  }
+
+  void set_supports() {
+    const auto has = [&](std::string_view called) {
+      return std::ranges::find(mesh_.groups, called, &MeshGroup::name) != mesh_.groups.end();
+    };
+    if (has(febio_otherwise_held))
+      builder_.refuse("Boundary", file_.name() + ": ",
+                      "a node is not fixed in x, y and z alone, the only way that is read");
+    builder_.set_support(has(febio_held) ? febio_held : "");
+  }
+
+  const XmlFile& file_;
+  SceneBuilder& builder_;
+  MeshFile mesh_;
+  const XmlPart *control_ = nullptr, *solver_ = nullptr;
+  std::size_t regions_ = 0;
+};
+
+}  // namespace
+
+void read_febio_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder) {
+  const XmlFile parsed(file, bytes, febio_root);
+  FebioSceneReader(parsed, builder).read();
+}
+
+}  // namespace hmax
