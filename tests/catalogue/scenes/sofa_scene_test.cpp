@@ -205,6 +205,7 @@ TEST_F(SofaScenes, NameWhatTheyDoNotUnderstand) {
   refused("indices=\"0 1 2\"", "indices=\"0 1 4\"", "fixes point 4, but there are 4");
   refused("tetrahedra=\"0 1 2 3\"", "tetrahedra=\"0 1 2 4\"", "4");
   refused("tetrahedra=\"0 1 2 3\"", "tetrahedra=\"0 1 2\"", "corner");
+  refused(" tetrahedra=\"0 1 2 3\"", "", "has no tetrahedra; grids are not read");
   refused("0 0 1\"", "0 0\"", "not three of each point");
   refused("dt=\"0.02\"", "dt=\"0\"", "dt is 0");
   refused("dt=\"0.02\"", "dt=\"0.02 1\"", "2 numbers of dt");

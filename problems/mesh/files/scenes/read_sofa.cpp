@@ -57,10 +57,7 @@ class SofaMeshReader {
       if (part.node == state_.node &&
           (part.type == "TetrahedronSetTopologyContainer" || part.type == "MeshTopology"))
         return part;
-    file_.fail(
-        state_,
-        "there is no TetrahedronSetTopologyContainer beside the MechanicalObject; grids are not read, so "
-        "write the tetrahedra out or load them from a file");
+    file_.fail(state_, "there is no TetrahedronSetTopologyContainer beside the MechanicalObject; " + remedy_);
   }
 
   /// The loader of a mesh file, also one that the topology itself is; null of one with its own numbers.
@@ -87,6 +84,8 @@ class SofaMeshReader {
   }
 
   MeshFile inline_mesh(const XmlPart& topology) const {
+    if (!topology.has("tetrahedra"))
+      file_.fail(topology, std::string(topology.type) + " has no tetrahedra; " + remedy_);
     MeshBuilder builder;
     const XmlPart& points =
         topology.has("position") && !is_link(topology.tag.attribute("position")) ? topology : state_;
@@ -153,6 +152,7 @@ class SofaMeshReader {
 
   const XmlFile& file_;
   const XmlPart& state_;
+  const std::string remedy_ = "grids are not read, so write the tetrahedra out or load them from a file";
   MeshFile mesh_;
   MeshGroup fixed_{.dimension = 0, .number = 1, .name = std::string(fixed_points_of_sofa)};
 };
