@@ -4,9 +4,9 @@
 #include <iterator>
 #include <utility>
 
-#include "cli/shared/temporary_folder.hpp"
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
+#include "core/process/temporary_folder.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
 

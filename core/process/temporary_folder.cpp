@@ -1,4 +1,4 @@
-#include "cli/shared/temporary_folder.hpp"
+#include "core/process/temporary_folder.hpp"
 
 #include <stdlib.h>
 #include <string>
