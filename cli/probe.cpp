@@ -216,8 +216,8 @@ ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>&
 Question question_of(const ProbeOptions& options) {
   if (options.plugin.empty() == options.scene.empty())
     throw InputError(
-        "give a scene of MuJoCo (model.xml), the library of your stepper with --plugin FILE.so, or --example FOLDER to "
-        "begin with one");
+        "give a scene of MuJoCo (model.xml), a unit of FMI 2.0 (unit.fmu), the library of your stepper with --plugin "
+        "FILE.so, or --example FOLDER to begin with one");
   if (options.h0 && options.h1) sizes_of(options, {});  // refused before anything is opened
   Question question{
       .scene = {options.scene, options.keyframe, !options.motion}, .plugin = {}, .settings = {}};
@@ -301,8 +301,10 @@ void add_probe(CLI::App& app, Console& console) {
        "hmax probe --plugin ./engine.so:bar:E=5000 --h0 1e-4 --h1 0.01 --stiffness E",
        "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
-  add_text(command, "scene", options->scene,
-           "A scene of MuJoCo; h0 and h1 are a hundredth and a hundred times its timestep", "model.xml");
+  add_text(
+      command, "scene", options->scene,
+      "A scene of MuJoCo, or a unit of FMI 2.0 (unit.fmu); h0 and h1 are a hundredth and a hundred times its timestep",
+      "model.xml");
   add_text(command, "--keyframe", options->keyframe,
            "The scene settles from this keyframe, or begins --motion there", "NAME|NUMBER");
   add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",

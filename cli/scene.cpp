@@ -1,19 +1,15 @@
 #include "cli/scene.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
-#include "core/ranks/module.hpp"
 
 namespace hmax {
 namespace {
-
-constexpr const char* mujoco_module = "hmax_mujoco.so";
 
 std::string percent(double share) { return rounded_text(100 * share, 3) + " %"; }
 
@@ -52,22 +48,13 @@ void replace(std::string& text, std::string_view from, std::string_view to) {
 }  // namespace
 
 PluginName plugin_of(const SceneName& scene) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (!fs::exists(scene.file, ignored))
-    throw InputError(fmt::format("there is no file '{}'; give a scene of MuJoCo (.xml)", scene.file));
-  if (!fs::is_regular_file(scene.file, ignored) || fs::path(scene.file).extension() != ".xml")
-    throw InputError(fmt::format(
-        "'{}' is no scene; give a file of MuJoCo (.xml), or a stepper of your own with --plugin FILE.so",
-        scene.file));
   if (scene.file.find('\n') != scene.file.npos || scene.keyframe.find('\n') != scene.keyframe.npos)
     throw InputError("a name of the scene has a line break; rename it");
-  const fs::path module = module_file(mujoco_module);
-  if (!fs::exists(module, ignored))
-    throw InputError(
-        "this hmax has no module for MuJoCo; install the package hmax-engines, or libmujoco-dev and build hmax again");
-  PluginName plugin{
-      .file = module, .name = {}, .argument = fs::absolute(scene.file).string(), .text = scene.file};
+  PluginName plugin = parse_scene(scene.file);
+  if (!scene_kind(scene.file)->settles) {
+    if (!scene.keyframe.empty()) throw InputError("--keyframe is one of a scene of MuJoCo; remove it");
+    return plugin;
+  }
   if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;
   if (!scene.settles) plugin.argument += "\n";
   return plugin;
@@ -79,7 +66,7 @@ void in_words_of_engine(const SceneName& scene, const std::function<void()>& wor
   } catch (const InputError& error) {
     std::string text = error.what();
     replace(text, "create() of the plugin failed: ", scene.file + ": ");
-    replace(text, "the plugin", "MuJoCo");
+    replace(text, "the plugin", scene_kind(scene.file)->engine);
     throw InputError(text);
   }
 }

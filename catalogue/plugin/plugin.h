@@ -137,7 +137,7 @@ typedef struct hmax_plugin_entry {
 
 typedef struct hmax_plugin {
   uint32_t version; /* HMAX_PLUGIN_VERSION */
-  uint32_t count;   /* of entries; the first is taken where no NAME is given */
+  uint32_t count;   /* of entries; without NAME the first one that is what the command takes: a model, for probe a stepper */
   const hmax_plugin_entry* entries;
 } hmax_plugin;
 

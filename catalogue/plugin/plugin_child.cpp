@@ -205,9 +205,11 @@ void Server::find_entry(const PluginName& plugin) {
   for (std::uint32_t i = 0; i < table->count && !entry_; ++i) {
     const hmax_plugin_entry& entry = table->entries[i];
     const std::string name = entry.name ? entry.name : "";
-    if (plugin.name.empty() || plugin.name == name) entry_ = &entry;
+    if (plugin.name.empty() ? !entry.model != plugin.is_model : plugin.name == name) entry_ = &entry;
     names += (names.empty() ? "" : ", ") + name;
   }
+  // Where all are of the other kind, who asked says so.
+  if (!entry_ && plugin.name.empty() && table->count > 0) entry_ = table->entries;
   if (!entry_ && names.empty()) throw Failure{"the plugin has no entries"};
   if (!entry_) throw Failure{fmt::format("the plugin has no entry '{}'; it has {}", plugin.name, names)};
   stepper_ = entry_->stepper;

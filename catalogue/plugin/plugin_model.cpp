@@ -209,6 +209,7 @@ void check_matrices(const FirstOrder& model, const PluginFacts& facts) {
 
 Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   const std::string digest = plugin_digest(plugin);
+  plugin.is_model = true;
   const auto link = std::make_shared<const Link>(std::move(plugin), std::move(settings));
   const PluginFacts& facts = link->facts();
   if (facts.greeting.is_stepper != 0)

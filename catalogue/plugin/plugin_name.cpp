@@ -1,20 +1,53 @@
 #include "catalogue/plugin/plugin_name.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
+#include "core/ranks/module.hpp"
 #include "core/text/digest.hpp"
 
 namespace hmax {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<SceneKind, 2> scene_kinds{
+    {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true},
+     {".fmu", "hmax_fmi.so", "the unit", "libarchive-dev libpugixml-dev", false}}};
+
+}  // namespace
+
+const SceneKind* scene_kind(const fs::path& file) {
+  const auto* const kind = std::ranges::find(scene_kinds, file.extension().string(), &SceneKind::ending);
+  return kind == scene_kinds.end() ? nullptr : kind;
+}
+
+PluginName parse_scene(const std::string& file) {
+  constexpr const char* known = "a scene of MuJoCo (.xml) or a unit of FMI 2.0 (.fmu)";
+  std::error_code ignored;
+  if (!fs::exists(file, ignored))
+    throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
+  const SceneKind* const kind = scene_kind(file);
+  if (!kind || !fs::is_regular_file(file, ignored))
+    throw InputError(fmt::format("'{}' is no scene; give {}, or a stepper of your own with --plugin FILE.so",
+                                 file, known));
+  const fs::path module = module_file(kind->module), whole = fs::absolute(file);
+  if (!fs::exists(module, ignored))
+    throw InputError(fmt::format(
+        "this hmax has no module for {} files; install the package hmax-engines, or {} and build hmax again",
+        kind->ending, kind->packages));
+  return {.file = module, .name = {}, .argument = whole.string(), .text = file, .scene = whole};
+}
 
 PluginName parse_plugin(std::string_view text) {
-  namespace fs = std::filesystem;
   PluginName plugin{.file = {}, .name = {}, .argument = {}, .text = std::string(text)};
   std::string file = plugin.text;
   std::error_code ignored;
+  if (scene_kind(file) && fs::exists(file, ignored)) return parse_scene(file);
   const std::size_t colon = text.find(':');
   if (colon != std::string_view::npos && !fs::exists(file, ignored)) {
     file = text.substr(0, colon);
@@ -34,8 +67,9 @@ PluginName parse_plugin(std::string_view text) {
 
 std::string plugin_digest(const PluginName& plugin) {
   Digest digest;
-  digest.add(plugin.argument);
-  std::ifstream file(plugin.file, std::ios::binary);
+  const bool is_scene = !plugin.scene.empty();
+  if (!is_scene) digest.add(plugin.argument);
+  std::ifstream file(is_scene ? plugin.scene : plugin.file, std::ios::binary);
   std::array<char, 65536> bytes{};
   while (file.read(bytes.data(), bytes.size()), file.gcount() > 0)
     digest.add({bytes.data(), static_cast<std::size_t>(file.gcount())});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -115,6 +116,7 @@ bool PluginProcess::has_ended() const {
 void PluginProcess::start() {
   memory_.emplace();
   output_.emplace();
+  if (!plugin_.scene.empty()) folder_.emplace();
   // What is buffered here would be written twice.
   std::fflush(nullptr);
   const pid_t parent = getpid();
@@ -122,6 +124,7 @@ void PluginProcess::start() {
   if (child_ == 0) {
     memory_->close_to_further_children();
     output_->take_over();
+    if (folder_) setenv("TMPDIR", folder_->path().c_str(), 1);
     serve_plugin(page(), plugin_, parent);
   }
   if (child_ < 0)
@@ -142,6 +145,7 @@ int PluginProcess::end() {
   child_ = -1;
   output_.reset();
   memory_.reset();
+  folder_.reset();
   return status;
 }
 

@@ -18,6 +18,7 @@
 #include "catalogue/plugin/plugin_messages.hpp"
 #include "catalogue/plugin/plugin_name.hpp"
 #include "catalogue/plugin/plugin_output.hpp"
+#include "core/process/temporary_folder.hpp"
 
 namespace hmax {
 
@@ -84,7 +85,8 @@ class PluginProcess {
   PluginFacts facts_;
   std::optional<PluginMemory> memory_;
   std::optional<PluginOutput> output_;
-  std::uint32_t asked_ = 1;  ///< how often; the first answer comes unasked
+  std::optional<TemporaryFolder> folder_;  ///< for what the module of a scene unpacks
+  std::uint32_t asked_ = 1;                ///< how often; the first answer comes unasked
   Spin spin_;
   pid_t child_ = -1;
   std::chrono::steady_clock::time_point counted_;  ///< when its processes were counted last

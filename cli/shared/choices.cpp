@@ -176,9 +176,11 @@ void ProblemChoice::add_name_to(CLI::App& command) {
 void ProblemChoice::add_rest_to(CLI::App& command) {
   own.add_to(command);
   const HelpGroup group(command, model_group);
-  add_text(command, "--plugin", plugin,
-           "Model of your own behind the C interface hmax/plugin.h; `hmax probe --example FOLDER` writes one",
-           "FILE.so[:NAME[:ARGUMENT]]");
+  add_text(
+      command, "--plugin", plugin,
+      "Model of your own behind the C interface hmax/plugin.h, `hmax probe --example FOLDER` writes one; or a unit of FMI 2.0 "
+      "(unit.fmu)",
+      "FILE.so[:NAME[:ARGUMENT]]");
   add_timeout(command, timeout);
   add_settings(command, set, y0);
   add_text(
