@@ -103,13 +103,15 @@ if(HMAX_MUJOCO_INCLUDE AND HMAX_MUJOCO)
 endif()
 hmax_optional(MuJoCo HMAX_HAVE_MUJOCO "${mujoco_version}" libmujoco-dev "scenes of MuJoCo: hmax probe model.xml")
 
-find_package(LibArchive QUIET)
+if(PkgConfig_FOUND)
+  pkg_check_modules(HMAX_MINIZIP QUIET IMPORTED_TARGET minizip)
+endif()
 find_package(pugixml QUIET)
 set(HMAX_HAVE_FMI OFF)
-if(LibArchive_FOUND AND pugixml_FOUND)
+if(HMAX_MINIZIP_FOUND AND pugixml_FOUND)
   set(HMAX_HAVE_FMI ON)
 endif()
-hmax_optional("libarchive and pugixml" HMAX_HAVE_FMI "${LibArchive_VERSION}, ${pugixml_VERSION}" "libarchive-dev libpugixml-dev"
+hmax_optional("minizip and pugixml" HMAX_HAVE_FMI "${HMAX_MINIZIP_VERSION}, ${pugixml_VERSION}" "libminizip-dev libpugixml-dev"
               "units of FMI 2.0: hmax probe unit.fmu")
 
 find_package(ZLIB QUIET)

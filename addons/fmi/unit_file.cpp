@@ -1,15 +1,16 @@
 #include "addons/fmi/unit_file.hpp"
 
 #include <algorithm>
-#include <archive.h>
-#include <archive_entry.h>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
+#include <minizip/unzip.h>
 #include <pugixml.hpp>
 #include <string_view>
+#include <sys/stat.h>
 
 namespace hmax::fmi {
 namespace {
@@ -20,56 +21,75 @@ constexpr std::int64_t most_bytes = 1'000'000'000;
 constexpr int most_files = 10'000;
 constexpr const char* again = "; export it again";
 
-[[noreturn]] void refuse_damaged(archive* zip) {
-  const char* why = archive_error_string(zip);
-  throw Failure{std::string("the archive (zip) cannot be read: ") + (why ? why : "it is damaged") + again};
+/// @param code  of a call of minizip
+void require_whole(int code) {
+  if (code < 0) throw Failure{std::string("the archive (zip) is damaged or none") + again};
 }
 
-void write(archive* zip, const fs::path& file, std::int64_t& left) {
+void write(unzFile zip, const fs::path& file, std::int64_t& left) {
   fs::create_directories(file.parent_path());
   std::ofstream out(file, std::ios::binary);
   std::array<char, 65536> block;
-  while (true) {
-    const la_ssize_t count = archive_read_data(zip, block.data(), block.size());
-    if (count < 0) refuse_damaged(zip);
-    if (count == 0) break;
+  require_whole(unzOpenCurrentFile(zip));
+  for (int count = 0; (count = unzReadCurrentFile(zip, block.data(), block.size())) != 0;) {
+    require_whole(count);
     if ((left -= count) < 0) throw Failure{"its files have more than 1 GB"};
     out.write(block.data(), count);
   }
+  require_whole(unzCloseCurrentFile(zip));
   if (!out.flush())
     throw Failure{"'" + file.string() + "' cannot be written; set TMPDIR to a place with room"};
 }
 
+/// The name of the entry that minizip is at; empty where nothing is to be unpacked.
+std::string name_of_entry(unzFile zip) {
+  std::array<char, 4096> text{};
+  unz_file_info64 info{};
+  require_whole(unzGetCurrentFileInfo64(zip, &info, text.data(), text.size() - 1, nullptr, 0, nullptr, 0));
+  std::string name = text.data();
+  const fs::path path = name;
+  if (info.size_filename != name.size() || path.is_absolute() || std::ranges::find(path, "..") != path.end())
+    throw Failure{"its entry '" + name + "' would lie outside of it" + again};
+  const bool needed = name == "modelDescription.xml" || name.starts_with("binaries/linux64/") ||
+                      name.starts_with("resources/");
+  if (!needed || name.ends_with('/')) return {};
+  // The mode of the file, where the archive was made on a system that has them.
+  const auto mode = static_cast<mode_t>(info.external_fa >> 16);
+  if ((mode & S_IFMT) != 0 && !S_ISREG(mode)) throw Failure{"its entry '" + name + "' is no file" + again};
+  return name;
+}
+
 void unpack(const std::string& from, const fs::path& folder) {
-  const std::unique_ptr<archive, int (*)(archive*)> zip(archive_read_new(), archive_read_free);
-  archive_read_support_format_zip(zip.get());
-  if (archive_read_open_filename(zip.get(), from.c_str(), 65536) != ARCHIVE_OK) refuse_damaged(zip.get());
+  const std::unique_ptr<void, int (*)(unzFile)> zip(unzOpen64(from.c_str()), unzClose);
+  if (!zip) require_whole(UNZ_BADZIPFILE);
   std::int64_t left = most_bytes;
-  archive_entry* entry = nullptr;
-  for (int files = 0;;) {
-    const int code = archive_read_next_header(zip.get(), &entry);
-    if (code == ARCHIVE_EOF) return;
-    if (code < ARCHIVE_WARN) refuse_damaged(zip.get());
-    const char* const text = archive_entry_pathname_utf8(entry);
-    const std::string name = text ? text : "";
-    const fs::path path = name;
-    if (path.is_absolute() || std::ranges::find(path, "..") != path.end())
-      throw Failure{"its entry '" + name + "' would lie outside of it" + again};
-    const bool needed = name == "modelDescription.xml" || name.starts_with("binaries/linux64/") ||
-                        name.starts_with("resources/");
-    if (!needed || archive_entry_filetype(entry) == AE_IFDIR) continue;
-    if (archive_entry_filetype(entry) != AE_IFREG)
-      throw Failure{"its entry '" + name + "' is no file" + again};
+  int files = 0, code = unzGoToFirstFile(zip.get());
+  for (; code == UNZ_OK; code = unzGoToNextFile(zip.get())) {
     if (++files > most_files) throw Failure{"it has more than 10,000 files"};
-    write(zip.get(), folder / path, left);
+    if (const std::string name = name_of_entry(zip.get()); !name.empty())
+      write(zip.get(), folder / name, left);
   }
+  if (code != UNZ_END_OF_LIST_OF_FILE) require_whole(code);
+}
+
+/// A number of an attribute; `otherwise` where it is missing.
+template <class Number>
+Number number_of(const pugi::xml_attribute& attribute, Number otherwise) {
+  if (!attribute) return otherwise;
+  const std::string_view text = attribute.value();
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw Failure{"modelDescription.xml has " + std::string(attribute.name()) + "='" + std::string(text) +
+                  "', which is no number" + again};
+  return number;
 }
 
 using Variables = std::vector<pugi::xml_node>;
 
 /// The variable that an attribute names by its place in the list, from 1.
 pugi::xml_node variable(const Variables& all, const pugi::xml_attribute& place) {
-  const unsigned int i = place.as_uint();
+  const auto i = number_of(place, 0U);
   if (i < 1 || i > all.size())
     throw Failure{"modelDescription.xml has no variable '" + std::string(place.value()) +
                   "' under ModelStructure" + again};
@@ -85,7 +105,7 @@ std::vector<UnitFile::State> states_of(const pugi::xml_node& root) {
     const pugi::xml_node state = variable(all, rate.child("Real").attribute("derivative"));
     const std::string_view initial = state.attribute("initial").value();
     states.push_back({.name = state.attribute("name").value(),
-                      .reference = state.attribute("valueReference").as_uint(),
+                      .reference = number_of(state.attribute("valueReference"), 0U),
                       .has_start = initial == "exact" || initial == "approx" ||
                                    (initial.empty() && state.child("Real").attribute("start"))});
   }
@@ -119,9 +139,9 @@ UnitFile open_unit(const std::string& file) {
   }
   unit.states = states_of(root);
   const pugi::xml_node experiment = root.child("DefaultExperiment");
-  unit.start = experiment.attribute("startTime").as_double();
-  unit.end = experiment.attribute("stopTime").as_double(unit.start + 1);
-  unit.step = experiment.attribute("stepSize").as_double();
+  unit.start = number_of(experiment.attribute("startTime"), 0.0);
+  unit.end = number_of(experiment.attribute("stopTime"), unit.start + 1);
+  unit.step = number_of(experiment.attribute("stepSize"), 0.0);
   if (!std::isfinite(unit.start) || !(unit.end > unit.start) || !(unit.step >= 0) ||
       !std::isfinite(unit.step))
     throw Failure{std::string("its DefaultExperiment has an end before its start, or a negative step") +

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<SceneKind, 2> scene_kinds{
     {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true},
-     {".fmu", "hmax_fmi.so", "the unit", "libarchive-dev libpugixml-dev", false}}};
+     {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev libpugixml-dev", false}}};
 
 }  // namespace
 

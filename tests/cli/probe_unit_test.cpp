@@ -46,7 +46,7 @@ class ProbeUnit : public testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(module_file("hmax_fmi.so")))
-      GTEST_SKIP() << "this build has no module for FMI: libarchive-dev or libpugixml-dev was missing";
+      GTEST_SKIP() << "this build has no module for FMI: libminizip-dev or libpugixml-dev was missing";
     ASSERT_EQ(
         shell_.line("mkdir -p binaries/linux64 tmp && cp '" TESTED_UNIT "' binaries/linux64/tested_unit.so")
             .exit_code,
@@ -185,7 +185,7 @@ TEST_F(ProbeUnit, RefusesDamagedFiles) {
   pack({.guid = "decay\"<"});
   expect_refused(hmax("probe unit.fmu"), "modelDescription.xml cannot be read");
   write_text(shell_ / "unit.fmu", "no archive");
-  expect_refused(hmax("probe unit.fmu"), "the archive (zip) cannot be read");
+  expect_refused(hmax("probe unit.fmu"), "the archive (zip) is damaged or none");
   write_text(shell_ / "unit.fmu", "");
   expect_refused(hmax("probe unit.fmu"), "unit.fmu: ");
 }
