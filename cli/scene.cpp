@@ -41,8 +41,8 @@ std::string in_words(const LimitOwner& owner, double h) {
 
 /// Each `from` in the text by `to`.
 void replace(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size())
-    text.replace(at, from.size(), to);
+  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; ++at)
+    if (text.substr(at + from.size(), 1) != "/") text.replace(at, from.size(), to);  // no name of a folder
 }
 
 }  // namespace
@@ -74,7 +74,8 @@ void in_words_of_engine(const SceneName& scene, const std::function<void()>& wor
 std::string in_words(const OwnStep& own, const ProbedLimit& found) {
   std::string text = fmt::format("timestep  {} s ", to_text(own.h));
   if (!own.stable)
-    text += "is not judged: no limit was found";
+    text += std::isinf(found.h_max) ? "is not judged: nothing grows up to h1, which is shorter"
+                                    : "is not judged: no limit was found";
   else if (std::isinf(found.h_max))
     text += "is stable: nothing grows up to h1";
   else

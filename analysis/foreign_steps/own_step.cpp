@@ -105,7 +105,10 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
                                         const ProbeWatch& watch) {
   if (!engine.own_step()) return std::nullopt;
   OwnStep own{.h = *engine.own_step()};
-  if (!std::isnan(found.h_max)) {
+  // Beyond h1 nobody looked.
+  const bool judged =
+      std::isinf(found.h_max) ? own.h <= found.rows.back().h * (1 + 1e-9) : !std::isnan(found.h_max);
+  if (judged) {
     own.stable = own.h <= found.h_max;
     own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
   }

@@ -70,8 +70,8 @@ class StepDerivative {
   double h_, increment_ = 1e-5, error_ = 0;
 };
 
-/// Scales of a state as sizes of its numbers: at least a hundredth of the largest one; 1 where all are zero but
-/// for rounding.
+/// Scales of a state as sizes of its numbers: at least a hundredth of the largest one; 1 where all are zero
+/// but for rounding.
 Eigen::VectorXd scales_of(const Eigen::VectorXd& y);
 
 /// Factors of scales that balance a Jacobian: rows and columns of D^-1 (J - I) D have like norms, so that

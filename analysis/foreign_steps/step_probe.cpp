@@ -24,7 +24,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int home = 0, work = 1, rest = 2;
+constexpr int home = 0, work = 1, at_rest = 2;
 /// A motion that grows by less than this factor more than at h0 is no growth of the steps.
 const double least_growth = std::log(10.0);
 
@@ -456,7 +456,7 @@ bool Probe::runs_grow(double h) {
   share_ = std::min(0.99, share_ + 0.02);
   detail_ = "runs with h = " + rounded_text(h, 5) + " s";
   if (found_.state != ProbedState::motion)
-    return run_grows(engine_, coordinates_, scale_, rest, h, growth_run(h));
+    return run_grows(engine_, coordinates_, scale_, at_rest, h, growth_run(h));
   const auto growth = [&](double size) {
     return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
   };
@@ -562,7 +562,7 @@ void Probe::observe() {
   found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
   engine_.restore(home);
   if (rest_ != start_) engine_.set_state(rest_);
-  engine_.save(rest);
+  engine_.save(at_rest);
   if (!std::isfinite(found_.h_max)) return observe_beyond_limits();
   bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max));
   found_.gap = (found_.observed - found_.h_max) / found_.h_max;

@@ -23,6 +23,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/plugin/plugin.h"
+#include "core/text/utf8.hpp"
 
 namespace hmax {
 namespace {
@@ -284,7 +285,14 @@ void Server::greet_parts(std::vector<double>& words, PluginGreeting& greeting) {
   parts.resize(count);
   greeting.parts = static_cast<double>(count);
   const auto add = [&](const char* text, char end) {
-    std::string line = std::string(text ? text : "").substr(0, most_part_characters);
+    std::string line = text ? text : "";
+    if (line.size() > most_part_characters) {
+      std::size_t whole = 0;  // characters of UTF-8
+      for (std::size_t next = 0; next <= most_part_characters;
+           next += std::max<std::size_t>(1, utf8_character(std::string_view(line).substr(next))))
+        whole = next;
+      line.resize(whole);
+    }
     std::ranges::replace_if(
         line, [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
     part_names_ += line + end;

@@ -74,6 +74,9 @@ def probe(
         raise ValueError("y0 is missing; give the state, or save and restore of an engine that keeps it")
     if number("h0", h0) is None or number("h1", h1) is None:
         raise ValueError("give the step sizes to look at, such as h0=1e-4 and h1=0.1")
+    own = number("own_step", own_step)
+    if own is not None and not own > 0:
+        raise ValueError(f"own_step must be positive, not {own_step}; give the step size of the engine in seconds")
     start = save() if y0 is None and save else y0
     y = _start("y0" if y0 is not None else "what save returns", start)
     in_place = y0 is None or _steps_in_place(step, y, float(h0), save, restore)
@@ -85,7 +88,7 @@ def probe(
     indices = [count("an index of quaternions", index, 0) for index in np.ravel(quaternions)]
     single = np.asarray(start).dtype == np.float32
     engine = (step, save, restore, y, in_place, str(name), single, indices, extent, _pattern(pattern, len(y)))
-    return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify), number("own_step", own_step)))
+    return answer(_core.probe(*engine, float(h0), float(h1), number("motion", motion), bool(verify), own))
 
 
 def steps_fidelity(step: Any, y0: Any, h: Any, h0: Any, load: Any) -> Answer:

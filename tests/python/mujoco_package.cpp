@@ -31,6 +31,7 @@ struct Data {
   mjData* d;
 };
 
+/// numpy sees the numbers of MuJoCo themselves.
 template <class Number>
 py::array_t<Number> view(py::handle owner, Number* numbers, int count) {
   return {{count}, {sizeof(Number)}, numbers, owner};
@@ -47,7 +48,15 @@ void add_array(py::class_<Data>& data, const char* name, Number* mjData::*number
 }  // namespace
 
 PYBIND11_MODULE(mujoco, module) {
-  mju_user_warning = [](const char*) {};
+  // Never freed: at the end of the process Python is gone before.
+  static auto* const warning = new py::object(py::none());
+  module.def("get_mju_user_warning", [] { return *warning; });
+  module.def("set_mju_user_warning", [](py::object function) {
+    *warning = std::move(function);
+    mju_user_warning = [](const char* text) {
+      if (!warning->is_none()) (*warning)(text);
+    };
+  });
   py::class_<mjOption>(module, "MjOption").def_readwrite("timestep", &mjOption::timestep);
   py::class_<mjWarningStat>(module, "MjWarningStat").def_readonly("number", &mjWarningStat::number);
   py::class_<Model>(module, "MjModel")

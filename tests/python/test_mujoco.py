@@ -58,6 +58,21 @@ def test_data_gives_the_beginning_and_its_controls_and_stays_as_it_is(tmp_path):
     assert np.array_equal(data.qpos, before)
 
 
+def test_warnings_are_given_back_and_written_nowhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mujoco.set_mju_user_warning(print)
+    found = hmax.check(scene(tmp_path, HINGE.format(h=0.22, k=100, J=0.25)), verify=False)
+    assert found.stable is False
+    assert mujoco.get_mju_user_warning() is print
+    mujoco.set_mju_user_warning(None)
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.xml"]
+
+
+def test_a_timestep_beyond_h1_is_not_judged(tmp_path):
+    found = hmax.check(scene(tmp_path, HINGE.format(h=0.22, k=100, J=0.25)), h1=0.08, verify=False)
+    assert (found.h_max, found.stable, found.substeps) == (np.inf, None, None)
+
+
 def test_says_what_is_wrong(tmp_path):
     with pytest.raises(ValueError, match="model is no mujoco.MjModel"):
         hmax.check("model.xml")
