@@ -58,7 +58,7 @@ Json docket_group(const char* title, const char* about, const std::vector<Docket
 
 void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
   Json index = Json::array(), wrong = Json::array();
-  std::ptrdiff_t runs = 0, right_runs = 0, firm = 0;
+  std::ptrdiff_t runs = 0, right_runs = 0, firm = 0, silent = 0;
   for (const bool control : {false, true})
     for (const DocketReport& report : reports) {
       if (report.control != control) continue;
@@ -71,6 +71,10 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
                        {"right", report.right},
                        {"decisive", report.decisive}});
       firm += report.right && report.decisive.empty() ? 1 : 0;
+      silent += report.right && std::ranges::count(report.rows, "none", &DocketRow::verdict) ==
+                                    std::ssize(report.rows)
+                    ? 1
+                    : 0;
       if (!report.right) wrong.push_back({{"name", report.name}, {"discussed", report.discussed}});
       runs += std::ssize(report.rows);
       right_runs += std::ranges::count(report.rows, true, &DocketRow::right);
@@ -82,6 +86,7 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
                  {"share", 100.0 * static_cast<double>(right) / static_cast<double>(count)},
                  {"firm", firm},
                  {"firm_share", 100.0 * static_cast<double>(firm) / static_cast<double>(count)},
+                 {"silent", silent},
                  {"runs", runs},
                  {"right_runs", right_runs},
                  {"index", index},
