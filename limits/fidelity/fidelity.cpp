@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "analysis/amplification/numerical_damping.hpp"
@@ -187,28 +189,42 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
   const double E = young_of(model.problem), first = *question.wanted / E;
   const double wanted = exact_sag(model, first);
   if (!(wanted > 0)) return Fidelity::none;
-  constexpr double stride = 4, most = 1e10;
-  // Factors that sag too much, and little enough; each is sought near where the one before settles.
+  constexpr double most = 1e10;
+  // Factors that sag too much, and little enough. Several rests may be there: first that near the
+  // equilibrium.
   double low = 0, high = 0, before = 0;
   Settled found;
   const auto look = [&](double factor) {
-    found = before == 0
-                ? settle_to_stay(method, model, factor, question)
-                : settle(method, model, factor, question, found.loaded.q * std::min(1.0, before / factor));
+    const Settled last = std::exchange(found, before == 0 ? settle_to_stay(method, model, factor, question)
+                                                          : settle(method, model, factor, question));
+    if (before > 0 && (!found.found() || last.by_run)) {
+      found = settle(method, model, factor, question, last.loaded.q * std::min(1.0, before / factor));
+      found.by_run = last.by_run;
+    }
     before = factor;
     if (!found.found() || !(found.sag(model) > 0)) return false;
     (found.sag(model) > wanted ? low : high) = factor;
     return true;
   };
   if (!look(first)) return Fidelity::none;
-  for (double factor = first; low > 0 && high == 0;) {
-    factor *= stride;
-    if (factor > most || !look(factor)) return Fidelity::none;
-  }
-  for (double factor = first; low == 0;) {  // multipliers that are reset show more than is entered
-    factor /= stride;
-    if (factor * most < 1 || !look(factor)) return Fidelity::none;
-  }
+  if (std::abs(found.sag(model) / wanted - 1) < 1e-6) low = high = first;  // of exact steps
+  // By strides that shrink where what lies beyond does not settle.
+  const auto stride_on = [&](double& end, double stride) {
+    for (double factor = first; end == 0;) {
+      const Settled last = found;
+      if (factor * stride > most || factor * stride * most < 1) return false;
+      if (look(factor * stride)) {
+        factor *= stride;
+        continue;
+      }
+      found = last;
+      before = factor;
+      stride = std::sqrt(stride);
+      if (std::abs(std::log(stride)) < 0.01) return false;
+    }
+    return true;
+  };
+  if (!stride_on(high, 4.0) || !stride_on(low, 0.25)) return Fidelity::none;
   while (high / low > 1 + 1e-5)
     if (!look(std::sqrt(low * high))) return Fidelity::none;
   const double factor = std::sqrt(low * high);

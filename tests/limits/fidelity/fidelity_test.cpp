@@ -198,6 +198,20 @@ TEST(Fidelity, ModulusToEnterSagsAsTheModelDoesWithTheOneWanted) {
   }
 }
 
+TEST(Fidelity, ModulusToEnterOfSoftBodiesIsFoundWhereFarOnesDoNotSettle) {
+  const auto soft = [](double E) {
+    return fidelity_model(body("fem_neo_hookean/gravity@beam:n=2", {{"E", E}}));
+  };
+  // Exact steps show what is entered, also where much softer and much stiffer bodies are too far to be found.
+  const FidelityQuestion question{.h = 1.0 / 60, .wanted = 500};
+  EXPECT_NEAR(fidelity(find_method("newmark"), soft(500), question).modulus_to_enter, 500, 0.1);
+  // 96.4 % of 500 Pa are shown.
+  const double entered =
+      fidelity(find_method("vbd:iterations=1,substeps=3"), soft(500), question).modulus_to_enter;
+  EXPECT_GT(entered, 505);
+  EXPECT_LT(entered, 540);
+}
+
 TEST(Fidelity, OfAMethodThatMovesAnUnloadedBodyIsThatOfTheLoad) {
   // Two constraints of a tetrahedron push against each other at rest, and few iterations leave a rest.
   const Method method = find_method("xpbd:iterations=5");
