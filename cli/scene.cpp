@@ -74,8 +74,9 @@ void in_words_of_engine(const SceneName& scene, const std::function<void()>& wor
 std::string in_words(const OwnStep& own, const ProbedLimit& found) {
   std::string text = fmt::format("timestep  {} s ", to_text(own.h));
   if (!own.stable)
-    text += std::isinf(found.h_max) ? "is not judged: nothing grows up to h1, which is shorter"
-                                    : "is not judged: no limit was found";
+    text += std::isinf(found.h_max) && own.h > found.rows.back().h
+                ? "is not judged: nothing grows up to h1, which is shorter"
+                : "is not judged: no limit was found that holds";
   else if (std::isinf(found.h_max))
     text += "is stable: nothing grows up to h1";
   else

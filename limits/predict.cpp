@@ -390,9 +390,10 @@ Prediction predict(const Method& method, const OperatingPoint& point, const Mode
   row.state = point.state;
   if (!method.amplification) {
     if (!method.fixed_step) row.bound = Bound::error_control;
-    row.note = !method.fixed_step
-                   ? "the method chooses its steps as it runs"
-                   : "its iterations couple all points, so that no mode alone tells what a step makes of it";
+    row.note =
+        !method.fixed_step
+            ? "the method chooses its steps as it runs"
+            : "its iterations couple all points, so that no mode alone tells what a step makes of it; `hmax fidelity` tells";
     return row;
   }
   row.note = obstacle(method, point.model);

@@ -71,6 +71,17 @@ void compare(ForeignStepper& engine, double h0, OwnStep& own, const ProbeWatch& 
   own.stiffness_shown = ratio * ratio;
 }
 
+/// Whether what was found tells of steps of this size.
+bool is_judged(const ProbedLimit& found, double h) {
+  if (std::isnan(found.h_max) || (found.contradiction && std::isnan(found.observed))) return false;
+  // Beyond h1 nobody looked, and where the steps are not smooth differences hide growth.
+  const auto hides_growth = [h](const StepSpectrum& row) {
+    return row.h <= h && !row.grows && row.spectral_radius > 1.05;
+  };
+  return (std::isfinite(found.h_max) || h <= found.rows.back().h * (1 + 1e-9)) &&
+         std::ranges::none_of(found.rows, hides_growth);
+}
+
 }  // namespace
 
 double largest_factor(ForeignStepper& engine, const std::vector<std::size_t>& parts, bool of_damping,
@@ -105,10 +116,7 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
                                         const ProbeWatch& watch) {
   if (!engine.own_step()) return std::nullopt;
   OwnStep own{.h = *engine.own_step()};
-  // Beyond h1 nobody looked.
-  const bool judged =
-      std::isinf(found.h_max) ? own.h <= found.rows.back().h * (1 + 1e-9) : !std::isnan(found.h_max);
-  if (judged) {
+  if (is_judged(found, own.h)) {
     own.stable = own.h <= found.h_max;
     own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
   }
