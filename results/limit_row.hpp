@@ -78,6 +78,14 @@ struct LimitRow {
   double from_start = none;         ///< the largest step below the first whose run leaves its motion [s]
   double from_start_stride = none;  ///< relative stride in which it was sought; 0: it could not be
 
+  /// The least limit that is known [s]: of small motions, of the states along the motion, and the first step
+  /// whose run left it. Infinite: no step is unstable; nothing: it is not known whether one is.
+  [[nodiscard]] double known_limit() const {
+    const double least = std::fmin(h_max, along_least),
+                 limit = std::isfinite(from_start) ? std::fmin(least, from_start) : least;
+    return std::isnan(h_max) && std::isinf(limit) ? none : limit;
+  }
+
   /// The largest step that is known to be safe for the motion [s]: below the limits of small motions and of
   /// the states along it, and below the first step whose run failed. Nothing where no run showed it.
   [[nodiscard]] double safe() const {
@@ -89,6 +97,10 @@ struct LimitRow {
   std::string details;       ///< JSON object: margins of the modes, limits along the path
   std::int64_t session = 0;  ///< session that computed it; set by the store, 0 before
 
+  /// Whether it is of a body at rest, since the equilibrium that was asked for was not found.
+  [[nodiscard]] bool lacks_equilibrium() const {
+    return point.asked == "equilibrium" && state_kind == "rest";
+  }
   /// Whether runs showed something.
   [[nodiscard]] bool is_observed() const { return !verdict.empty() && verdict != "not_run"; }
 };

@@ -267,10 +267,7 @@ void judge(const LimitAnswer& answer, const LimitQuestion& question, Console& co
   for (const ModelLimits& limits : answer.models)
     rows.insert(rows.end(), limits.rows.begin(), limits.rows.end());
   // The limits are not those that were asked for, as those of `hmax static` without an equilibrium.
-  if (std::ranges::any_of(rows, [](const LimitRow& row) {
-        return row.point.asked == "equilibrium" && row.state_kind == "rest";
-      }))
-    console.exit_code = Exit::failed;
+  if (std::ranges::any_of(rows, &LimitRow::lacks_equilibrium)) console.exit_code = Exit::failed;
   // Of a model that only grows no step is stable, here or on its path.
   const bool only_grows = !rows.empty() && std::ranges::all_of(rows, [](const LimitRow& row) {
     return row.bound == name_of(Bound::model) && std::isnan(row.h_max) && std::isnan(row.h_unstable) &&

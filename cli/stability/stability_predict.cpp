@@ -188,33 +188,54 @@ void predict_by_engine(const PredictOptions& options, Console& console) {
 /// The step of a scene beside the limit of its own integrator.
 struct SceneAnswer {
   const Scene& scene;
-  double limit;  ///< [s], also along the motion; infinite or not a number where there is none
-  bool by_stability;
+  const LimitRow& row;
+  double limit;  ///< [s]; infinite or not a number where there is none
 
-  SceneAnswer(const Scene& read, const LimitRow& row)
-      : scene(read), limit(std::fmin(row.h_max, row.along_least)), by_stability(row.bound == "stability") {}
+  SceneAnswer(const Scene& read, const LimitRow& of_integrator)
+      : scene(read),
+        row(of_integrator),
+        limit(row.lacks_equilibrium() ? LimitRow::none : row.known_limit()) {}
 
-  [[nodiscard]] bool is_within() const { return !(*scene.step > limit); }
+  /// Nothing where it is not known.
+  [[nodiscard]] std::optional<bool> is_within() const {
+    if (!scene.step || std::isnan(limit)) return std::nullopt;
+    // Without a limit of small motions that of others tells only which steps are too long.
+    if (std::isnan(row.h_max) && *scene.step <= limit) return std::nullopt;
+    return *scene.step <= limit;
+  }
+
+  [[nodiscard]] std::string why_not_judged() const {
+    if (row.lacks_equilibrium()) return "the equilibrium under its load was not found";
+    if (row.bound == name_of(Bound::model)) return "the model itself grows, whatever the step is";
+    return row.note.empty() ? "its limit is not known" : row.note;
+  }
 
   [[nodiscard]] std::string in_words() const {
-    const std::string step = scene.step ? fmt::format("the step of {:.4g} s", *scene.step) : "no step given,";
-    const std::string with = fmt::format("{} with {} ({})", step, scene.integrator, scene.method);
-    if (!std::isfinite(limit)) return with + " has no limit of stability\n";
+    const std::string of = fmt::format("with {} ({})", scene.integrator, scene.method);
+    const std::string with =
+        scene.step ? fmt::format("the step of {:.4g} s {}", *scene.step, of) : "no step given, " + of;
+    if (row.bound == name_of(Bound::every_step) && !row.lacks_equilibrium())
+      return fmt::format("every step {} grows, however small; take another integrator\n", of);
+    if (std::isinf(limit)) return with + " has no limit of stability\n";
+    const std::optional<bool> within = is_within();
+    if (std::isnan(limit) || (scene.step && !within))
+      return fmt::format("{} is not judged: {}\n", with, why_not_judged());
     if (!scene.step) return fmt::format("{} is stable up to {:.4g} s\n", with, limit);
-    if (is_within()) return fmt::format("{} is below the limit, {:.4g} s\n", with, limit);
-    return fmt::format("{} is {}: at most {:.4g} s\n", with, by_stability ? "unstable" : "above the limit",
-                       limit);
+    if (*within) return fmt::format("{} is below the limit, {:.4g} s\n", with, limit);
+    const bool grows = row.bound == name_of(Bound::stability) && !(*scene.step < row.h_unstable);
+    return fmt::format("{} is {}: at most {:.4g} s\n", with, grows ? "unstable" : "above the limit", limit);
   }
 
   [[nodiscard]] nlohmann::ordered_json to_json() const {
     const auto or_null = [](bool given, const auto& value) {
       return given ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
     };
+    const std::optional<bool> within = is_within();
     return {{"integrator", scene.integrator},
             {"method", scene.method},
             {"h", or_null(scene.step.has_value(), scene.step.value_or(0))},
             {"h_max", or_null(std::isfinite(limit), limit)},
-            {"within", or_null(scene.step.has_value(), scene.step && is_within())}};
+            {"within", or_null(within.has_value(), within.value_or(false))}};
   }
 };
 

@@ -121,9 +121,7 @@ Answer answer_of_step(const Method& method, const Problem& problem, double h) {
   const LimitRow& row = limits.rows.front();
   if (grows(limits.point)) return {"model", "the model itself grows, whatever the step is"};
   if (row.bound == "every_step") return {"step", "every step grows, however small", "another method"};
-  // Of a motion that is not linear also the first step whose run fails, if one does.
-  double limit = std::fmin(row.h_max, row.along_least);
-  if (std::isfinite(row.from_start)) limit = std::fmin(limit, row.from_start);
+  const double limit = row.known_limit();
   if (std::isnan(limit)) return {"unknown", row.note};
   if (std::isinf(limit)) return {"none", "no step is unstable"};
   Answer answer{h > limit ? "step" : "none", fmt::format("largest stable step {}", seconds(limit))};

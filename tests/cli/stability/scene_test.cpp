@@ -16,6 +16,15 @@ std::string bar(const std::string& dynamic, const std::string& damping = "") {
          "\n*END STEP\n";
 }
 
+const std::string implicit = "EulerImplicitSolver rayleighMass=\"0\" rayleighStiffness=\"0\"";
+
+/// A scene with another text in place of one that it has.
+void change(Shell& shell, const char* file, const std::string& what, const std::string& by) {
+  std::string text = read_text(shell / file);
+  ASSERT_NE(text.find(what), std::string::npos) << what;
+  write_text(shell / file, text.replace(text.find(what), what.size(), by));
+}
+
 TEST(StabilityOfScenes, SpeaksOfTheirIntegratorAndStep) {
   Shell shell;
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
@@ -61,10 +70,7 @@ TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
   const std::string predict = "stability predict --scene gel.scn --unit m,kg,s";
   EXPECT_TRUE(says(shell.hmax(predict).out,
                    "the step of 0.01 s with EulerImplicitSolver (linearly_implicit_euler) has no limit of"));
-  std::string text = read_text(shell / "gel.scn");
-  const std::string implicit = "EulerImplicitSolver rayleighMass=\"0\" rayleighStiffness=\"0\"";
-  text.replace(text.find(implicit), implicit.size(), "EulerExplicitSolver");
-  write_text(shell / "gel.scn", text);
+  change(shell, "gel.scn", implicit, "EulerExplicitSolver");
   const auto json = shell.hmax(predict + " --json").json();
   const double h_max = json["rows"][0]["h_max"];
   EXPECT_NEAR(shell.hmax("stability predict --mesh phantom --method symplectic_euler --json" + body)
@@ -74,6 +80,25 @@ TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
   EXPECT_EQ(json["scene"]["within"], false);
   EXPECT_TRUE(says(shell.hmax(predict).out,
                    "the step of 0.01 s with EulerExplicitSolver (symplectic_euler) is unstable: at most"));
+}
+
+TEST(StabilityOfScenes, AreNotJudgedWhereNothingIsKnown) {
+  Shell shell;
+  const std::string predict = "stability predict --unit m,kg,s --scene ";
+  ASSERT_EQ(shell.hmax("mesh convert ball:n=2 ball.scn --h 0.01 --gravity 0,0,-30").exit_code, 0);
+  const Told sinks = shell.hmax(predict + "ball.scn");
+  EXPECT_TRUE(says(sinks.out, "is not judged: the equilibrium under its load was not found"));
+  EXPECT_EQ(sinks.exit_code, 1);
+  const auto json = shell.hmax(predict + "ball.scn --json").json();
+  EXPECT_TRUE(json["scene"]["within"].is_null());
+  EXPECT_TRUE(json["scene"]["h_max"].is_null());
+
+  ASSERT_EQ(shell.hmax("mesh convert ball:n=2 ball.scn --h 0.01 --model fem_cauchy").exit_code, 0);
+  EXPECT_EQ(shell.hmax(predict + "ball.scn --json").json()["scene"]["within"], true);
+  change(shell, "ball.scn", implicit, "EulerExplicitSolver symplectic=\"0\"");
+  EXPECT_TRUE(says(shell.hmax(predict + "ball.scn").out,
+                   "every step with EulerExplicitSolver (explicit_euler) grows, however small"));
+  EXPECT_EQ(shell.hmax(predict + "ball.scn --json").json()["scene"]["within"], false);
 }
 
 TEST(StabilityOfScenes, AreModelsOfAllCommands) {

@@ -1,9 +1,12 @@
 #include "limits/rows/limit_rows.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
+#include "core/numbers.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"
@@ -50,6 +53,25 @@ TEST(LimitRows, SayFromWhereThePathGrows) {
   EXPECT_EQ(row.along_least, 0.1);
   EXPECT_EQ(row.along_grows_from, 1);
   EXPECT_EQ(row.path_note, "ends early");
+}
+
+TEST(LimitRows, HaveTheLeastLimitThatIsKnown) {
+  LimitRow row;
+  EXPECT_TRUE(std::isnan(row.known_limit()));
+  row.along_least = infinity;
+  EXPECT_TRUE(std::isnan(row.known_limit())) << "of small motions nothing is known";
+  row.h_max = infinity;
+  EXPECT_EQ(row.known_limit(), infinity);
+  row.from_start = infinity;
+  row.point.t_end = 1;
+  EXPECT_EQ(row.known_limit(), infinity);
+  row.h_max = 0.3;
+  row.along_least = 0.2;
+  EXPECT_EQ(row.known_limit(), 0.2);
+  row.from_start = 0.1;
+  EXPECT_EQ(row.known_limit(), 0.1);
+  row.h_max = LimitRow::none;
+  EXPECT_EQ(row.known_limit(), 0.1);
 }
 
 TEST(LimitRows, OfAnotherProgramOrQuestionAreNotLookedUp) {
