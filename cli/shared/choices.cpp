@@ -17,6 +17,7 @@
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/text/split.hpp"
 #include "problems/formula_parser.hpp"
 
 namespace hmax {
@@ -92,15 +93,35 @@ std::optional<double> MeshOptions::metres() const {
   return unit.empty() ? std::nullopt : std::optional(unit_in_metres(unit));
 }
 
-std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
-  std::vector<std::pair<std::string, double>> parameters;
-  if (!scene.empty()) parameters = read().settings.parameters;
-  // Another load has no gravity.
-  if (!scene.empty() && !load.empty() && load != tissue_loads().front())
-    std::erase_if(parameters, [](const auto& parameter) {
-      return parameter.first == "g" ||
-             std::ranges::find(gravity_names, parameter.first) != gravity_names.end();
+std::vector<std::pair<std::string, double>> MeshOptions::of_scene(const std::vector<std::string>& set,
+                                                                  std::string_view material) const {
+  if (scene.empty()) return {};
+  std::vector<std::pair<std::string, double>> parameters = read().settings.parameters;
+  const auto leave_out = [&](const std::string& name) {
+    std::erase_if(parameters, [&](const auto& parameter) {
+      return parameter.first == name || parameter.first.starts_with(name + ":");
     });
+  };
+  for (const std::string& assignment : set) leave_out(parse_assignment("--set", assignment).first);
+  for (const std::string_view part : split(material, ",")) {
+    const std::size_t equals = part.rfind('=');
+    const bool is_of_region = equals != std::string_view::npos;
+    if (trimmed(part).empty()) continue;
+    for (const char* name : {"E", "nu", "rho"})
+      leave_out(is_of_region ? fmt::format("{}:{}", name, trimmed(part.substr(0, equals))) : name);
+    if (!is_of_region) leave_out("mass");
+  }
+  // Another load has no gravity.
+  if (!load.empty() && load != tissue_loads().front()) {
+    leave_out("g");
+    for (const std::string_view name : gravity_names) leave_out(std::string(name));
+  }
+  return parameters;
+}
+
+std::vector<std::pair<std::string, double>> MeshOptions::parameters(const std::vector<std::string>& set,
+                                                                    std::string_view material) const {
+  std::vector<std::pair<std::string, double>> parameters = of_scene(set, material);
   const auto take = [&](const char* option, const std::string& text,
                         const std::array<std::string_view, 3>& names) {
     if (text.empty()) return;
@@ -113,7 +134,8 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters() const {
   take("--gravity", gravity, gravity_names);
   take("--tool-at", tool_at, tool_place_names);
   take("--tool-direction", tool_direction, tool_direction_names);
-  for (const std::string& set : supports) parameters.emplace_back(fmt::format("{}:{}", support_name, set), 1);
+  for (const std::string& support : supports)
+    parameters.emplace_back(fmt::format("{}:{}", support_name, support), 1);
   return parameters;
 }
 
@@ -216,7 +238,7 @@ ProblemSettings ProblemChoice::settings() const {
     throw InputError(fmt::format(
         "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", named));
   ProblemSettings settings{.material = material, .unit = body.metres()};
-  settings.parameters = body.parameters();
+  settings.parameters = body.parameters(set, material);
   if (!settings.parameters.empty() && !body.is_given() && !is_tissue_id(problem))
     throw InputError(fmt::format(
         "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",

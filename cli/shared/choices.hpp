@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,10 +33,15 @@ struct MeshOptions {
   void remark_scene(Console& console) const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
-  /// What the options say as parameters of catalogue/models/tissue_parameters.hpp.
-  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+  /// What the options say as parameters of catalogue/models/tissue_parameters.hpp. Of a scene without those
+  /// in whose place values of --set and materials of --material stand, of a whole body also its regions.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters(
+      const std::vector<std::string>& set = {}, std::string_view material = {}) const;
 
  private:
+  [[nodiscard]] std::vector<std::pair<std::string, double>> of_scene(const std::vector<std::string>& set,
+                                                                     std::string_view material) const;
+
   mutable std::optional<Scene> read_{};
 };
 

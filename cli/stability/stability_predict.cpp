@@ -205,7 +205,8 @@ struct SceneAnswer {
   }
 
   [[nodiscard]] std::string why_not_judged() const {
-    if (row.lacks_equilibrium()) return "the equilibrium under its load was not found";
+    if (row.lacks_equilibrium())
+      return "the equilibrium under its load was not found; --at rest goes without it";
     if (row.bound == name_of(Bound::model)) return "the model itself grows, whatever the step is";
     return row.note.empty() ? "its limit is not known" : row.note;
   }

@@ -101,6 +101,36 @@ TEST(StabilityOfScenes, AreNotJudgedWhereNothingIsKnown) {
   EXPECT_EQ(shell.hmax(predict + "ball.scn --json").json()["scene"]["within"], false);
 }
 
+TEST(StabilityOfScenes, GiveWayToWhatIsSet) {
+  Shell shell;
+  const std::string two = " --scene bar.inp --unit mm,t,s --method symplectic_euler ";
+  const auto h_max = [&](const std::string& options) {
+    const Told told = shell.hmax("stability predict --json" + options);
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    return told.json()["rows"][0]["h_max"].get<double>();
+  };
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
+  const double known = h_max(two + "--set E=5500 --set nu=0.45 --set rho=1060");
+  const double of_scene = h_max(two);
+  EXPECT_NEAR(h_max(two + "--set E=4e4"), of_scene / 2, 1e-6 * of_scene);
+  // The same body of two sections.
+  change(shell, "bar.inp", "*SOLID SECTION, ELSET=ALL, MATERIAL=M",
+         "*MATERIAL, NAME=N\n*ELASTIC\n0.01,0.3\n*DENSITY\n1e-9\n*ELSET, ELSET=A\n1\n*ELSET, ELSET=B\n2\n"
+         "*SOLID SECTION, ELSET=A, MATERIAL=M\n*SOLID SECTION, ELSET=B, MATERIAL=N");
+  EXPECT_NEAR(h_max(two), of_scene, 1e-9 * of_scene);
+  EXPECT_NEAR(h_max(two + "--set E=4e4"), of_scene / 2, 1e-6 * of_scene);
+  EXPECT_NEAR(h_max(two + "--set E:A=4e4 --set E:B=4e4"), of_scene / 2, 1e-6 * of_scene);
+  EXPECT_NEAR(h_max(two + "--set E=5500 --set nu=0.45 --set rho=1060"), known, 1e-9 * known);
+  const auto material = shell.hmax("stability predict --json --material tissue:liver" + two).json();
+  const double of_material = material["rows"][0]["h_max"];
+  EXPECT_GT(std::abs(of_material - of_scene), 0.01 * of_scene);
+  EXPECT_NEAR(h_max(" --material A=tissue:liver,B=tissue:liver" + two), of_material, 1e-9 * of_material);
+  const std::string same =
+      "stability predict --mesh bar.inp --unit mm --model fem_cauchy --set g=0 --support FIX --json "
+      "--method symplectic_euler --material tissue:liver";
+  EXPECT_NEAR(shell.hmax(same).json()["rows"][0]["h_max"], of_material, 1e-9 * of_material);
+}
+
 TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   Shell shell;
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1\n*CLOAD\n4,3,1"));
