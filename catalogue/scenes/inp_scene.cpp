@@ -164,33 +164,49 @@ class InpSceneReader {
     }
   }
 
-  /// With NLGEOM CalculiX and Abaqus/Standard take *ELASTIC for the St. Venant-Kirchhoff law.
+  /// With NLGEOM CalculiX takes *ELASTIC for the St. Venant-Kirchhoff law. Abaqus has the Cauchy stress by
+  /// the rate of deformation there.
   void read_step(const InpCard& card) {
     if (has_step_)
       file_.fail(card.place, "there is a second *STEP, and one is read; keep that whose limit you ask for");
     has_step_ = in_step_ = true;
-    if (card.parameter("NLGEOM").value_or("NO") != "NO") builder_.scene.model = "fem_green";
+    if (card.parameter("NLGEOM").value_or("NO") == "NO") return;
+    builder_.scene.model = "fem_green";
+    builder_.scene.notes.emplace_back(
+        "under NLGEOM *ELASTIC is the St. Venant-Kirchhoff law, as in CalculiX; Abaqus differs for large strains");
   }
 
   void end_step(const InpCard&) { in_step_ = false; }
 
   /// Abaqus/Explicit takes forces of dampers at the velocities of half a step before, as symplectic Euler
-  /// does, and so do undamped central differences.
+  /// does, and so do undamped central differences. EXPLICIT of 0 and 1 is of fluids alone in CalculiX, whose
+  /// structures are implicit then.
   void read_dynamic(const InpCard& card) {
     if (!in_step_) file_.fail(card.place, "*DYNAMIC stands in no *STEP; put it behind one");
     const double alpha = number_of(card, "ALPHA", -0.05);
     if (!(alpha >= -1.0 / 3 && alpha <= 0))
       file_.fail(card.place,
                  fmt::format("ALPHA is {} but must lie between -1/3 and 0; correct it", to_text(alpha)));
-    const bool is_explicit = card.parameter("EXPLICIT").has_value();
+    const std::string kind = card.parameter("EXPLICIT").value_or("0");
+    if (!kind.empty() && !is_listed(kind, "0|1|2|3"))
+      return refuse(card, fmt::format("EXPLICIT={} of *DYNAMIC is not understood", kind));
+    const bool is_explicit = !is_listed(kind, "0|1");
+    if (is_explicit && card.parameter("ALPHA"))
+      return refuse(card, "ALPHA of *DYNAMIC, EXPLICIT is not understood");
+    const std::vector<std::string_view> times =
+        card.lines.empty() ? std::vector<std::string_view>{} : card.lines[0].fields;
+    if (is_explicit && times.size() > 2 && !times[2].empty() &&
+        file_.number(card.lines[0], 2, "least time increment") != 0)
+      return refuse(card, "the least time increment of *DYNAMIC, EXPLICIT scales masses, which is not read");
     Scene& scene = builder_.scene;
     scene.integrator = is_explicit ? "*DYNAMIC, EXPLICIT" : fmt::format("*DYNAMIC, ALPHA={}", to_text(alpha));
     scene.method = is_explicit ? "symplectic_euler" : fmt::format("hht_alpha:alpha={}", to_text(alpha));
     scene.notes.emplace_back(
         is_explicit
-            ? "CalculiX chooses smaller increments itself under EXPLICIT; the limit is that of central differences"
+            ? "the limit is that of central differences, as in Abaqus; CalculiX has its alpha method under EXPLICIT and "
+              "chooses smaller increments itself"
             : "the program steps a consistent mass and hmax a lumped one; modes of few elements differ");
-    if (card.lines.empty() || card.lines[0].fields.empty() || card.lines[0].fields[0].empty()) return;
+    if (times.empty() || times[0].empty()) return;
     const double step = file_.number(card.lines[0], 0, "time increment");
     if (!(step > 0))
       file_.fail(card.lines[0].place,

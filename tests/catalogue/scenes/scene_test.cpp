@@ -100,9 +100,17 @@ TEST_F(Scenes, SagsAsInCalculix) {
 }
 
 TEST_F(Scenes, TakeTheModelAndTheIntegratorOfTheStep) {
-  EXPECT_EQ(read(replaced(whole, "*STEP\n", "*STEP, NLGEOM\n")).model, "fem_green");
+  const Scene large = read(replaced(whole, "*STEP\n", "*STEP, NLGEOM\n"));
+  EXPECT_EQ(large.model, "fem_green");
+  EXPECT_TRUE(says(large.notes.front(), "as in CalculiX; Abaqus differs"));
   EXPECT_EQ(read(replaced(whole, "*STEP\n", "*STEP, NLGEOM=NO\n")).model, "fem_cauchy");
   EXPECT_EQ(read(replaced(whole, "ALPHA=-0.1, DIRECT", "EXPLICIT")).method, "symplectic_euler");
+  for (const char* kind : {"2", "3"})
+    EXPECT_EQ(read(replaced(whole, "ALPHA=-0.1, DIRECT", std::string("EXPLICIT=") + kind)).method,
+              "symplectic_euler");
+  for (const char* kind : {"0", "1"})
+    EXPECT_EQ(read(replaced(whole, "DIRECT", std::string("EXPLICIT=") + kind)).method,
+              "hht_alpha:alpha=-0.1");
   EXPECT_EQ(read(replaced(whole, ", ALPHA=-0.1, DIRECT", "")).method, "hht_alpha:alpha=-0.05");
   EXPECT_EQ(read(replaced(whole, "*DYNAMIC, ALPHA=-0.1, DIRECT", "*STATIC")).method, "");
   EXPECT_FALSE(read(replaced(whole, "1e-5, 1e-3\n", "")).step);
@@ -174,6 +182,9 @@ TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
   refused("*END STEP\n", "*END ST", "the last line has no end");
   refused("1e-5, 1e-3", "0, 1e-3", "time increment is 0");
   refused("ALPHA=-0.1", "ALPHA=0.1", "between -1/3 and 0");
+  refused("DIRECT", "EXPLICIT", "ALPHA of *DYNAMIC, EXPLICIT is not understood");
+  refused("ALPHA=-0.1, DIRECT", "EXPLICIT=4", "EXPLICIT=4 of *DYNAMIC");
+  refused("ALPHA=-0.1, DIRECT\n1e-5, 1e-3", "EXPLICIT\n1e-5, 1e-3, 1e-6", "scales masses");
   refused("*HEADING", "1,2\n*HEADING", "begins with a keyword");
   refused("*NSET", "*INCLUDE, INPUT=A\n*NSET", "*INCLUDE is not read");
 }
