@@ -1,7 +1,11 @@
 /// FEBio's .feb as a body.
 #include <algorithm>
-#include <map>
+#include <array>
+#include <iterator>
 #include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -21,14 +25,15 @@ class FebioSceneReader {
 
   void read() {
     const XmlPart& root = file_.parts().front();
+    check_children(root);
     for (const XmlPart& part : file_.parts()) {
       const XmlPart* const parent = file_.parent(part);
       if (parent == &root)
         read_section(part);
-      else if (parent && parent->type == "MeshDomains")
+      else if (parent && parent->type == "MeshDomains" && part.type == "SolidDomain")
         read_domain(part);
       else if (parent && parent->type == "Control" && part.type == "solver")
-        solver_ = &part;
+        read_solver(part);
     }
     if (regions_ != mesh_.names.size() || regions_ == 0)
       file_.fail(root,
@@ -39,18 +44,82 @@ class FebioSceneReader {
   }
 
  private:
+  /// What may be in a part.
+  struct Known {
+    std::string_view parent, types, attributes;
+    bool is_single = false;  ///< is there at most once
+  };
+
+  static std::vector<Known> known(std::string_view parent) {
+    static constexpr std::array<Known, 15> all{
+        {{"febio_spec", "Module", "type", true},
+         {"febio_spec", "Control", "", true},
+         // Load curves act through loads and conditions, which are refused.
+         {"febio_spec", "Globals|Material|Mesh|MeshDomains|Boundary|LoadData|Output", ""},
+         {"Module", "units", ""},
+         {"Control", "analysis", "type", true},
+         {"Control", "solver", "type", true},
+         {"Control", "step_size|time_steps", "", true},
+         {"Control",
+          "plot_level|plot_range|plot_stride|plot_zero_state|output_level|output_stride|adaptor_re_solve|"
+          "print_level",
+          ""},
+         {"solver", "rhoi|alpha|beta|gamma", "", true},
+         // How equations are solved, exactly.
+         {"solver",
+          "symmetric_stiffness|equation_scheme|equation_order|optimize_bw|lstol|lsmin|lsiter|max_refs|"
+          "check_zero_diagonal|zero_diagonal_tol|force_partition|reform_each_time_step|reform_augment|"
+          "diverge_reform|min_residual|max_residual|dtol|etol|rtol|logSolve|qn_method|linear_solver",
+          "type"},
+         {"Mesh", "Nodes|Elements|NodeSet|Surface|Edge|ElementSet|PartList|SurfacePair", "name|type"},
+         {"MeshDomains", "SolidDomain", "name|mat|type|elem_type"},
+         {"Boundary", "bc", "name|type|node_set"},
+         {"Material", "material", "id|name|type"},
+         {"material", "E|v|density", "", true}}};
+    std::vector<Known> of_parent;
+    std::ranges::copy_if(all, std::back_inserter(of_parent),
+                         [&](const Known& each) { return each.parent == parent; });
+    return of_parent;
+  }
+
+  /// Refuses what is not known in a part, and what is there twice.
+  void check_children(const XmlPart& parent) {
+    const std::vector<Known> here = known(parent.type);
+    const std::string of = file_.parent(parent) ? fmt::format(" of a {}", parent.type) : std::string();
+    std::set<std::string_view> seen;
+    for (const XmlPart& part : file_.parts()) {
+      if (file_.parent(part) != &parent) continue;
+      const auto found =
+          std::ranges::find_if(here, [&](const Known& each) { return is_listed(part.type, each.types); });
+      if (found == here.end()) {
+        refuse(part.type, part, fmt::format("{}{} is not understood", in_quotes(part.type), of));
+        continue;
+      }
+      for (const auto& [name, value] : part.tag.attributes)
+        if (!is_listed(name, found->attributes))
+          refuse(name, part, fmt::format("{} of {} is not understood", in_quotes(name), part.type));
+      if (!seen.insert(part.type).second && found->is_single)
+        file_.fail(part, fmt::format("{} is given twice; remove one", part.type));
+    }
+  }
+
   void refuse(std::string_view part, const XmlPart& at, const std::string& what) {
     builder_.refuse(part, fmt::format("{}, line {}: ", file_.name(), at.place), what);
   }
 
-  /// Load curves act through loads and conditions, which are refused.
   void read_section(const XmlPart& part) {
     if (part.type == "Module" && part.tag.attribute("type") != "solid")
       file_.fail(part,
                  fmt::format("the module is {}, and solid is read", in_quotes(part.tag.attribute("type"))));
-    if (!is_listed(part.type, "Module|Control|Globals|Material|Mesh|MeshDomains|Boundary|LoadData|Output"))
-      refuse(part.type, part, fmt::format("{} is not understood", in_quotes(part.type)));
     if (part.type == "Control") control_ = &part;
+    if (!known(part.type).empty()) check_children(part);
+  }
+
+  void read_solver(const XmlPart& part) {
+    if (const std::string_view type = part.tag.attribute("type", "solid"); type != "solid")
+      file_.fail(part, fmt::format("the solver is {}, and solid is read", in_quotes(type)));
+    check_children(part);
+    solver_ = &part;
   }
 
   /// The part of this type in another one; null where there is none.
@@ -65,12 +134,22 @@ class FebioSceneReader {
     const XmlPart* const part = in(parent, type);
     if (!part) return std::nullopt;
     const std::vector<double> values = file_.numbers(*part);
-    if (values.size() != 1) file_.fail(*part, fmt::format("{} is not one number; correct it", type));
+    const bool has_parts =
+        std::ranges::any_of(file_.parts(), [&](const XmlPart& inner) { return file_.parent(inner) == part; });
+    if (values.size() != 1 || has_parts)
+      file_.fail(*part, fmt::format("{} is not one number; correct it", type));
     return values.front();
   }
 
   /// FEBio's isotropic elastic solid is that of St. Venant and Kirchhoff.
   void read_domain(const XmlPart& domain) {
+    // Of four nodes, whose volume changes evenly, both are the same.
+    if (const std::string_view type = domain.tag.attribute("type", "elastic-solid");
+        !is_listed(type, "elastic-solid|three-field-solid"))
+      file_.fail(domain,
+                 fmt::format("the SolidDomain is {}, and elastic-solid and three-field-solid are read",
+                             in_quotes(type)));
+    check_children(domain);
     const std::string_view called = domain.tag.attribute("mat");
     const auto material = std::ranges::find_if(file_.parts(), [&](const XmlPart& part) {
       return part.type == "material" && (part.name() == called || part.tag.attribute("id") == called);
@@ -82,9 +161,7 @@ class FebioSceneReader {
     if (!is_listed(type, "isotropic elastic|neo-Hookean"))
       file_.fail(*material, fmt::format("the material is {}, and isotropic elastic and neo-Hookean are read",
                                         in_quotes(type)));
-    for (const XmlPart& part : file_.parts())
-      if (file_.parent(part) == &*material && !is_listed(part.type, "E|v|density"))
-        refuse(part.type, part, fmt::format("{} of a material is not understood", in_quotes(part.type)));
+    check_children(*material);
     const std::string model = type == "neo-Hookean" ? "fem_neo_hookean" : "fem_green";
     if (std::exchange(builder_.scene.model, model) != model && regions_ > 0)
       file_.fail(domain,

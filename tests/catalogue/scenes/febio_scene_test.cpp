@@ -99,6 +99,21 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
       {"--ignore 'Boundary' ", {"bc type=\"zero displacement\"", "bc type=\"prescribed displacement\""}},
       {"step_size is 0 but", {"<step_size>0.1", "<step_size>0"}},
       {"analysis is 'modal'", {"DYNAMIC", "MODAL"}},
+      {"SolidDomain is 'ut4-solid'",
+       {"SolidDomain name=\"up\"", "SolidDomain name=\"up\" type=\"ut4-solid\""}},
+      {"--ignore 'alpha'",
+       {"<SolidDomain name=\"up\" mat=\"soft\"/>",
+        "<SolidDomain name=\"up\" mat=\"soft\"><alpha>0.05</alpha></SolidDomain>"}},
+      {"'ShellDomain' of a MeshDomains", {"SolidDomain", "ShellDomain"}},
+      {"'lc' of E", {"<E>", "<E lc=\"1\">"}},
+      {"E is not one number", {"<E>1000", "<E>1000<by/>"}},
+      {"solver is 'explicit-solid'", {"solver type=\"solid\"", "solver type=\"explicit-solid\""}},
+      {"--ignore 'mass_lumping'", {"<rhoi>", "<mass_lumping>1</mass_lumping><rhoi>"}},
+      {"'time_stepper' of a Control", {"<solver", "<time_stepper type=\"default\"/><solver"}},
+      {"step_size is given twice", {"<solver", "<step_size>0.2</step_size><solver"}},
+      {"density is given twice", {"<density>", "<density>2</density><density>"}},
+      {"Control is given twice", {"<Globals>", "<Control/><Globals>"}},
+      {"'rigid' of a Boundary", {"<Boundary>", "<Boundary><rigid/>"}},
       {"'febio_spec' has no end", {"</febio_spec>", ""}}};
   for (const auto& [named, change] : cases) {
     const std::string told = error(change[0], change[1]) + " ";
@@ -106,6 +121,12 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
     EXPECT_TRUE(says(told, "a.feb"));
     EXPECT_EQ(told.find('\n'), std::string::npos) << told;
   }
+  EXPECT_EQ(read(changed("<solver type=\"solid\">",
+                         "<time_stepper/><solver type=\"solid\"><max_refs>25</max_refs><qn_method "
+                         "type=\"BFGS\"><max_ups>10</max_ups></qn_method>"),
+                 "time_stepper")
+                .step,
+            0.1);
   EXPECT_TRUE(says(read(changed("<Boundary>", "<Loads/><Boundary>"), "loads").notes.back(), "Loads"));
 }
 
