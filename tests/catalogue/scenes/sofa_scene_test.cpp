@@ -122,6 +122,9 @@ TEST_F(SofaScenes, AreWhatSofaIntegrates) {
   EXPECT_NEAR(squares[0], 400.0 / 6, 1e-10);
   EXPECT_NEAR(squares[2], 1200.0 / 6, 1e-10);
   EXPECT_EQ(made->settings().gravity, Eigen::Vector3d(0, -9, 0));
+  for (const char* own : {"position=\"0 0 0 1 0 0 0 1 0 0 0 1\"", "position=\"@topo.position\"",
+                          "template=\"Vec3d\"", "position=\"\""})
+    EXPECT_EQ(body(read(with(tetrahedron, "template=\"Vec3\"", own)))->dofs(), 3) << own;
   // The same numbers in other units: E of 1000 g/(mm ms^2), masses in g, and -9 mm/ms^2.
   const auto other = body(read(tetrahedron, "mm,g,ms"));
   EXPECT_NEAR(frequencies(*other)[2], 1e6 * squares[2], 1e-4);
@@ -191,6 +194,10 @@ TEST_F(SofaScenes, NameWhatTheyDoNotUnderstand) {
   refused("EulerExplicitSolver", "EulerImplicitSolver vdamping=\"0.1\"", "'vdamping' = '0.1'");
   refused("EulerExplicitSolver", "RungeKutta4Solver/><EulerExplicitSolver", "one is read");
   refused("template=\"Vec3\"", "translation=\"0 0 1\"", "'translation' = '0 0 1'");
+  refused("template=\"Vec3\"", "template=\"Rigid3d\"", "'Rigid3d', and points of Vec3");
+  refused("template=\"Vec3\"", "template=\"Vec2d\"", "'Vec2d', and points of Vec3");
+  for (const char* position : {"0 0 0 1 0 0 0 1 0 0 0 2", "0 0 0 1 0 0"})
+    refused("template=\"Vec3\"", std::string("position=\"") + position + "\"", "not that of its topology");
   refused("<BarycentricMapping/>", "", "second MechanicalObject");
   refused("<OglModel", "<UniformMass totalMass=\"1\"/><OglModel", "not beside the first MechanicalObject");
   refused("UniformMass totalMass=\"4\"", "MeshMatrixMass massDensity=\"4\"",

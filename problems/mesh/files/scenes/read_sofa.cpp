@@ -19,9 +19,13 @@ class SofaMeshReader {
   explicit SofaMeshReader(const XmlFile& file) : file_(file), state_(sofa_state(file)) {}
 
   MeshFile read() {
+    if (const std::string_view kind = state_.tag.attribute("template");
+        !kind.empty() && !kind.starts_with("Vec3"))
+      file_.fail(state_, "the MechanicalObject is of " + in_quotes(kind) + ", and points of Vec3 are read");
     const XmlPart& topology = find_topology();
     const XmlPart* const loader = loader_of(topology);
     mesh_ = loader ? loaded(*loader) : inline_mesh(topology);
+    require_same_points();
     for (const XmlPart& part : file_.parts()) {
       if (part.node != state_.node) continue;
       if (part.type == "FixedConstraint" || part.type == "FixedProjectiveConstraint") fix(part);
@@ -102,6 +106,21 @@ class SofaMeshReader {
       builder.add_tetrahedron(four, t, topology.place, 0, file_.at(topology));
     }
     return builder.finish(file_.at(topology), "SOFA");
+  }
+
+  /// Points of its own win over those of the topology, and strains are relative to them.
+  void require_same_points() const {
+    if (!state_.has("position") || is_link(state_.tag.attribute("position"))) return;
+    const std::vector<double> own = file_.numbers(state_, "position");
+    if (own.empty()) return;
+    const auto points = mesh_.mesh.points.reshaped();
+    const double allowed = 1e-9 * points.cwiseAbs().maxCoeff();
+    if (std::ssize(own) != points.size() ||
+        (Eigen::Map<const Eigen::VectorXd>(own.data(), points.size()) - points).cwiseAbs().maxCoeff() >
+            allowed)
+      file_.fail(
+          state_,
+          "position of the MechanicalObject is not that of its topology, which is not read; leave it out");
   }
 
   /// A region of the elements of each modulus.
