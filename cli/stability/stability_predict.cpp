@@ -143,48 +143,6 @@ std::string words_of(const StructureEnds& ends, const DistributedEngine& engine)
       std::sqrt(std::max(ends.kappa_max, 0.0)), ends.residual, ends.solver, ends.iterations);
 }
 
-/// Predicts, verifies where that is asked for, and prints limits of matrices, and of bodies at rest, that lie
-/// in pieces on many processes; called by all ranks.
-/// @throws InputError  for models other than symmetric matrices and bodies, and where none of the methods can
-/// be verified
-void print_distributed_limits(DistributedEngine& engine, const ProblemChoice& choice,
-                              const MethodsChoice& methods, bool verified, Console& console) {
-  DistributedProblem asked;
-  engine.together([&] { asked = distributed_problem(choice.id(), choice.settings()); });
-  for (const std::string& sentence : asked.remarks) console.remark(sentence);
-  if (asked.body)
-    for (const std::string& sentence : unusual_values(*asked.body)) console.remark(sentence);
-  // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
-  StructureEnds any;
-  any.kappa_max = 1;
-  const std::vector<Method> chosen = methods.methods({pair_with_ends(choice.id(), any)}, console);
-  if (verified) require_steps(chosen);
-  const std::unique_ptr<DistributedModel> model = engine.read(std::move(asked.structure));
-  const StructureEnds& ends = model->ends();
-  if (ends.look_exchanged) console.remark(exchanged_matrices);
-  std::vector<Problem> pair{pair_with_ends(choice.id(), ends)};
-  if (asked.body) pair[0].parameters = asked.parameters;
-  pair[0].material = choice.material;
-  const LimitQuestion question{.at = AskedState::rest, .verify = verified};
-  const LimitAnswer answer = query_distributed(engine, *model, pair[0], asked.body, chosen, verified,
-                                               [] { return interrupt_flag().load(); });
-  if (answer.stopped) throw Interrupted{};
-  judge(answer, question, console);
-  if (console.json)
-    console.print_json(answer_json(answer, pair));
-  else
-    console.print(words_of(answer, question, pair, console,
-                           (asked.body ? in_words(*asked.body) + "\n" : "") + words_of(ends, engine)));
-  console.flush();
-}
-
-void predict_by_engine(const PredictOptions& options, Console& console) {
-  // First of all: while it is open rank 0 alone prints, errors too.
-  const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
-  refuse_beside_engine(options);
-  print_distributed_limits(*engine, options.problem, options.methods, options.verify, console);
-}
-
 /// The step of a scene beside the limit of its own integrator.
 struct SceneAnswer {
   const Scene& scene;
@@ -240,6 +198,79 @@ struct SceneAnswer {
   }
 };
 
+/// Nothing without a scene, and where a stop came before its row.
+std::optional<SceneAnswer> answer_of(const Scene* scene, const LimitAnswer& answer) {
+  if (!scene || answer.models.empty() || answer.models.front().rows.empty()) return std::nullopt;
+  return SceneAnswer(*scene, answer.models.front().rows.front());
+}
+
+/// The scene whose own integrator is asked for, since no other method is; null where there is none.
+const Scene* take_integrator(PredictOptions& options) {
+  const MeshOptions& body = options.problem.body;
+  if (body.scene.empty() || !options.methods.names.empty() || !options.methods.tableau.empty())
+    return nullptr;
+  static_cast<void>(options.problem.id());  // which refuses a second model
+  const Scene& scene = body.read();
+  if (scene.method.empty())
+    throw InputError(fmt::format("{} has no integrator; name a method with --methods", body.scene));
+  if (materials_of(options).size() > 1)
+    throw InputError(
+        "the step of a scene is judged for one material; give one with --material, or name methods with --methods");
+  options.methods.names = scene.method;
+  return &scene;
+}
+
+/// Predicts, verifies where that is asked for, and prints limits of matrices, and of bodies at rest, that lie
+/// in pieces on many processes; called by all ranks.
+/// @throws InputError  for models other than symmetric matrices and bodies, and where none of the methods can
+/// be verified
+void print_distributed_limits(DistributedEngine& engine, const PredictOptions& options, const Scene* scene,
+                              Console& console) {
+  const ProblemChoice& choice = options.problem;
+  const bool verified = options.verify;
+  DistributedProblem asked;
+  engine.together([&] { asked = distributed_problem(choice.id(), choice.settings()); });
+  choice.body.remark_scene(console);
+  for (const std::string& sentence : asked.remarks) console.remark(sentence);
+  if (asked.body)
+    for (const std::string& sentence : unusual_values(*asked.body)) console.remark(sentence);
+  // Before minutes are spent on eigenvalues: whatever they are, the methods are the same.
+  StructureEnds any;
+  any.kappa_max = 1;
+  const std::vector<Method> chosen = options.methods.methods({pair_with_ends(choice.id(), any)}, console);
+  if (verified) require_steps(chosen);
+  const std::unique_ptr<DistributedModel> model = engine.read(std::move(asked.structure));
+  const StructureEnds& ends = model->ends();
+  if (ends.look_exchanged) console.remark(exchanged_matrices);
+  std::vector<Problem> pair{pair_with_ends(choice.id(), ends)};
+  if (asked.body) pair[0].parameters = asked.parameters;
+  pair[0].material = choice.material;
+  const LimitQuestion question{.at = AskedState::rest, .verify = verified};
+  const LimitAnswer answer = query_distributed(engine, *model, pair[0], asked.body, chosen, verified,
+                                               [] { return interrupt_flag().load(); });
+  if (answer.stopped) throw Interrupted{};
+  judge(answer, question, console);
+  const std::optional<SceneAnswer> of_scene = answer_of(scene, answer);
+  if (console.json) {
+    nlohmann::ordered_json document = answer_json(answer, pair);
+    if (of_scene) document["scene"] = of_scene->to_json();
+    console.print_json(document);
+  } else {
+    console.print(words_of(answer, question, pair, console,
+                           (asked.body ? in_words(*asked.body) + "\n" : "") + words_of(ends, engine)));
+    if (of_scene) console.print(of_scene->in_words());
+  }
+  console.flush();
+}
+
+void predict_by_engine(PredictOptions options, Console& console) {
+  // First of all: while it is open rank 0 alone prints, errors too.
+  const std::unique_ptr<DistributedEngine> engine = open_distributed_engine();
+  refuse_beside_engine(options);
+  const Scene* const scene = take_integrator(options);
+  print_distributed_limits(*engine, options, scene, console);
+}
+
 void print(const LimitAnswer& answer, const LimitQuestion& question, const std::vector<Problem>& problems,
            const std::optional<Store>& store, const std::optional<SceneAnswer>& scene, Console& console) {
   if (console.json) {
@@ -272,7 +303,8 @@ Interrupted interrupted_with(const LimitAnswer& answer, const std::optional<Stor
                       store->file().string())};
 }
 
-void predict_rows(const PredictOptions& options, const Scene* scene, Console& console) {
+void predict_rows(PredictOptions options, Console& console) {
+  const Scene* const scene = take_integrator(options);
   if (!options.out.empty()) refuse_copies("hmax stability predict --out");
   std::vector<Problem> problems;
   for (const std::string& material : materials_of(options)) {
@@ -295,34 +327,15 @@ void predict_rows(const PredictOptions& options, const Scene* scene, Console& co
   }();
   warn_of_states(answer, problems, console);
   judge(answer, question, console);
-  std::optional<SceneAnswer> of_scene;
-  if (scene && !answer.models.empty() && !answer.models.front().rows.empty())
-    of_scene.emplace(*scene, answer.models.front().rows.front());
-  print(answer, question, problems, store, of_scene, console);
+  print(answer, question, problems, store, answer_of(scene, answer), console);
   if (answer.stopped) throw interrupted_with(answer, store);
 }
 
-/// The scene whose own integrator is asked for, since no other method is; null where there is none.
-const Scene* take_integrator(PredictOptions& options) {
-  const MeshOptions& body = options.problem.body;
-  if (body.scene.empty() || !options.methods.names.empty() || !options.methods.tableau.empty())
-    return nullptr;
-  static_cast<void>(options.problem.id());  // which refuses a second model
-  const Scene& scene = body.read();
-  if (scene.method.empty())
-    throw InputError(fmt::format("{} has no integrator; name a method with --methods", body.scene));
-  options.methods.names = scene.method;
-  return &scene;
-}
-
-void predict(PredictOptions options, Console& console) {
-  const bool by_engine =
-      !options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1];
-  const Scene* const scene = take_integrator(options);
-  if (by_engine)
+void predict(const PredictOptions& options, Console& console) {
+  if (!options.engine.empty() && parse_choice("--engine", options.engine, engine_names) == engine_names[1])
     predict_by_engine(options, console);
   else
-    predict_rows(options, scene, console);
+    predict_rows(options, console);
 }
 
 }  // namespace

@@ -331,6 +331,26 @@ TEST_F(Distributed, TwoProcessesTellAnErrorOnce) {
   }
 }
 
+TEST_F(Distributed, ScenesAreJudgedAsByTheBuiltInEngine) {
+  ASSERT_EQ(shell.hmax("mesh convert ball:n=2 ball.scn --h 0.01 --support 'z<0.02'").exit_code, 0);
+  std::string text = read_text(shell / "ball.scn");
+  text.replace(text.find("EulerImplicitSolver"), 19, "EulerExplicitSolver");
+  for (const char* damping : {" rayleighMass=\"0\"", " rayleighStiffness=\"0\""})
+    text.erase(text.find(damping), std::string_view(damping).size());
+  text.replace(text.find("<EulerExplicitSolver"), 0, "<CollisionPipeline/>");
+  write_text(shell / "ball.scn", text);
+  const std::string rest = "--at rest --scene ball.scn --unit m,kg,s --ignore CollisionPipeline";
+  const Told own = shell.hmax("stability predict " + rest + " --json"), told = petsc(1, rest + " --json");
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_TRUE(says(told.err, "left out of ball.scn: CollisionPipeline"));
+  const json expected = own.json().at("scene"), scene = told.json().at("scene");
+  EXPECT_EQ(scene.at("within"), false);
+  EXPECT_EQ(scene.at("method"), expected.at("method"));
+  EXPECT_NEAR(scene.at("h_max"), expected.at("h_max"), 1e-9 * expected.at("h_max").get<double>());
+  EXPECT_TRUE(says(petsc(1, rest).out, "(symplectic_euler) is unstable: at most"));
+  EXPECT_EQ(petsc(1, rest + " --methods rk4 --json").json().count("scene"), 0U);
+}
+
 TEST(DistributedEngine, UnknownNamesAreRefused) {
   expect_refused(
       Shell().hmax("stability predict --engine slepc --methods rk4 --matrices stiffness=K.mtx,mass=M.mtx"),

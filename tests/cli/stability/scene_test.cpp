@@ -146,6 +146,8 @@ TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   expect_refused(shell.hmax("stability predict --mesh liver" + scene), "--mesh and --scene are both given");
   expect_refused(shell.hmax("stability predict --mesh liver --ignore CLOAD --method rk4"),
                  "name one with --scene");
+  expect_refused(shell.hmax("stability predict --materials tissue:liver,tissue:fibroadenoma" + scene),
+                 "judged for one material");
   expect_refused(shell.hmax("stability predict --scene none.inp --unit m,kg,s"), "none.inp");
 }
 
