@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -75,6 +76,16 @@ TEST_F(FebioScenes, TakeTheIntegratorOfTheControl) {
   EXPECT_EQ(read(changed("DYNAMIC", "STATIC")).method, "");
   EXPECT_EQ(read(changed("<analysis>DYNAMIC</analysis>", "<analysis type=\"dynamic\"/>")).method,
             "generalized_alpha:rho_inf=0.5");
+}
+
+TEST_F(FebioScenes, HaveCommentsInValues) {
+  const auto young = [&](const std::string& value) {
+    const auto values = read(changed("<E>1000", "<E>" + value)).settings.parameters;
+    return std::ranges::find(values, "E:up", &std::pair<std::string, double>::first)->second;
+  };
+  for (const char* value : {"<!-- 3 Pa -->1000", "1000<!-- <Pa> -->", " 10<!----><!-- > -->00 "})
+    EXPECT_EQ(young(value), 1000) << value;
+  EXPECT_EQ(read(changed("1,2,3,14<", "<!-- 5 -->1,2,3,<!-- a -->14<")).step, 0.1);
 }
 
 TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {

@@ -61,7 +61,7 @@ class FebioMeshReader {
 
   /// The points that a part names.
   std::vector<Index> points(const XmlPart& part) const {
-    std::string list(part.text);
+    std::string list = part.text;
     std::ranges::replace(list, ',', ' ');
     std::vector<Index> found;
     for (MeshText rest = file_.values(part, list); !rest.at_end();)

@@ -4,6 +4,19 @@
 
 namespace hmax {
 
+namespace {
+
+std::string without_comments(std::string_view text) {
+  std::string kept;
+  for (std::size_t at = text.find("<!--"); at != std::string_view::npos; at = text.find("<!--")) {
+    kept += text.substr(0, at);
+    text.remove_prefix(text.find("-->", at) + 3);  // next_tag() has seen it
+  }
+  return kept += text;
+}
+
+}  // namespace
+
 bool XmlPart::has(std::string_view attribute) const {
   return std::ranges::any_of(tag.attributes, [&](const auto& each) { return each.first == attribute; });
 }
@@ -18,7 +31,7 @@ XmlFile::XmlFile(const std::string& name, std::string_view bytes, std::string_vi
     line += std::count(bytes.begin() + static_cast<std::ptrdiff_t>(counted),
                        bytes.begin() + static_cast<std::ptrdiff_t>(tag->begin), '\n');
     counted = tag->begin;
-    if (follows_begin) parts_.back().text = bytes.substr(last_end, tag->begin - last_end);
+    if (follows_begin) parts_.back().text = without_comments(bytes.substr(last_end, tag->begin - last_end));
     last_end = tag->end;
     XmlPart part{.type = tag->name, .tag = *tag, .place = line};
     const bool is_end = tag->name.starts_with('/');
@@ -67,7 +80,7 @@ std::vector<double> XmlFile::numbers(const XmlPart& part, std::string_view attri
 }
 
 std::vector<double> XmlFile::numbers(const XmlPart& part) const {
-  std::string text(part.text);
+  std::string text = part.text;
   std::ranges::replace(text, ',', ' ');
   const std::string what = "a number of " + std::string(part.type);
   std::vector<double> numbers;

@@ -18,7 +18,7 @@ struct XmlPart {
   XmlTag tag;
   std::int64_t place = 0;             ///< its line
   std::optional<std::size_t> node{};  ///< the part that it is in; none of the root
-  std::string_view text{};            ///< up to the next tag
+  std::string text{};                 ///< up to the next tag, without comments
   [[nodiscard]] std::string_view name() const { return tag.attribute("name"); }
   [[nodiscard]] bool has(std::string_view attribute) const;
 };
