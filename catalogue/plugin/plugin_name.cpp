@@ -9,6 +9,7 @@
 #include "core/errors.hpp"
 #include "core/ranks/module.hpp"
 #include "core/text/digest.hpp"
+#include "core/text/split.hpp"
 
 namespace hmax {
 namespace {
@@ -18,6 +19,9 @@ namespace fs = std::filesystem;
 constexpr std::array<SceneKind, 2> scene_kinds{
     {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true},
      {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev libpugixml-dev", false}}};
+
+/// Which catalogue/scenes reads.
+constexpr std::string_view scenes_of_bodies = ".inp|.scn|.feb";
 
 }  // namespace
 
@@ -32,6 +36,9 @@ PluginName parse_scene(const std::string& file) {
   if (!fs::exists(file, ignored))
     throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
   const SceneKind* const kind = scene_kind(file);
+  if (is_listed(fs::path(file).extension().string(), scenes_of_bodies))
+    throw InputError(
+        fmt::format("'{}' is no scene that is probed; `hmax stability predict --scene FILE` takes it", file));
   if (!kind || !fs::is_regular_file(file, ignored))
     throw InputError(fmt::format("'{}' is no scene; give {}, or a stepper of your own with --plugin FILE.so",
                                  file, known));

@@ -117,6 +117,9 @@ Scene SceneBuilder::finish(const std::string& file) {
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
   const std::string extension = lower(std::filesystem::path(file).extension().string());
   const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
+  if (is_listed(extension, ".xml|.fmu"))
+    throw InputError(
+        fmt::format("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file));
   if (format == formats.end())
     throw InputError(
         fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "

@@ -205,8 +205,11 @@ TEST_F(Scenes, NeedThreeUnits) {
                                                                        {"mm,t,0", "no unit of time"},
                                                                        {"ft,t,s", "no unit of length"}})
     EXPECT_TRUE(says(error_of<InputError>([&] { read(whole, units); }), named));
-  EXPECT_TRUE(
-      says(error_of<InputError>([] { read_scene("a.xml", "m,kg,s", ""); }), "no scene by its extension"));
+  for (const auto& [file, named] : {std::pair("a.xml", "no scene by its extension"),
+                                    {"a.txt", "no scene by its extension"},
+                                    {"a.xml", "`hmax probe FILE`"},
+                                    {"a.fmu", "`hmax probe FILE`"}})
+    EXPECT_TRUE(says(error_of<InputError>([&] { read_scene(file, "m,kg,s", ""); }), named));
 }
 
 /// Wherever a file is cut off, it is refused or read, and never more than that.
