@@ -73,7 +73,10 @@ void compare(ForeignStepper& engine, double h0, OwnStep& own, const ProbeWatch& 
 
 /// Whether what was found tells of steps of this size.
 bool is_judged(const ProbedLimit& found, double h) {
-  if (std::isnan(found.h_max) || (found.contradiction && std::isnan(found.observed))) return false;
+  if (std::isnan(found.h_max)) return false;
+  // Between what multipliers and what runs say; with NaN for runs that always grow.
+  if (found.contradiction && (std::isnan(found.observed) || (h <= found.h_max) != (h <= found.observed)))
+    return false;
   // Beyond h1 nobody looked, and where the steps are not smooth differences hide growth.
   const auto hides_growth = [h](const StepSpectrum& row) {
     return row.h <= h && !row.grows && row.spectral_radius > 1.05;
