@@ -175,6 +175,24 @@ TEST_F(ProbeScene, WhatEndsTheEngineIsAnError) {
   expect_refused(probe(swings, "--timeout 0.01"), "MuJoCo did not return within 0.01 s in create()");
 }
 
+TEST_F(ProbeScene, ATimestepBetweenMultipliersAndRunsOrBeyondH1IsNotJudged) {
+  // A muscle at rest is slower to relax than to contract: its steps have a kink there.
+  const auto arm = [](const char* timestep) {
+    return std::string("<mujoco><option timestep=\"") + timestep +
+           "\"/><worldbody><site name=\"a\" pos=\"0.05 0 1\"/><body pos=\"0 0 1\"><joint name=\"elbow\" "
+           "axis=\"0 1 0\" damping=\"0.05\"/><geom type=\"capsule\" fromto=\"0 0 0 0 0 -.3\" size=\".02\" "
+           "mass=\"1\"/><site name=\"b\" pos=\"0.02 0 -.1\"/></body></worldbody><tendon><spatial name=\"t\"><site "
+           "site=\"a\"/><site site=\"b\"/></spatial></tendon><actuator><muscle tendon=\"t\" force=\"200\" "
+           "ctrllimited=\"true\" ctrlrange=\"0 1\"/></actuator></mujoco>";
+  };
+  const auto stable = [&](const std::string& scene, const std::string& rest = "") {
+    return probe(scene, rest + " --json").json()["stable"];
+  };
+  EXPECT_TRUE(stable(arm("0.02")).is_null());
+  EXPECT_EQ(stable(arm("0.002")), true);
+  EXPECT_TRUE(stable(sliding("timestep=\"0.005\"", "stiffness=\"250000\""), "--h1 0.003").is_null());
+}
+
 TEST(ProbeWithoutModule, SaysWhatToInstall) {
   const Shell shell;
   ASSERT_EQ(shell.line("mkdir -p tree/bin && cp '" HMAX_PROGRAM "' tree/bin/hmax").exit_code, 0);
