@@ -44,7 +44,11 @@ hmax_optional(Boost HMAX_HAVE_BOOST "${Boost_VERSION_STRING}" libboost-dev "the 
 
 set(HMAX_SUNDIALS_COMPONENTS arkode cvode nvecserial sunlinsolklu sunmatrixsparse sunnonlinsolfixedpoint)
 find_package(SUNDIALS 6.4 QUIET COMPONENTS ${HMAX_SUNDIALS_COMPONENTS})
-set(HMAX_HAVE_SUNDIALS ${SUNDIALS_FOUND})
+# SUNDIALS 7 has other names for what is called here.
+set(HMAX_HAVE_SUNDIALS OFF)
+if(SUNDIALS_FOUND AND SUNDIALS_VERSION VERSION_LESS 7)
+  set(HMAX_HAVE_SUNDIALS ON)
+endif()
 hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev "the methods cvode_* and arkode_*")
 
 find_package(Spectra 1.0 QUIET)

@@ -1,5 +1,8 @@
-/// CITATION.cff, the changelog and the examples tell the version and the license that the project has.
+/// CITATION.cff, the changelog, the recipes of packages and the examples tell the version and the license
+/// that the project has.
 #include <algorithm>
+#include <cctype>
+#include <iterator>
 #include <regex>
 #include <string>
 
@@ -46,6 +49,28 @@ TEST(Examples, AskForTheMinorVersionOfTheProject) {
   for (const char* file : {"examples/CMakeLists.txt", "tests/consumer/CMakeLists.txt", "docs/library.md"})
     EXPECT_EQ(captured(file, R"(find_package\(hmax ([0-9.]+))"), version.substr(0, version.rfind('.')))
         << file;
+}
+
+TEST(Recipes, HaveTheVersionOfTheProjectAndWhatItsBuildAsksFor) {
+  const std::string folder = "cmake/recipes/";
+  const struct {
+    std::string file, version;
+  } recipes[] = {{folder + "vcpkg/hmax/vcpkg.json", R"("version": "([0-9.]+)")"},
+                 {folder + "spack/packages/hmax/package.py", R"re(\n    version\("([0-9.]+)"\))re"},
+                 {folder + "conda/recipe.yaml", R"(\n  version: "([0-9.]+)")"}};
+  const std::string build = read_text(source_dir() / "cmake/dependencies.cmake");
+  // GoogleTest, which is asked for within an if, is not part of a package.
+  const std::regex required(R"re(\nhmax_require\(([A-Za-z]+))re");
+  EXPECT_EQ(std::distance(std::sregex_iterator(build.begin(), build.end(), required), {}), 7);
+  for (const auto& [file, version] : recipes) {
+    EXPECT_EQ(captured(file, version), project_version()) << file;
+    const std::string recipe = read_text(source_dir() / file);
+    for (std::sregex_iterator it(build.begin(), build.end(), required), end; it != end; ++it) {
+      std::string name = (*it)[1];
+      std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+      EXPECT_NE(recipe.find(name), std::string::npos) << file << " lacks " << name;
+    }
+  }
 }
 
 TEST(CitationFile, HasTheLicenseOfTheProject) {
