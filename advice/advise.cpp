@@ -180,7 +180,7 @@ std::vector<ProofRun> prove_best(std::vector<AdviceRow>& rows, const AdviceQuest
   for (int shortened = 0; is_suitable(rows.front());) {
     AdviceRow& best = rows.front();
     const double affordable = most_cpu / 2 * best.realtime_factor(question.rate);
-    const std::vector<ProofRun> proof =
+    std::vector<ProofRun> proof =
         prove(best.candidate, best.steps_per_frame, model.motion, model.reference,
               {.frame = question.frame(),
                .budget = question.frame_budget(),

@@ -214,9 +214,9 @@ Watch watch_all(const Method& method, const Prediction& row, const Linearised& n
 /// Whether runs on both sides of a limit grow and decay like powers of the largest root, as closely as tells
 /// one side from the other: neither rounding nor another motion has a visible part in them.
 bool is_power(const Watch& watch, const Growth& growth, double h_max) {
-  const std::int64_t steps = steps_to_see(watch.expected);
+  const std::int64_t steps = steps_to_see(watch.expected), half = steps / 2;
   return std::ranges::all_of(std::array{0.999 * h_max, 1.001 * h_max}, [&](double h) {
-    const double of_root = std::log(growth.spectral_radius(h)) * static_cast<double>(steps / 2);
+    const double of_root = std::log(growth.spectral_radius(h)) * static_cast<double>(half);
     return std::abs(observed_growth(watch.run, watch.distance, h, steps) - of_root) <=
            0.25 * watch.expected.visible;
   });
@@ -304,7 +304,10 @@ std::optional<ObservedLimit> observe_recurrence(const Method& method, const Pred
                                 .visible = 1e-5,
                                 .resolution = 2e-4,
                                 .least = static_cast<double>(steps)};
-  const GrowthAt growth = [&](double h, std::int64_t n) { return per_step(h) * static_cast<double>(n / 2); };
+  const GrowthAt growth = [&](double h, std::int64_t n) {
+    const std::int64_t half = n / 2;
+    return per_step(h) * static_cast<double>(half);
+  };
   ObservedLimit limit = observe_limit(growth, h_max, expected);
   limit.steps = steps;
   if (lost) return std::nullopt;

@@ -232,7 +232,7 @@ class BasicAnySystem {
     bool has_jacobian() const override { return differentiable; }
     void jacobian(Real t, const State& y, Jacobian& J) const override {
       if constexpr (differentiable) {
-        const Own own = y.template cast<typename Own::Scalar>();
+        const Own& own = y.template cast<typename Own::Scalar>();
         matrix_through<typename S::Jacobian>(
             J, [&](auto& matrix) { system_.jacobian(static_cast<OwnReal>(t), own, matrix); });
       }
@@ -363,7 +363,7 @@ class BasicAnySystem {
     }
     void jacobian_stiff(Real t, const State& y, Jacobian& J) const override {
       if constexpr (split) {
-        const Own own = y.template cast<typename Own::Scalar>();
+        const Own& own = y.template cast<typename Own::Scalar>();
         matrix_through<typename S::Jacobian>(
             J, [&](auto& matrix) { system_.jacobian_stiff(static_cast<OwnReal>(t), own, matrix); });
       }
@@ -387,8 +387,8 @@ class BasicAnySystem {
     template <class Call>
     static void dof_matrix(const Dofs& q, const Dofs& v, DofMatrix& out, const Call& call) {
       using OwnDofs = typename S::Dofs;
-      const OwnDofs own_q = q.template cast<typename OwnDofs::Scalar>();
-      const OwnDofs own_v = v.template cast<typename OwnDofs::Scalar>();
+      const OwnDofs& own_q = q.template cast<typename OwnDofs::Scalar>();
+      const OwnDofs& own_v = v.template cast<typename OwnDofs::Scalar>();
       matrix_through<typename S::DofMatrix>(out, [&](auto& matrix) { call(own_q, own_v, matrix); });
     }
 

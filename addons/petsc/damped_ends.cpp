@@ -111,13 +111,14 @@ SumEnd largest_of_sum(const Damped& matrices, double a, double b, double toleran
   end.gamma = form(matrices.C, u, u);
   end.kappa = form(matrices.K, u, u);
   // r = (a C + b K - value M) u, in the norm of M^-1.
-  const Vector in_M = like(u);
-  check(matrices.M ? MatMult(matrices.M, u, in_M) : VecCopy(u, in_M), what);
+  const Vector weighted = like(u);
+  check(matrices.M ? MatMult(matrices.M, u, weighted) : VecCopy(u, weighted), what);
   check(MatMult(sum, u, residual), what);
-  check(VecAXPY(residual, -end.value, in_M), what);
-  if (matrices.divide_by_M) check(KSPSolve(matrices.divide_by_M, residual, in_M), what);
+  check(VecAXPY(residual, -end.value, weighted), what);
+  if (matrices.divide_by_M) check(KSPSolve(matrices.divide_by_M, residual, weighted), what);
   PetscScalar square = 0;
-  check(VecDot(residual, matrices.divide_by_M ? static_cast<Vec>(in_M) : static_cast<Vec>(residual), &square),
+  check(VecDot(residual, matrices.divide_by_M ? static_cast<Vec>(weighted) : static_cast<Vec>(residual),
+               &square),
         what);
   end.residual = std::sqrt(std::max(square, 0.0));
   return end;

@@ -164,7 +164,7 @@ class AdaptiveRuns {
       run->system->rhs(0, run->y, slope);
       lanes_.rk.start(lane, run->y, slope);
       put(lane, *run->system);
-      Lane& begun = under_way_[lane].emplace(run, Control(tolerances_, tableaux::Dop853::error_order));
+      Lane& begun = under_way_[lane].emplace(Lane{run, Control(tolerances_, tableaux::Dop853::error_order)});
       begun.control.start(lanes_.rk, *run->system, {0, run->t_end}, run->y);
       return true;
     }

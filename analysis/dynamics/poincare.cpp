@@ -315,7 +315,7 @@ class Diagram {
         if (follow_ && !open.empty()) return std::nullopt;
         const std::size_t value = next_++;
         if (value >= motions_.size()) return std::nullopt;
-        wait(open.emplace_back(value, MotionJudge(start_, skip_, count_, {.relative = 0.3})));
+        wait(open.emplace_back(Motion{value, MotionJudge(start_, skip_, count_, {.relative = 0.3})}));
       }
       const MapCall call = waiting.front();
       waiting.pop_front();

@@ -71,13 +71,13 @@ EquilibriumSearch find_equilibrium(const S& system, double t, const typename S::
   using Real = real_of<State>;
   const auto at = static_cast<Real>(t);
   const FrozenField field{[&system, at](const Eigen::VectorXd& y, Eigen::VectorXd& f) {
-                            const State own = y.template cast<typename State::Scalar>();
+                            const State& own = y.template cast<typename State::Scalar>();
                             State rate = own;
                             system.rhs(at, own, rate);
                             f = rate.template cast<double>();
                           },
                           [&system, at](const Eigen::VectorXd& y) {
-                            const State own = y.template cast<typename State::Scalar>();
+                            const State& own = y.template cast<typename State::Scalar>();
                             if constexpr (DifferentiableSystem<S>)
                               if (has_jacobian(system)) return detail::jacobian_of_code(system, at, own);
                             JacobianOrigin origin{};

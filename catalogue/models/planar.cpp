@@ -24,7 +24,8 @@ using Eigen::Vector2d;
 Vector2d rhs_of(const std::variant<Oscillator, AnySystem>& system, double t, const Vector2d& y) {
   return std::visit(
       [&](const auto& typed) -> Vector2d {
-        typename std::remove_cvref_t<decltype(typed)>::State state = y, dydt = y;
+        const typename std::remove_cvref_t<decltype(typed)>::State& state = y;
+        auto dydt = state;
         typed.rhs(t, state, dydt);
         return dydt;
       },

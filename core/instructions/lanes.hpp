@@ -60,6 +60,12 @@ class Lanes {
 
 }  // namespace hmax
 
+/// Eigen asks for less than the alignment that Lanes have by themselves, which clang refuses.
+template <int Size>
+requires(Size != Eigen::Dynamic) struct Eigen::internal::compute_default_alignment<hmax::Lanes, Size> {
+  enum { value = 0 };
+};
+
 template <>
 struct Eigen::NumTraits<hmax::Lanes> : Eigen::NumTraits<double> {
   using Real = hmax::Lanes;

@@ -186,7 +186,7 @@ BodyPieces::Piece BodyPieces::piece(Index begin, Index end) const {
   for (const Index point : body.free_points())
     for (int axis = 0; axis < 3; ++axis) columns.push_back(3 * number_[at(points[at(point)])] + axis);
   const auto own = std::ranges::lower_bound(columns, 3 * begin);
-  const Eigen::Index first = own - columns.begin(), last = first + 3 * (end - begin);
+  const Eigen::Index first = own - columns.begin(), last = first + 3 * Eigen::Index{end - begin};
   const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix matrix;
   body.stiffness(0, still, still, matrix);

@@ -54,7 +54,7 @@ Eigen::Vector3d middle_of(const ThighAnatomy& anatomy) { return {anatomy.vein(0.
 
 /// Around the vein cells are of 8 mm; half as large ones move the distances of rules by a few percent.
 std::array<std::vector<double>, 3> lines_of(const ThighAnatomy& anatomy) {
-  const Eigen::Vector3d size = anatomy.size(), at = middle_of(anatomy);
+  const Eigen::Vector3d &size = anatomy.size(), at = middle_of(anatomy);
   std::array<std::vector<double>, 3> lines{graded(size.x(), at.x(), 0.016, 0.008, 0.03),
                                            graded(size.y(), at.y(), probe_length / 2, 0.0125, 0.0175),
                                            graded(size.z(), 0.024, 0.008, 0.008, 0.014)};
@@ -80,7 +80,7 @@ TetMesh mesh_between(const std::array<std::vector<double>, 3>& lines, const Thig
 }
 
 TissueSettings settings_of(const TetMesh& mesh, const ThighAnatomy& anatomy, const ThighPress& press) {
-  const Eigen::Vector3d at = middle_of(anatomy), size = anatomy.size();
+  const Eigen::Vector3d at = middle_of(anatomy), &size = anatomy.size();
   const Eigen::Vector3d half(probe_width / 2 + 1e-6, probe_length / 2 + 1e-6, 1e-6), over(1, 1, 1e-6);
   TissueSettings settings{.model = tissue_model("fem_neo_hookean"), .alpha = press.damping};
   settings.materials = {{.young = 40e3}, {.young = 8e3}, {.young = 1.5e3}, {.young = 10e6}};
@@ -94,8 +94,8 @@ TissueSettings settings_of(const TetMesh& mesh, const ThighAnatomy& anatomy, con
 
 }  // namespace
 
-Deformation linear_rule(std::function<double(double, double)> skin,
-                        std::function<double(double, double)> reach) {
+Deformation linear_rule(const std::function<double(double, double)>& skin,
+                        const std::function<double(double, double)>& reach) {
   return {.displacement =
               [=](const Eigen::Vector3d& rest) {
                 const double share = 1 - rest.z() / reach(rest.x(), rest.y());
@@ -348,7 +348,7 @@ Echography echography(const std::function<void(const std::string&)>& progress) {
 
 std::vector<std::uint8_t> chosen_slice(const SliceChoice& choice) {
   const ThighAnatomy anatomy(true_thigh());
-  const Eigen::Vector3d at(choice.x, choice.y, 0), size = anatomy.size();
+  const Eigen::Vector3d at(choice.x, choice.y, 0), &size = anatomy.size();
   if (!((at.array() >= 0) && (at.array() <= size.array())).all())
     throw InputError(fmt::format("the skin has no point {:g},{:g} mm; take one from 0,0 to {:.0f},{:.0f} mm",
                                  1e3 * at.x(), 1e3 * at.y(), 1e3 * size.x(), 1e3 * size.y()));

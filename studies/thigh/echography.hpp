@@ -24,8 +24,8 @@ struct Deformation {
 ///   z = d + w (1 - d / D) for a depth d < D at rest, so that d = (z - w) / (1 - w / D)
 /// @param skin  w [m], less than D
 /// @param reach  D [m]
-Deformation linear_rule(std::function<double(double x, double y)> skin,
-                        std::function<double(double x, double y)> reach);
+Deformation linear_rule(const std::function<double(double x, double y)>& skin,
+                        const std::function<double(double x, double y)>& reach);
 
 /// Displacements at the corners of a grid of lines, linear between them along each axis. Beyond it those of
 /// its rim.

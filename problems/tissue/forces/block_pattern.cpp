@@ -133,7 +133,7 @@ void BlockPattern::shape(Matrix& A) const {
     for (Index c = 0; c < 3; ++c)
       same = same && A.outerIndexPtr()[3 * j + c] == 9 * first_[at(j)] + 3 * c * blocks;
     // Without a branch for each block: this reads a third of the row numbers of the matrix each time.
-    const auto* found = A.innerIndexPtr() + 9 * first_[at(j)];
+    const auto* found = A.innerIndexPtr() + std::ptrdiff_t{9} * first_[at(j)];
     const Index* wanted = rows_.data() + first_[at(j)];
     Index different = 0;
     for (Index k = 0; k < (same ? blocks : 0); ++k) different |= found[3 * k] ^ (3 * wanted[k]);

@@ -151,13 +151,12 @@ AlongSlope<Real> StableNeoHookean::along(const Eigen::Matrix<Real, 3, 3>& H, con
   const Eigen::Matrix<Real, 3, 3> K = cofactors(H);
   const Real trace = H.trace(), square = Real(2) * trace + H.colwise().squaredNorm().sum(),
              n = square + Real(4), volume = trace + K.trace() + H.col(0).dot(K.col(0));
-  // C = (1 + tr H) I - H^T + K. Products without a call each: the hot loop of vertex block descent.
-  const Vector Hg = H.lazyProduct(g), Cg_less_g = g * trace - H.transpose().lazyProduct(g) + K.lazyProduct(g);
-  const Vector Fg = g + Hg, Cg = g + Cg_less_g;
+  // C = I + D, D = tr(H) I - H^T + K. Products without a call each: the hot loop of vertex block descent.
+  const Vector Hg = H.lazyProduct(g), Dg = g * trace - H.transpose().lazyProduct(g) + K.lazyProduct(g);
+  const Vector Fg = g + Hg, Cg = g + Dg;
   const Vector stretched = Fg * (Real(2) * mu / (n * n)), squeezed = Cg * lambda;
   AlongSlope<Real> answer;
-  answer.stress =
-      (Hg - Cg_less_g) * (Real(0.75) * mu) + Fg * (mu * square / (Real(4) * n)) + squeezed * volume;
+  answer.stress = (Hg - Dg) * (Real(0.75) * mu) + Fg * (mu * square / (Real(4) * n)) + squeezed * volume;
   for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = stretched * Fg[j] + squeezed * Cg[j];
   answer.block.diagonal().array() += mu * (Real(1) - Real(1) / n) * g.squaredNorm();
   return answer;
