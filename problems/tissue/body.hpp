@@ -101,6 +101,8 @@ class TissueBody {
   [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
   /// Mass of every point, supported ones included, shape (points) [kg].
   [[nodiscard]] const Eigen::VectorXd& point_mass() const { return point_mass_; }
+  /// The part of it that has weight, shape (points) [kg].
+  [[nodiscard]] const Eigen::VectorXd& heavy_mass() const { return heavy_mass_; }
   /// What TissueSettings::mass_step has added to each point, shape (points) [kg].
   [[nodiscard]] Eigen::VectorXd added_mass() const { return point_mass_ - heavy_mass_; }
   /// Positions of all points [m], shape (3, points).
@@ -125,6 +127,10 @@ class TissueBody {
   /// How many of these come from finite elements: first the elements of the mesh, then what acts on several
   /// of them.
   [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
+  /// Elements::green_blocks() of the model; empty where it has none.
+  [[nodiscard]] std::span<const TetBlock> green_blocks() const {
+    return elements_ ? elements_->green_blocks() : std::span<const TetBlock>{};
+  }
   /// The springs of a model of springs, then those of a skin of springs.
   [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
 

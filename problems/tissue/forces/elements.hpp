@@ -9,6 +9,7 @@
 
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
+#include "problems/tissue/forces/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 
 namespace hmax {
@@ -45,6 +46,9 @@ class Elements {
   virtual void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const = 0;
   /// The number of these pieces.
   [[nodiscard]] virtual std::size_t pieces() const = 0;
+  /// The elements of Green's strain in the order in which their forces are added up, lane after lane of block
+  /// after block; empty where there are other elements.
+  [[nodiscard]] virtual std::span<const TetBlock> green_blocks() const { return {}; }
 };
 
 }  // namespace hmax

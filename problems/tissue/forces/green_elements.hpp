@@ -35,6 +35,7 @@ class GreenElements final : public Elements {
   /// Corners of a tetrahedron come in ascending order.
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return place_.size(); }
+  [[nodiscard]] std::span<const TetBlock> green_blocks() const override { return blocks_; }
 
  private:
   /// One tetrahedron taken out of its block.

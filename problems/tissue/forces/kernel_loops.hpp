@@ -15,12 +15,10 @@
 ///   add(p, row), subtract(p, row)  to four numbers in memory, aligned
 #pragma once
 
+#include "problems/tissue/forces/green_pull.hpp"
 #include "problems/tissue/forces/kernels.hpp"
 
 namespace hmax::kernel_loops {
-
-/// Entry (i, j) of a symmetric matrix stored as 00 11 22 01 02 12.
-constexpr int symmetric[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
 
 /// Asks for a block before it is needed: they are read once, faster than the processor foresees. GCC 12 drops
 /// calls of functions that only do that, unless it must inline them.
@@ -32,40 +30,14 @@ template <class Lanes>
   for (std::size_t i = 0; i < sizeof(TetBlock); i += line) __builtin_prefetch(next + i);
 }
 
-/// H = du/dX = (u1 - u0, u2 - u0, u3 - u0) Bm of some lanes, entry (i, j) at H[i][j], and Bm, row a at g[a].
+/// U = (u1 - u0, u2 - u0, u3 - u0) of some lanes, column a at U[a], and Bm, row a at g[a].
 template <class Lanes, class V>
-inline void displacement_gradient(const TetBlock& block, std::size_t lane, const double* u, V (*H)[3],
-                                  V (*g)[3]) {
-  V U[3][3];
+inline void load_element(const TetBlock& block, std::size_t lane, const double* u, V (*U)[3], V (*g)[3]) {
   const typename Lanes::Rows origin = Lanes::rows(u, block.rows[0] + lane);
   for (int a = 0; a < 3; ++a) {
     Lanes::columns(Lanes::minus(Lanes::rows(u, block.rows[a + 1] + lane), origin), U[a]);
     for (int j = 0; j < 3; ++j) g[a][j] = Lanes::load(block.gradients[3 * a + j] + lane);
   }
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) H[i][j] = U[0][i] * g[0][j] + U[1][i] * g[1][j] + U[2][i] * g[2][j];
-}
-
-/// a.b
-template <class Lanes>
-inline typename Lanes::V dot(const typename Lanes::V* a, const typename Lanes::V* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/// V S of the second Piola-Kirchhoff stress S = lambda tr(E) I + 2 mu E, where 2 E = F^T F - I, without the
-/// difference: 2 E_ii = H_ii + (F^T H)_ii.
-template <class Lanes, class V>
-inline void green_stress(const TetBlock& block, std::size_t lane, const V (*H)[3], const V (*F)[3],
-                         V (&S)[6]) {
-  const auto product = [&](int i, int j, const V(*B)[3]) {
-    return F[0][i] * B[0][j] + F[1][i] * B[1][j] + F[2][i] * B[2][j];
-  };
-  for (int i = 0; i < 3; ++i) S[i] = H[i][i] + product(i, i, H);
-  S[3] = product(0, 1, F), S[4] = product(0, 2, F), S[5] = product(1, 2, F);
-  const V mu = Lanes::load(block.mu + lane);
-  const V pressure = Lanes::load(block.half_lambda + lane) * (S[0] + S[1] + S[2]);
-  for (int k = 0; k < 6; ++k) S[k] *= mu;
-  for (int k = 0; k < 3; ++k) S[k] += pressure;
 }
 
 template <class Lanes>
@@ -75,17 +47,9 @@ void green_force(const TetBlock* blocks, std::size_t count, const double* u, dou
     fetch_ahead<Lanes>(blocks, n, count);
     for (std::size_t lane = 0; lane < TetBlock::lanes; lane += Lanes::width) {
       const TetBlock& block = blocks[n];
-      V H[3][3], F[3][3], g[3][3], S[6], P[3][3], pull[3][3];
-      displacement_gradient<Lanes>(block, lane, u, H, g);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) F[i][j] = i == j ? H[i][j] + Lanes::splat(1) : H[i][j];
-      green_stress<Lanes>(block, lane, H, F, S);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          P[i][j] =
-              F[i][0] * S[symmetric[0][j]] + F[i][1] * S[symmetric[1][j]] + F[i][2] * S[symmetric[2][j]];
-      for (int a = 0; a < 3; ++a)
-        for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+      V U[3][3], g[3][3], pull[3][3];
+      load_element<Lanes>(block, lane, u, U, g);
+      green_pull<Lanes>(U, g, Lanes::load(block.half_lambda + lane), Lanes::load(block.mu + lane), pull);
 
       const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
                                  pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
@@ -130,15 +94,16 @@ inline void stiffness_parts(const TetBlock& block, std::size_t lane, const doubl
                             StiffnessParts<Lanes>& parts) {
   using V = typename Lanes::V;
   auto& [g, h, lh, mh, B, c] = parts;
-  V F[3][3];
-  displacement_gradient<Lanes>(block, lane, u, F, g + 1);
+  V U[3][3], F[3][3];
+  load_element<Lanes>(block, lane, u, U, g + 1);
+  displacement_gradient<Lanes>(U, g + 1, F);
   for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
   for (int a = 1; a < 4; ++a)
     for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
   for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
   for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
   for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j) B[symmetric[i][j]] = dot<Lanes>(F[i], F[j]);
+    for (int j = i; j < 3; ++j) B[symmetric(i, j)] = dot<Lanes>(F[i], F[j]);
   const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
           lambda = half + half;
   c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
@@ -168,7 +133,7 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
           V entries[3][3];
           for (int j = 0; j < 3; ++j)
             for (int i = 0; i < 3; ++i) {
-              entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric[i][j]];
+              entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric(i, j)];
               if (i == j) entries[j][i] += s;
             }
           scatter_block<Lanes>(slots[n], pair, lane, entries, pairs);
