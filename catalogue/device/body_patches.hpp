@@ -1,0 +1,41 @@
+/// A body cut into patches of points, for body_step().
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "catalogue/device/body_step.hpp"
+#include "problems/tissue/body.hpp"
+
+namespace hmax {
+
+/// Why a body cannot be stepped by body_step(), "has ..."; empty where it can.
+std::string unsuited_for_patches(const TissueBody& body);
+
+/// The arrays of BodyArrays, as they are copied to a device.
+struct BodyPatches {
+  std::vector<PatchBegin> begin;
+  std::vector<std::int32_t> rim;
+  std::vector<PatchCorners> corners;
+  std::vector<double> gradients, half_lambda, mu;
+  std::vector<std::uint16_t> last_slot, push_slot;
+  std::vector<double> push, weight, drag, mass;
+  double watch = 0;
+  std::int32_t points = 0;
+  std::vector<std::int32_t> order;  ///< of each free point of the body: its number here
+  std::size_t shared = 0;           ///< shared_doubles() of the patch that needs most
+
+  [[nodiscard]] std::int32_t free() const { return static_cast<std::int32_t>(mass.size()); }
+};
+
+/// Patches of about `points` points each, by halves along the longest side of the box around them.
+/// @param body  one that suits
+/// @param most_shared  doubles that a block may share; patches become smaller until they fit
+/// @throws InputError  where one point alone does not fit
+BodyPatches body_patches(const TissueBody& body, std::size_t points = 128, std::size_t most_shared = 1 << 20);
+
+}  // namespace hmax

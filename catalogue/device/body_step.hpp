@@ -1,0 +1,152 @@
+/// One explicit step of a body in patches of points: the one source of devices and of the processor.
+///
+/// A patch owns some free points. A block of threads computes all tetrahedra at them, in memory that its
+/// threads share, and adds up the forces at each point in the order in which the processor does: no atomics,
+/// no second order, the same bits. Tetrahedra at the rim are computed by several patches.
+#pragma once
+
+#include <cstdint>
+
+#include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/green_pull.hpp"
+
+namespace hmax {
+
+/// Corners of a tetrahedron in a patch.
+struct PatchCorners {
+  static constexpr std::uint16_t nowhere = 0xffff;
+  std::uint16_t point[4];  ///< among the points of the patch
+  std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
+};
+
+/// Where a patch begins in the arrays below; those of the patch after it are its ends.
+struct PatchBegin {
+  std::int32_t own, rim, tet, push;
+};
+
+/// A body, its arrays in the memory of a device. Degrees of freedom are stored x, y, z one array after the
+/// other; the points of a patch are neighbours, and those that stand still follow the free ones.
+struct BodyArrays {
+  std::int32_t patches, points, free, tets;
+  const PatchBegin* begin;             ///< shape (patches + 1)
+  const std::int32_t* rim;             ///< points of others that the tetrahedra of a patch have
+  const PatchCorners* corners;         ///< shape (tets)
+  const double* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
+  const double *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
+  const std::uint16_t* last_slot;      ///< of the slots of each free point; they follow one another
+  const std::uint16_t* push_slot;      ///< slots of steady forces
+  const double* push;                  ///< these [N], x, y, z
+  const double *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
+  double watch;                        ///< a larger displacement [m] is told
+};
+
+/// What becomes of the accelerations.
+enum class Move : std::int32_t {
+  start,             ///< they are kept for the first kick
+  symplectic_euler,  ///< v += h a, q += h v
+  kick_drift,        ///< v += h/2 a twice, q += h v: the end of a step and the beginning of the next
+  kick               ///< v += h/2 a: the end of a step; they are kept
+};
+
+/// One step, from the displacements `q` to `q_next`, shape (3, points), in place for v and a, (3, free).
+struct BodyStep {
+  BodyArrays body;
+  Move move;
+  double h, half, next_half;  ///< the step, its half, and half of the one that a kick_drift begins
+  double *q, *q_next, *v, *a;
+  std::int32_t*
+      left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
+};
+
+/// One tetrahedron, for green_pull().
+struct OneTetrahedron {
+  using V = double;
+  HMAX_DEVICE static double splat(double s) { return s; }
+};
+
+/// Doubles that the threads of a block share: positions of `points`, forces of `slots`.
+HMAX_DEVICE constexpr std::int64_t shared_doubles(std::int64_t points, std::int64_t slots) {
+  return 3 * (points + slots);
+}
+
+/// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
+HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t tet, std::int32_t points,
+                                           std::int32_t slots, const double* u, double* f) {
+  const PatchCorners corners = body.corners[tet];
+  double U[3][3], g[3][3], pull[3][3];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) {
+      U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
+      g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
+    }
+  kernel_loops::green_pull<OneTetrahedron>(U, g, body.half_lambda[tet], body.mu[tet], pull);
+  for (int i = 0; i < 3; ++i) {
+    if (corners.slot[0] != PatchCorners::nowhere)
+      f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
+    for (int a = 0; a < 3; ++a)
+      if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
+  }
+}
+
+/// The new q and v of degree of freedom `dof`, that of component i of free point p.
+HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int32_t i, std::int32_t p) {
+  const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
+                     at = static_cast<std::int64_t>(i) * step.body.points + p;
+  double q = step.q[at], v = step.v[dof];
+  const double a = ((force + step.body.weight[dof]) - step.body.drag[p] * v) / step.body.mass[p];
+  if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
+  if (step.move == Move::kick_drift || step.move == Move::kick) v = v + step.half * a;
+  if (step.move == Move::kick_drift) v = v + step.next_half * a, q = q + step.h * v;
+  if (step.move == Move::start || step.move == Move::kick) step.a[dof] = a;
+  const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
+  if (!(distance <= step.body.watch && speed <= 1e100)) *step.left = 1;
+  step.q_next[at] = q;
+  step.v[dof] = v;
+}
+
+/// The step of one patch.
+/// @tparam Block  threads of a block: each(count, f) calls f(0) .. f(count - 1) in any order, or at once;
+///                barrier() ends what was begun before it
+/// @param shared  shared_doubles() of them
+template <class Block>
+HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_t patch, double* shared) {
+  const BodyArrays& body = step.body;
+  const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
+  const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
+                     slots = body.last_slot[to.own - 1] + 1;
+  double* const u = shared;
+  double* const f = shared + 3 * points;
+  block.each(points, [&](std::int32_t p) {
+    const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+    for (int i = 0; i < 3; ++i)
+      u[i * points + p] = step.q[static_cast<std::int64_t>(i) * body.points + point];
+  });
+  block.each(to.push - from.push, [&](std::int32_t n) {
+    for (int i = 0; i < 3; ++i)
+      f[i * slots + body.push_slot[from.push + n]] = body.push[3 * (from.push + n) + i];
+  });
+  block.barrier();
+  block.each(to.tet - from.tet,
+             [&](std::int32_t n) { tetrahedron_forces(body, from.tet + n, points, slots, u, f); });
+  block.barrier();
+  block.each(3 * own, [&](std::int32_t n) {
+    const std::int32_t i = n / own, p = from.own + n % own;
+    const std::int32_t first = p == from.own ? 0 : body.last_slot[p - 1] + 1;
+    double sum = 0;
+    for (std::int32_t s = first; s <= body.last_slot[p]; ++s) sum = sum + f[i * slots + s];
+    move_point(step, sum, i, p);
+  });
+}
+
+/// The first kick and drift of a run of steps, from accelerations that are known, of degree of freedom i.
+HMAX_DEVICE inline void first_kick_drift(const BodyStep& step, std::int32_t i, std::int32_t p) {
+  const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
+                     at = static_cast<std::int64_t>(i) * step.body.points + p;
+  const double v = step.v[dof] + step.next_half * step.a[dof], q = step.q[at] + step.h * v;
+  const double distance = q < 0 ? -q : q;
+  if (!(distance <= step.body.watch)) *step.left = 1;
+  step.q_next[at] = q;
+  step.v[dof] = v;
+}
+
+}  // namespace hmax

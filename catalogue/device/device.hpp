@@ -1,0 +1,60 @@
+/// A device that runs block programs beside the processor, such as a GPU: a module opens it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "catalogue/device/body_step.hpp"
+
+namespace hmax {
+
+/// What times on a device depend on.
+struct DeviceFacts {
+  std::string name;               ///< "NVIDIA H100 80GB HBM3"
+  double clock_mhz = 0;           ///< the highest of its processors
+  std::string driver;             ///< with the version of the run time behind it
+  double flops = 0;               ///< double precision, operations a second; a fused one counts as one
+  double bytes = 0;               ///< of its memory, a second
+  std::size_t shared_memory = 0;  ///< that a block may have [B]
+};
+
+/// Memory of a device and the programs that it runs, one after the other.
+/// @throws InputError  for errors of the device: too little memory, a lost card
+class Device {
+ public:
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  [[nodiscard]] virtual DeviceFacts facts() const = 0;
+  /// Freed with the device.
+  [[nodiscard]] virtual void* allocate(std::size_t bytes) = 0;
+  virtual void write(void* to, const void* from, std::size_t bytes) = 0;
+  virtual void read(void* to, const void* from, std::size_t bytes) = 0;
+  virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
+
+  /// `count` steps; q and q_next change places after each.
+  /// @param shared  doubles that a block shares, see shared_doubles()
+  virtual void run(const BodyStep& step, std::size_t shared, std::int64_t count) = 0;
+  /// first_kick_drift() of all degrees of freedom.
+  virtual void begin(const BodyStep& step) = 0;
+  /// What programs have taken since the last call [s], by events of the device.
+  [[nodiscard]] virtual double seconds() = 0;
+};
+
+/// Whether this build has the module.
+bool has_gpu_module();
+
+/// Opens the module and the first card.
+/// @throws InputError  in one sentence, where the module or the card is missing
+std::unique_ptr<Device> open_gpu();
+
+/// What the module offers.
+/// @throws InputError  where there is no card
+using MakeDevice = std::unique_ptr<Device> (*)();
+inline constexpr const char* make_device_symbol = "hmax_make_device";
+
+}  // namespace hmax

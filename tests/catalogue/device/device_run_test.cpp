@@ -1,0 +1,193 @@
+/// Runs by the programs of devices: the bits of the processor, on the processor in every build and on a card
+/// where there is one.
+#include "catalogue/device/device_run.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/host_device.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "core/errors.hpp"
+#include "problems/tissue/body.hpp"
+#include "tests/problems/tissue/bodies.hpp"
+
+namespace hmax {
+namespace {
+
+/// Numbers that differ in their bits; of zeros the sign counts.
+std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  if (a.size() != b.size()) return static_cast<std::size_t>(std::max(a.size(), b.size()));
+  std::size_t count = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(double)) != 0;
+  return count;
+}
+
+void expect_same(Device& device, const Problem& problem, const std::string& id, const RunSpec& spec) {
+  const Method method = find_method(id);
+  ASSERT_EQ(unsuited_for_device(problem, method, spec), "");
+  const RunRecord expected = method.bind(problem).run(spec, {}),
+                  found = run_on_device(device, problem, method, spec).record;
+  EXPECT_EQ(found.outcome, expected.outcome);
+  EXPECT_EQ(found.t, expected.t);
+  EXPECT_EQ(found.t_state, expected.t_state);
+  EXPECT_EQ(found.stats.steps, expected.stats.steps);
+  EXPECT_EQ(found.stats.rhs, expected.stats.rhs);
+  EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << " of " << expected.y.size();
+  EXPECT_GT(expected.y.norm(), 0);
+}
+
+Problem body_of(const TetMesh& mesh, const TissueSettings& settings) {
+  const auto body = std::make_shared<TissueBody>(mesh, settings);
+  Problem problem = with_body(make_problem("fem_green@cube:n=1"), body);
+  problem.y0 = body->y0();
+  return problem;
+}
+
+/// The same mesh with its points and tetrahedra in another order, corners of tetrahedra too.
+TetMesh shuffled(const TetMesh& mesh) {
+  std::mt19937_64 random(11);
+  std::vector<TetMesh::Index> place(static_cast<std::size_t>(mesh.point_count()));
+  std::iota(place.begin(), place.end(), 0);
+  std::ranges::shuffle(place, random);
+  TetMesh other = mesh;
+  for (Eigen::Index p = 0; p < mesh.point_count(); ++p)
+    other.points.col(place[static_cast<std::size_t>(p)]) = mesh.points.col(p);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(mesh.tetrahedron_count()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::shuffle(order, random);
+  for (std::size_t t = 0; t < order.size(); ++t) {
+    for (Eigen::Index a = 0; a < 4; ++a)  // a turn of three corners keeps the sign of the volume
+      other.tetrahedra(a == 3 ? 3 : (a + order[t]) % 3, static_cast<Eigen::Index>(t)) =
+          place[static_cast<std::size_t>(mesh.tetrahedra(a, order[t]))];
+    if (!mesh.regions.empty()) other.regions[t] = mesh.regions[static_cast<std::size_t>(order[t])];
+  }
+  return other;
+}
+
+/// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
+Problem uneven_body(double alpha) {
+  const TetMesh mesh = shuffled(tissue_tests::uneven_box());
+  TissueSettings settings;
+  settings.model = tissue_model("fem_green");
+  settings.materials = tissue_tests::two_materials();
+  settings.alpha = alpha;
+  settings.gravity = {0.3, -1, -9.81};
+  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
+  const std::vector<TetMesh::Index> pressed = points_in_box(mesh, {0.1, -1, -1}, {1, 1, 1}),
+                                    pulled = points_in_box(mesh, {0.13, -1, -1}, {1, 1, 1});
+  settings.forces = {{pressed, {0.1, -0.2, 0.05}}, {pulled, {-0.03, 0.3, 0.4}}};
+  return body_of(mesh, settings);
+}
+
+void expect_same_on_bodies(Device& device) {
+  const RunSpec spec{.t_end = 0.0202, .h = 1e-4};  // its last step is a sliver of rounding
+  for (const char* mesh : {"liver", "beam", "ball", "phantom", "cube:n=6"})
+    expect_same(device, make_problem(std::string("fem_green@") + mesh, {.parameters = {{"g", 9.81}}}),
+                "symplectic_euler", spec);
+  expect_same(device, make_problem("fem_green/press@liver", {.parameters = {{"alpha", 3}}}),
+              "velocity_verlet", {.t_end = 0.01234, .h = 1e-4});
+  for (const char* method : {"symplectic_euler", "velocity_verlet"})
+    expect_same(device, uneven_body(2.5), method, {.t_end = 0.0203, .h = 3e-4});
+  for (const char* method : {"stormer_verlet", "central_difference"})
+    expect_same(device, uneven_body(0), method, {.t_end = 0.0203, .h = 3e-4});
+}
+
+void expect_same_divergence(Device& device) {
+  for (const char* method : {"symplectic_euler", "velocity_verlet"}) {
+    const Problem problem = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}}});
+    const RunSpec spec{.t_end = 40, .h = 0.02};
+    ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
+    expect_same(device, problem, method, spec);
+  }
+}
+
+TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_on_bodies(device);
+  }
+}
+
+TEST(HostDevice, DivergesWhereTheProcessorDoes) {
+  HostDevice device;
+  expect_same_divergence(device);
+}
+
+TEST(BodyPatches, OwnEachFreePointOnceWithAllItsTetrahedra) {
+  const Problem problem = uneven_body(1);
+  const BodyPatches patches = body_patches(*problem.body, 7);
+  EXPECT_GT(patches.begin.size(), 4U);
+  std::vector<std::int32_t> order = patches.order;
+  std::ranges::sort(order);
+  for (std::size_t p = 0; p < order.size(); ++p) EXPECT_EQ(order[p], static_cast<std::int32_t>(p));
+  std::size_t corners = 0, expected = 0;
+  for (const PatchCorners& each : patches.corners)
+    for (const std::uint16_t slot : each.slot) corners += slot != PatchCorners::nowhere;
+  std::vector<bool> free(static_cast<std::size_t>(problem.body->mesh().point_count()), false);
+  for (const TetMesh::Index p : problem.body->free_points()) free[static_cast<std::size_t>(p)] = true;
+  for (const TetMesh::Index p : problem.body->mesh().tetrahedra.reshaped())
+    expected += free[static_cast<std::size_t>(p)];
+  EXPECT_EQ(corners, expected);
+}
+
+TEST(BodyPatches, BecomeSmallerUntilTheyFit) {
+  const Problem problem = make_problem("fem_green@liver");
+  EXPECT_LE(body_patches(*problem.body, 128, 1000).shared, 1000U);
+  EXPECT_THROW(static_cast<void>(body_patches(*problem.body, 128, 20)), InputError);
+}
+
+TEST(DeviceRun, SaysWhatNoDeviceRuns) {
+  const Problem body = make_problem("fem_green@cube:n=2");
+  const RunSpec fixed{.t_end = 1, .h = 0.1};
+  const auto why = [&](const Problem& problem, const char* method, const RunSpec& spec) {
+    return unsuited_for_device(problem, find_method(method), spec);
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4", fixed), "bodies on meshes"));
+  EXPECT_TRUE(has(why(body, "ode45", {.t_end = 1, .adaptive = true}), "fixed steps"));
+  EXPECT_TRUE(has(why(body, "rk4", fixed), "does not run rk4"));
+  EXPECT_TRUE(has(
+      why(make_problem("fem_green@cube:n=2", {.parameters = {{"alpha", 1}}}), "central_difference", fixed),
+      "without damping"));
+  for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
+           {"mass_spring@cube:n=2", {}, "other elements"},
+           {"fem_green@cube:n=2", {{"beta", 0.1}}, "beta"},
+           {"fem_green@cube:n=2", {{"skin", 10}}, "skin"},
+           {"fem_green/tool@cube:n=2", {}, "tool"},
+           {"fem_green/breathing@cube:n=2", {}, "changes"}})
+    EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler", fixed), part))
+        << id;
+}
+
+/// What needs a card: skipped by name where there is none.
+class Gpu : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_gpu_module()) GTEST_SKIP() << "this build has no module for GPUs";
+    try {
+      device = open_gpu();
+    } catch (const InputError& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+  std::unique_ptr<Device> device;
+};
+
+TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) { expect_same_on_bodies(*device); }
+TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
+
+}  // namespace
+}  // namespace hmax
