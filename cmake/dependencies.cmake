@@ -118,6 +118,21 @@ endif()
 hmax_optional("minizip and pugixml" HMAX_HAVE_FMI "${HMAX_MINIZIP_VERSION}, ${pugixml_VERSION}" "libminizip-dev libpugixml-dev"
               "units of FMI 2.0: hmax probe unit.fmu")
 
+# Of no Debian package: that of Debian 12 knows no C++20. Where nvcc is not, or fails with this compiler, nothing is said.
+find_program(HMAX_NVCC nvcc HINTS ENV CUDA_HOME PATHS /usr/local/cuda PATH_SUFFIXES bin)
+set(HMAX_CUDA_ARCHITECTURES 80 90 CACHE STRING "The architectures of GPUs that the module for them is compiled for")
+set(HMAX_HAVE_CUDA OFF)
+if(HMAX_NVCC AND NOT HMAX_SANITIZE)
+  if(NOT DEFINED HMAX_NVCC_WORKS)
+    file(WRITE "${PROJECT_BINARY_DIR}/CMakeFiles/nvcc_works.cu" "#include <span>\n__global__ void nothing() {}\n")
+    execute_process(COMMAND "${HMAX_NVCC}" -std=c++20 "-ccbin=${CMAKE_CXX_COMPILER}" -c nvcc_works.cu -o nvcc_works.o
+                    WORKING_DIRECTORY "${PROJECT_BINARY_DIR}/CMakeFiles" RESULT_VARIABLE nvcc_fails OUTPUT_QUIET ERROR_QUIET)
+    string(COMPARE EQUAL "${nvcc_fails}" 0 nvcc_works)
+    set(HMAX_NVCC_WORKS ${nvcc_works} CACHE INTERNAL "Whether nvcc compiles C++20 with the C++ compiler")
+  endif()
+  set(HMAX_HAVE_CUDA ${HMAX_NVCC_WORKS})
+endif()
+
 find_package(ZLIB QUIET)
 set(HMAX_HAVE_ZLIB ${ZLIB_FOUND})
 set(HMAX_ZLIB "${ZLIB_LIBRARIES}")

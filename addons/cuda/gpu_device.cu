@@ -1,0 +1,175 @@
+/// The device of a GPU by CUDA: memory, launches, graphs and events.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <cuda_runtime.h>
+
+#include "catalogue/device/device.hpp"
+#include "core/errors.hpp"
+
+namespace hmax {
+namespace {
+
+constexpr int threads = 256;
+constexpr std::int64_t steps_of_a_graph = 64;  // even: displacements end where they began
+
+void check(cudaError_t error, const char* what) {
+  if (error != cudaSuccess)
+    throw InputError(std::string("the GPU ") + what + ": " + cudaGetErrorString(error) +
+                     "; see nvidia-smi, or leave out --device");
+}
+
+struct CudaBlock {
+  template <class F>
+  __device__ void each(std::int32_t count, const F& f) const {
+    for (std::int32_t n = static_cast<std::int32_t>(threadIdx.x); n < count;
+         n += static_cast<std::int32_t>(blockDim.x))
+      f(n);
+  }
+  __device__ void barrier() const { __syncthreads(); }
+};
+
+__global__ void __launch_bounds__(threads) body_steps(const BodyStep step) {
+  extern __shared__ double shared[];
+  body_step(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), shared);
+}
+
+__global__ void __launch_bounds__(threads) first_kick_drifts(const BodyStep step) {
+  const std::int32_t p = static_cast<std::int32_t>(blockIdx.x) * threads + static_cast<std::int32_t>(threadIdx.x);
+  if (p < step.body.free) first_kick_drift(step, static_cast<std::int32_t>(blockIdx.y), p);
+}
+
+/// Freed at its end; errors come with the next call.
+struct FreeMemory {
+  void operator()(void* memory) const { cudaFree(memory); }
+};
+
+class Gpu final : public Device {
+ public:
+  Gpu() {
+    int cards = 0;
+    if (cudaGetDeviceCount(&cards) != cudaSuccess || cards == 0)
+      throw InputError("there is no GPU that CUDA can use; see nvidia-smi, or leave out --device");
+    check(cudaGetDeviceProperties(&card_, 0), "is not known");
+    check(cudaStreamCreate(&stream_), "cannot be used");
+    check(cudaEventCreate(&begin_), "cannot be used");
+    check(cudaEventCreate(&end_), "cannot be used");
+  }
+  ~Gpu() override {
+    if (graph_) cudaGraphExecDestroy(graph_);
+    cudaEventDestroy(begin_);
+    cudaEventDestroy(end_);
+    cudaStreamDestroy(stream_);
+  }
+
+  [[nodiscard]] DeviceFacts facts() const override {
+    int driver = 0, runtime = 0, khz = 0, memory_khz = 0, ratio = 0;
+    check(cudaDriverGetVersion(&driver), "has no driver");
+    check(cudaRuntimeGetVersion(&runtime), "has no run time");
+    check(cudaDeviceGetAttribute(&khz, cudaDevAttrClockRate, 0), "does not tell its clock");
+    check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, 0), "does not tell its memory clock");
+    check(cudaDeviceGetAttribute(&ratio, cudaDevAttrSingleToDoublePrecisionPerfRatio, 0), "does not tell its speed");
+    // 128 single-precision units in a multiprocessor; 64 before 8.6.
+    const double units = card_.major * 10 + card_.minor == 80 || card_.major < 8 ? 64 : 128;
+    return {.name = card_.name,
+            .clock_mhz = khz / 1e3,
+            .driver = "CUDA " + version(driver) + ", run time " + version(runtime),
+            .flops = card_.multiProcessorCount * units / ratio * khz * 1e3,
+            .bytes = 2.0 * memory_khz * 1e3 * card_.memoryBusWidth / 8,
+            .shared_memory = card_.sharedMemPerBlockOptin};
+  }
+
+  [[nodiscard]] void* allocate(std::size_t bytes) override {
+    void* memory = nullptr;
+    check(cudaMalloc(&memory, bytes), "has too little memory");
+    memory_.emplace_back(memory);
+    return memory;
+  }
+  void write(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyHostToDevice); }
+  void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
+  void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
+
+  void run(const BodyStep& step, std::size_t shared, std::int64_t count) override {
+    const std::size_t bytes = shared * sizeof(double);
+    check(cudaFuncSetAttribute(body_steps, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+          "has too little shared memory");
+    const std::int64_t graphs = count / steps_of_a_graph;
+    if (graphs > 0) capture(step, bytes);
+    timed([&] {
+      for (std::int64_t n = 0; n < graphs; ++n) check(cudaGraphLaunch(graph_, stream_), "does not step");
+      launch(step, bytes, count % steps_of_a_graph);
+    });
+  }
+
+  void begin(const BodyStep& step) override {
+    const dim3 blocks(static_cast<unsigned>((step.body.free + threads - 1) / threads), 3);
+    timed([&] { first_kick_drifts<<<blocks, threads, 0, stream_>>>(step); });
+  }
+
+  [[nodiscard]] double seconds() override { return std::exchange(milliseconds_, 0.0) / 1e3; }
+
+ private:
+  static std::string version(int number) {
+    return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
+  }
+
+  void move(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
+    check(cudaMemcpyAsync(to, from, bytes, kind, stream_), "does not copy");
+    check(cudaStreamSynchronize(stream_), "does not copy");
+  }
+
+  void launch(BodyStep step, std::size_t bytes, std::int64_t count) {
+    for (std::int64_t n = 0; n < count; ++n) {
+      body_steps<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
+      std::swap(step.q, step.q_next);
+    }
+  }
+
+  /// A graph of steps, unless it is the one that is there.
+  void capture(const BodyStep& step, std::size_t bytes) {
+    if (graph_ && step.q == of_.q && step.move == of_.move && step.h == of_.h && step.half == of_.half &&
+        step.next_half == of_.next_half && step.body.mass == of_.body.mass)
+      return;
+    if (graph_) cudaGraphExecDestroy(std::exchange(graph_, nullptr));
+    cudaGraph_t graph = nullptr;
+    check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
+    launch(step, bytes, steps_of_a_graph);
+    check(cudaStreamEndCapture(stream_, &graph), "makes no graph");
+    const cudaError_t made = cudaGraphInstantiate(&graph_, graph, 0);
+    cudaGraphDestroy(graph);
+    check(made, "makes no graph");
+    of_ = step;
+  }
+
+  template <class Work>
+  void timed(const Work& work) {
+    check(cudaEventRecord(begin_, stream_), "does not step");
+    work();
+    check(cudaGetLastError(), "does not step");
+    check(cudaEventRecord(end_, stream_), "does not step");
+    check(cudaEventSynchronize(end_), "does not step");
+    float milliseconds = 0;
+    check(cudaEventElapsedTime(&milliseconds, begin_, end_), "tells no times");
+    milliseconds_ += milliseconds;
+  }
+
+  cudaDeviceProp card_{};
+  cudaStream_t stream_ = nullptr;
+  cudaEvent_t begin_ = nullptr, end_ = nullptr;
+  cudaGraphExec_t graph_ = nullptr;
+  BodyStep of_{};  ///< what the graph steps
+  std::vector<std::unique_ptr<void, FreeMemory>> memory_;
+  double milliseconds_ = 0;
+};
+
+}  // namespace
+}  // namespace hmax
+
+// NOLINTNEXTLINE(readability-identifier-naming): found by its name
+extern "C" __attribute__((visibility("default"))) std::unique_ptr<hmax::Device> hmax_make_device() {
+  return std::make_unique<hmax::Gpu>();
+}
