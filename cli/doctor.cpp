@@ -3,10 +3,12 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "catalogue/device/device.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
@@ -100,6 +102,7 @@ std::vector<Module> modules() {
   };
   if (has_mpi()) add("hmax_mpi", "sweeps under mpirun", make_ranks_symbol);
   if (has_distributed_engine()) add("hmax_petsc", "--engine petsc", make_engine_symbol);
+  if (has_gpu_module()) add("hmax_cuda", "--device gpu", make_device_symbol);
   const std::vector<Part> parts = optional_parts();
   const auto is_there = [&](std::string_view name) {
     const auto part = std::ranges::find(parts, name, &Part::name);
@@ -131,6 +134,20 @@ std::string modules_for_people(const Console& console) {
               : "; install the packages hmax-modules and hmax-engines, or hmax from a build that has them\n");
 }
 
+/// The card, or why there is none; nothing where there is no module that could use it.
+struct Card {
+  std::optional<DeviceFacts> facts;
+  std::string problem;
+};
+Card card() {
+  if (!has_gpu_module() || !why_not_opened("hmax_cuda.so", make_device_symbol).empty()) return {};
+  try {
+    return {open_gpu()->facts(), {}};
+  } catch (const InputError& error) {
+    return {{}, error.what()};
+  }
+}
+
 Json report() {
   const BuildInfo& build = build_info();
   Json usable = Json::array(), not_built = Json::array(), broken = Json::array();
@@ -140,6 +157,7 @@ Json report() {
     else
       (module.built ? usable : not_built).push_back(module.target);
   }
+  const Card gpu = card();
   Json libraries = Json::array(), optional = Json::array(), missing = Json::array();
   for (const Part& part : build.libraries) libraries.push_back(to_json(part));
   for (const Part& part : optional_parts()) {
@@ -159,6 +177,10 @@ Json report() {
           {"modules", usable},
           {"modules_not_built", not_built},
           {"modules_broken", broken},
+          {"gpu", gpu.facts ? Json{{"device", gpu.facts->name},
+                                   {"clock_mhz", gpu.facts->clock_mhz},
+                                   {"driver", gpu.facts->driver}}
+                            : Json()},
           {"fingerprint", Json::parse(to_json(fingerprint()))}};
 }
 
@@ -178,6 +200,10 @@ std::string parts_for_people(const Console& console) {
   for (const InstructionSet set : instruction_sets()) sets.push_back(to_string(set));
   std::string text = fmt::format("{}\nInstruction set of the kernels: {}; HMAX_KERNELS chooses of {}\n",
                                  table.text(console), sets.front(), fmt::join(sets, ", "));
+  if (const Card gpu = card(); gpu.facts)
+    text += fmt::format("GPU: {}, {}\n", gpu.facts->name, gpu.facts->driver);
+  else if (!gpu.problem.empty())
+    text += fmt::format("GPU: {}\n", gpu.problem);
   const std::string unusable = modules_for_people(console);
   text += unusable;
   if (packages.empty()) return text + (unusable.empty() ? "Nothing is missing.\n" : "");

@@ -98,9 +98,12 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
 
 struct TimedRun : CountedRun {
   std::optional<std::size_t> threads;  ///< that --jobs has asked for
+  std::optional<DeviceTime> device;    ///< of a run on one
 
-  /// Simulated time over the CPU time of one thread, or over the elapsed time where --jobs is given.
+  /// Simulated time over the CPU time of one thread, over the elapsed time where --jobs is given, or over
+  /// that of a device.
   [[nodiscard]] double realtime_factor() const {
+    if (device) return record.t / device->seconds;
     return record.t / (threads ? elapsed_seconds : cpu_seconds);
   }
 };
@@ -139,6 +142,15 @@ CountedRun reported_run(const Runner& runner, const RunSpec& spec, std::optional
     if (interrupted) throw Interrupted{};
     progress.update(t / spec.t_end);
   });
+}
+
+TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec& spec) {
+  const std::unique_ptr<Device> gpu = open_gpu();
+  DeviceRun run = run_on_device(*gpu, problem, method, spec);
+  TimedRun timed{};
+  timed.record = std::move(run.record);
+  timed.device = {gpu->facts(), run.seconds, run.flops, run.bytes};
+  return timed;
 }
 
 std::string with_unit(double value, std::string_view unit) {
@@ -276,6 +288,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["threads"] = *run.threads;
     document["elapsed_seconds"] = run.elapsed_seconds;
   }
+  if (run.device) run.device->add_to(document);
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
   if (problem.body) {
     const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
@@ -321,7 +334,7 @@ std::string costs_in_words(const Method& method, const TimedRun& run) {
                         short_number(static_cast<double>(stats.newton) / static_cast<double>(stats.steps), 3),
                         short_number(stats.newton_error, 2));
   if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
-  text += fmt::format("   cpu {} s", short_number(run.cpu_seconds, 3));
+  text += run.device ? run.device->words() : fmt::format("   cpu {} s", short_number(run.cpu_seconds, 3));
   if (run.threads)
     text += fmt::format("   elapsed {} s on {} thread{}", short_number(run.elapsed_seconds, 3), *run.threads,
                         *run.threads == 1 ? "" : "s");
@@ -529,6 +542,10 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
   check_choices(options, problem, method, console.json);
   check_output(options, spec, problem);
   check_picture(options, problem);
+  options.device.check({{"--output", !options.output.empty()},
+                        {"--checkpoint", !options.checkpoint.file.empty()},
+                        {"--jobs", is_given(options.jobs)}},
+                       problem, method, spec);
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
@@ -549,7 +566,10 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
       options.checkpoint.open({problem, method, spec, options.method.tableau, options.output,
                                options.every.value_or(0), threads ? std::to_string(*threads) : "not given"},
                               stop ? &*stop : nullptr, console);
-  const TimedRun result{reported_run(runner, spec, threads, checkpoint.get(), console), threads};
+  const TimedRun result =
+      options.device.is_gpu()
+          ? run_on_gpu(problem, method, spec)
+          : TimedRun{reported_run(runner, spec, threads, checkpoint.get(), console), threads, {}};
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
   watched.spec.every = options.every.value_or(0);
@@ -639,6 +659,7 @@ void add_run(CLI::App& app, Console& console) {
   add_text(command, "--max-steps", options->max_steps,
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options->checkpoint.add_to(command);
+  options->device.add_to(command);
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
   set_callback(command, [options, &console] { run_or_stop(*options, console); });

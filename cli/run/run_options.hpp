@@ -8,6 +8,7 @@
 #include "catalogue/methods/run.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/run/checkpoint_option.hpp"
+#include "cli/run/device_option.hpp"
 #include "cli/shared/choices.hpp"
 
 namespace hmax {
@@ -22,6 +23,7 @@ struct RunOptions {
   bool full = false;
   PictureChoice picture;
   CheckpointChoice checkpoint;
+  DeviceChoice device;
   const CLI::Option* jobs = nullptr;
 };
 

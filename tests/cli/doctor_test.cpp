@@ -107,7 +107,7 @@ TEST(Doctor, OpensEachModuleBeforeItSaysThatNothingIsMissing) {
       shell.line("mkdir -p tree/bin tree/python/hmax " + modules + " && cp '" HMAX_PROGRAM "' tree/bin/hmax")
           .exit_code,
       0);
-  for (const char* file : {"hmax_mpi.so", "hmax_petsc.so", "hmax_mujoco.so", "hmax_fmi.so"})
+  for (const char* file : {"hmax_mpi.so", "hmax_petsc.so", "hmax_mujoco.so", "hmax_fmi.so", "hmax_cuda.so"})
     write_text(shell / (modules + "/" + file), "no module");
   write_text(shell / "tree/python/hmax/_core.so", "no module");
   write_text(shell / "tree/python/hmax/__init__.py", "from . import _core\n");

@@ -34,6 +34,29 @@ TEST(Run, HasDivergedWhereItsStateIsNoneOfTheProblem) {
   }
 }
 
+TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
+  const Shell shell;
+  const std::string body =
+      "run --mesh cube:n=3 --model fem_green --method symplectic_euler --h 1e-4 --t-end 0.02";
+  const Told told = shell.hmax(body + " --device gpu --json --full");
+  if (told.exit_code == 0) {
+    const Json on_gpu = told.json(), here = shell.json(body + " --json --full");
+    EXPECT_EQ(on_gpu.at("y"), here.at("y"));
+    EXPECT_TRUE(on_gpu.at("cpu_seconds").is_null());
+    EXPECT_GT(on_gpu.at("device_seconds"), 0);
+  } else {
+    expect_refused(told, "leave out --device");
+  }
+  EXPECT_EQ(shell.json(body + " --json --full --device cpu").count("device"), 0U);
+  expect_refused(shell.hmax(body + " --device tpu"), "--device");
+  expect_refused(shell.hmax(body + " --device gpu --jobs 2"), "--jobs");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
+                 "bodies on meshes");
+  expect_refused(
+      shell.hmax("run --mesh cube:n=3 --model mass_spring --method symplectic_euler --h 1e-4 --device gpu"),
+      "other elements");
+}
+
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
   const Told told = Shell().hmax("run --problem liver_forced --method rk4 --h 2");
   EXPECT_TRUE(says(told.out, "diverged at t = 10 s"));

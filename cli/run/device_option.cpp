@@ -1,0 +1,52 @@
+#include "cli/run/device_option.hpp"
+
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "cli/shared/console.hpp"
+#include "core/errors.hpp"
+#include "core/numbers.hpp"
+
+namespace hmax {
+
+namespace {
+constexpr std::array<std::string_view, 2> device_names{"cpu", "gpu"};
+}
+
+void DeviceChoice::add_to(CLI::App& command) {
+  add_text(
+      command, "--device", name,
+      "Where fixed steps of a body run: cpu or gpu, with the same bits and times of its own; cpu by default",
+      "NAME");
+}
+
+void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
+                         const Method& method, const RunSpec& spec) const {
+  if (!name.empty()) parse_choice("--device", name, device_names);
+  if (!is_gpu()) return;
+  for (const auto& [option, given] : beside)
+    if (given) throw InputError(fmt::format("--device gpu does not take {}; leave one of them out", option));
+  if (const std::string why = unsuited_for_device(problem, method, spec); !why.empty()) throw InputError(why);
+}
+
+void DeviceTime::add_to(nlohmann::ordered_json& document) const {
+  document["cpu_seconds"] = nullptr;
+  document["device"] = facts.name;
+  document["clock_mhz"] = facts.clock_mhz;
+  document["driver"] = facts.driver;
+  document["precision"] = "double";
+  document["device_seconds"] = seconds;
+  document["roofline"] = {{"flops_per_step", flops},
+                          {"bytes_per_step", bytes},
+                          {"flops_per_second", facts.flops},
+                          {"bytes_per_second", facts.bytes}};
+}
+
+std::string DeviceTime::words() const {
+  return fmt::format("   device {} s on {}, {} MHz, {}, double precision", short_number(seconds, 3),
+                     facts.name, short_number(facts.clock_mhz, 4), facts.driver);
+}
+
+}  // namespace hmax
