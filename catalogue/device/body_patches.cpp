@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -41,14 +42,46 @@ struct Tetrahedra {
   }
 };
 
-/// The tetrahedra at each point of the mesh in the order of their sums. Those of unused lanes have no forces.
-std::vector<std::vector<std::int32_t>> tetrahedra_at(const Tetrahedra& all, std::size_t points) {
-  std::vector<std::vector<std::int32_t>> at_point(points);
-  for (std::size_t tet = 0; tet < all.size(); ++tet)
-    if (all.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
+/// The springs of a body, at most one set.
+struct Springs {
+  explicit Springs(const TissueBody& body) {
+    if (!body.spring_sets().empty()) sliced = body.spring_sets().front().sliced();
+  }
+  std::optional<SpringSet::Sliced> sliced;
+  std::vector<std::array<Index, 2>> points;  ///< the near and the far end of each
+  std::vector<double> per_length, tension;
+};
+
+/// What is added up at a point of the mesh, in this order: the numbers of tetrahedra and springs.
+struct Terms {
+  std::vector<std::int32_t> tetrahedra, far_before, own, far_after;
+};
+
+/// Those of unused lanes, which have no forces, are left out.
+std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Springs& springs, std::size_t points) {
+  std::vector<Terms> terms(points);
+  for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
+    if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
       for (std::size_t a = 0; a < 4; ++a)
-        at_point[at(all.corner(tet, a))].push_back(static_cast<std::int32_t>(tet));
-  return at_point;
+        terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
+  if (!springs.sliced) return terms;
+  std::vector<bool> is_added(points, false);  // the sum of the springs that begin at a point
+  for (const SpringSlice& slice : springs.sliced->slices) {
+    for (std::int32_t k = slice.begin; k < slice.end; ++k)
+      for (std::size_t lane = 0; lane < SpringSlice::lanes; ++lane) {
+        const SpringBlock& block = springs.sliced->blocks[at(k)];
+        if (block.tension[lane] == 0) continue;
+        const Index near = slice.rows[lane] / 4, far = springs.sliced->ends[at(k)].rows[lane] / 4;
+        const auto spring = static_cast<std::int32_t>(springs.points.size());
+        terms[at(near)].own.push_back(spring);
+        (is_added[at(far)] ? terms[at(far)].far_after : terms[at(far)].far_before).push_back(spring);
+        springs.points.push_back({near, far});
+        springs.per_length.push_back(block.per_length[lane]);
+        springs.tension.push_back(block.tension[lane]);
+      }
+    for (const Index row : slice.rows) is_added[at(row / 4)] = true;
+  }
+  return terms;
 }
 
 /// What steady loads add to each point of the mesh, in their order.
@@ -69,10 +102,11 @@ class Cutter {
       : body_(body),
         points_(std::move(points)),
         tetrahedra_{body.green_blocks()},
-        at_point_(tetrahedra_at(tetrahedra_, at(static_cast<Index>(body.mesh().point_count())))),
+        springs_(body),
+        terms_(terms_of(tetrahedra_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
         pushes_(pushes_of(body)),
-        number_(at_point_.size(), -1),
-        local_(at_point_.size(), -1) {
+        number_(terms_.size(), -1),
+        local_(terms_.size(), -1) {
     for (const Index p : points_) number_[at(p)] = count_++;
     for (std::size_t p = 0; p < number_.size(); ++p)
       if (number_[p] < 0) number_[p] = count_++;
@@ -84,7 +118,8 @@ class Cutter {
     for (std::size_t p = 0; p < own.size(); ++p) local_[at(own[p])] = static_cast<std::int32_t>(p);
     const std::size_t slots = give_slots(own);
     std::vector<Index> used(own.begin(), own.end());
-    for (const auto& [tet, slot] : slots_of_) add_tetrahedron(tet, slot, used);
+    for (const auto& [tet, slot] : of_tetrahedra_) add_tetrahedron(tet, slot, used);
+    for (const auto& [spring, slot] : of_springs_) add_spring(spring, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     made_.shared =
@@ -116,6 +151,7 @@ class Cutter {
         made_.weight[i * points_.size() + p] = weight[static_cast<Eigen::Index>(i)];
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
+    if (springs_.sliced) place_springs();
     // Displacements of at most a quarter of it differ by less than TissueBody::admits().
     const auto& X = body_.mesh().points;
     made_.watch = 2500 * (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).norm();
@@ -125,46 +161,77 @@ class Cutter {
  private:
   using Slots = std::array<std::uint16_t, 4>;
 
-  [[nodiscard]] PatchBegin here(std::size_t own) const {
-    return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
-            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.push_slot.size())};
+  void place_springs() {
+    made_.cubic = springs_.sliced->cubic;
+    made_.rest.resize(3 * number_.size());
+    for (std::size_t p = 0; p < number_.size(); ++p)
+      for (std::size_t i = 0; i < 3; ++i)
+        made_.rest[i * number_.size() + static_cast<std::size_t>(number_[p])] =
+            body_.mesh().points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p));
   }
 
-  /// Slots of the own points, one after the other: their tetrahedra, then their loads.
+  [[nodiscard]] PatchBegin here(std::size_t own) const {
+    return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
+            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.ends.size()),
+            static_cast<std::int32_t>(made_.push_slot.size())};
+  }
+
+  /// Slots of the own points, one after the other.
   std::size_t give_slots(std::span<const Index> own) {
-    slots_of_.clear();
+    of_tetrahedra_.clear();
+    of_springs_.clear();
     std::size_t next = 0;
+    const auto give = [&](auto& slots_of, std::int32_t number, std::size_t place) {
+      slots_of.try_emplace(number, nowhere()).first->second[place] = static_cast<std::uint16_t>(next++);
+    };
     for (const Index p : own) {
-      for (const std::int32_t tet : at_point_[at(p)]) {
-        auto& slots = slots_of_.try_emplace(tet, nowhere()).first->second;
+      const Terms& terms = terms_[at(p)];
+      for (const std::int32_t tet : terms.tetrahedra)
         for (std::size_t a = 0; a < 4; ++a)
-          if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p)
-            slots[a] = static_cast<std::uint16_t>(next);
-        ++next;
-      }
+          if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p) give(of_tetrahedra_, tet, a);
+      for (const std::int32_t spring : terms.far_before) give(of_springs_, spring, 1);
+      PointSlots& ends = made_.slots.emplace_back();
+      ends.before = static_cast<std::uint16_t>(next);
+      for (const std::int32_t spring : terms.own) give(of_springs_, spring, 0);
+      ends.own = static_cast<std::uint16_t>(next);
+      for (const std::int32_t spring : terms.far_after) give(of_springs_, spring, 1);
       for (const Eigen::Vector3d& push : pushes_[at(p)]) {
         made_.push_slot.push_back(static_cast<std::uint16_t>(next++));
         made_.push.insert(made_.push.end(), push.begin(), push.end());
       }
-      made_.last_slot.push_back(static_cast<std::uint16_t>(next - 1));
+      ends.after = static_cast<std::uint16_t>(next);
     }
     return next;
   }
 
+  /// The number of a point in the patch, which it becomes a part of.
+  std::uint16_t local(Index p, std::vector<Index>& used) {
+    std::int32_t& number = local_[at(p)];
+    if (number < 0) {
+      number = static_cast<std::int32_t>(used.size());
+      used.push_back(p);
+    }
+    return static_cast<std::uint16_t>(number);
+  }
+
   void add_tetrahedron(std::int32_t tet, const Slots& slot, std::vector<Index>& used) {
-    PatchCorners corners{};
+    PatchCorners& corners = made_.corners.emplace_back();
     for (std::size_t a = 0; a < 4; ++a) {
-      const Index p = tetrahedra_.corner(static_cast<std::size_t>(tet), a);
-      std::int32_t& local = local_[at(p)];
-      if (local < 0) {
-        local = static_cast<std::int32_t>(used.size());
-        used.push_back(p);
-      }
-      corners.point[a] = static_cast<std::uint16_t>(local);
+      corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
       corners.slot[a] = slot[a];
     }
-    made_.corners.push_back(corners);
     tets_.push_back(static_cast<std::size_t>(tet));
+  }
+
+  void add_spring(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
+    const auto spring = static_cast<std::size_t>(number);
+    PatchSpring& ends = made_.ends.emplace_back();
+    for (std::size_t a = 0; a < 2; ++a) {
+      ends.point[a] = local(springs_.points[spring][a], used);
+      ends.slot[a] = slot[a];
+    }
+    made_.per_length.push_back(springs_.per_length[spring]);
+    made_.tension.push_back(springs_.tension[spring]);
   }
 
   static constexpr Slots nowhere() {
@@ -174,10 +241,11 @@ class Cutter {
   const TissueBody& body_;
   std::vector<Index> points_;  ///< the free ones, patch by patch
   Tetrahedra tetrahedra_;
-  std::vector<std::vector<std::int32_t>> at_point_;
+  Springs springs_;
+  std::vector<Terms> terms_;
   std::vector<std::vector<Eigen::Vector3d>> pushes_;
   std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
-  std::map<std::int32_t, Slots> slots_of_;    ///< of the tetrahedra of a patch
+  std::map<std::int32_t, Slots> of_tetrahedra_, of_springs_;  ///< of a patch
   std::vector<std::size_t> tets_;
   std::int32_t count_ = 0;
   bool fits_ = true;
@@ -188,8 +256,13 @@ class Cutter {
 
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
-  if (body.green_blocks().empty()) return "has other elements than those of fem_green without fibres";
-  if (settings.skin.kind != SkinSettings::Kind::none) return "has a skin";
+  const std::vector<SpringSet>& springs = body.spring_sets();
+  if (body.green_blocks().empty() && body.element_pieces() > 0)
+    return "has other elements than those of fem_green without fibres";
+  if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
+  if (springs.size() > 1) return "has a skin of springs beside those of its model";
+  if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";
+  if (!springs.empty() && springs.front().has_dampers()) return "has dampers";
   if (!settings.tools.empty()) return "meets a tool";
   if (!settings.elastic_supports.empty()) return "lies on springs";
   if (settings.beta != 0) return "has damping by its stiffness, beta";

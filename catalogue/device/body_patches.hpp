@@ -22,7 +22,11 @@ struct BodyPatches {
   std::vector<std::int32_t> rim;
   std::vector<PatchCorners> corners;
   std::vector<double> gradients, half_lambda, mu;
-  std::vector<std::uint16_t> last_slot, push_slot;
+  std::vector<PatchSpring> ends;
+  std::vector<double> per_length, tension, rest;
+  double cubic = 0;
+  std::vector<PointSlots> slots;
+  std::vector<std::uint16_t> push_slot;
   std::vector<double> push, weight, drag, mass;
   double watch = 0;
   std::int32_t points = 0;

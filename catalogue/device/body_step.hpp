@@ -1,14 +1,16 @@
 /// One explicit step of a body in patches of points: the one source of devices and of the processor.
 ///
-/// A patch owns some free points. A block of threads computes all tetrahedra at them, in memory that its
-/// threads share, and adds up the forces at each point in the order in which the processor does: no atomics,
-/// no second order, the same bits. Tetrahedra at the rim are computed by several patches.
+/// A patch owns some free points. A block of threads computes all tetrahedra and springs at them, in memory
+/// that its threads share, and adds up the forces at each point in the order in which the processor does: no
+/// atomics, no second order, the same bits. Those at the rim are computed by several patches.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/green_pull.hpp"
+#include "problems/tissue/forces/spring_pull.hpp"
 
 namespace hmax {
 
@@ -19,21 +21,36 @@ struct PatchCorners {
   std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
 };
 
+/// The ends of a spring in a patch, likewise: the near one and the far one.
+struct PatchSpring {
+  std::uint16_t point[2], slot[2];
+};
+
+/// Where the slots of a free point end: those that are added up first, those of springs that begin at the
+/// point, whose sum is added as one, and those after them.
+struct PointSlots {
+  std::uint16_t before, own, after;
+};
+
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, push;
+  std::int32_t own, rim, tet, spring, push;
 };
 
 /// A body, its arrays in the memory of a device. Degrees of freedom are stored x, y, z one array after the
 /// other; the points of a patch are neighbours, and those that stand still follow the free ones.
 struct BodyArrays {
-  std::int32_t patches, points, free, tets;
+  std::int32_t patches, points, free, tets, springs;
   const PatchBegin* begin;             ///< shape (patches + 1)
   const std::int32_t* rim;             ///< points of others that the tetrahedra of a patch have
   const PatchCorners* corners;         ///< shape (tets)
   const double* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
   const double *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
-  const std::uint16_t* last_slot;      ///< of the slots of each free point; they follow one another
+  const PatchSpring* ends;             ///< of springs, shape (springs)
+  const double *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
+  double cubic;                        ///< b of phi = s + b s^3
+  const double* rest;                  ///< positions [m], shape (3, points); of springs alone
+  const PointSlots* slots;             ///< of each free point; they follow one another in a patch
   const std::uint16_t* push_slot;      ///< slots of steady forces
   const double* push;                  ///< these [N], x, y, z
   const double *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
@@ -58,10 +75,12 @@ struct BodyStep {
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
 };
 
-/// One tetrahedron, for green_pull().
-struct OneTetrahedron {
+/// One tetrahedron or spring, for green_pull() and spring_pull().
+struct OneElement {
   using V = double;
   HMAX_DEVICE static double splat(double s) { return s; }
+  HMAX_DEVICE static double load(const double* p) { return *p; }
+  HMAX_DEVICE static double root(double s) { return std::sqrt(s); }
 };
 
 /// Doubles that the threads of a block share: positions of `points`, forces of `slots`.
@@ -79,13 +98,42 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t 
       U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
       g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
     }
-  kernel_loops::green_pull<OneTetrahedron>(U, g, body.half_lambda[tet], body.mu[tet], pull);
+  kernel_loops::green_pull<OneElement>(U, g, body.half_lambda + tet, body.mu + tet, pull);
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
       f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
     for (int a = 0; a < 3; ++a)
       if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
   }
+}
+
+/// d pull at the near end and -d pull at the far one, each at its slot.
+/// @param x  positions
+HMAX_DEVICE inline void spring_forces(const BodyArrays& body, std::int32_t spring, std::int32_t points,
+                                      std::int32_t slots, const double* x, double* f) {
+  const PatchSpring ends = body.ends[spring];
+  const double* const L = body.per_length + spring;
+  const double* const tension = body.tension + spring;
+  const double b = body.cubic;
+  double d[3];
+  for (int i = 0; i < 3; ++i) d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
+  const double pull = b == 0 ? kernel_loops::spring_pull<OneElement, false>(L, tension, b, d)
+                             : kernel_loops::spring_pull<OneElement, true>(L, tension, b, d);
+  for (int i = 0; i < 3; ++i) {
+    d[i] = d[i] * pull;
+    if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = d[i];
+    if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -d[i];
+  }
+}
+
+/// The sum at a point in the order of the processor. @param f  of one component
+HMAX_DEVICE inline double sum_of(const PointSlots& slots, std::int32_t first, const double* f) {
+  double sum = 0, own = 0;
+  for (std::int32_t s = first; s < slots.before; ++s) sum = sum + f[s];
+  for (std::int32_t s = slots.before; s < slots.own; ++s) own = own + f[s];
+  if (slots.own > slots.before) sum = sum + own;
+  for (std::int32_t s = slots.own; s < slots.after; ++s) sum = sum + f[s];
+  return sum;
 }
 
 /// The new q and v of degree of freedom `dof`, that of component i of free point p.
@@ -113,7 +161,7 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_
   const BodyArrays& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
   const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
-                     slots = body.last_slot[to.own - 1] + 1;
+                     slots = body.slots[to.own - 1].after;
   double* const u = shared;
   double* const f = shared + 3 * points;
   block.each(points, [&](std::int32_t p) {
@@ -128,13 +176,22 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_
   block.barrier();
   block.each(to.tet - from.tet,
              [&](std::int32_t n) { tetrahedron_forces(body, from.tet + n, points, slots, u, f); });
+  if (to.spring > from.spring) {
+    block.barrier();
+    block.each(points, [&](std::int32_t p) {
+      const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+      for (int i = 0; i < 3; ++i)
+        u[i * points + p] = body.rest[static_cast<std::int64_t>(i) * body.points + point] + u[i * points + p];
+    });
+    block.barrier();
+    block.each(to.spring - from.spring,
+               [&](std::int32_t n) { spring_forces(body, from.spring + n, points, slots, u, f); });
+  }
   block.barrier();
   block.each(3 * own, [&](std::int32_t n) {
     const std::int32_t i = n / own, p = from.own + n % own;
-    const std::int32_t first = p == from.own ? 0 : body.last_slot[p - 1] + 1;
-    double sum = 0;
-    for (std::int32_t s = first; s <= body.last_slot[p]; ++s) sum = sum + f[i * slots + s];
-    move_point(step, sum, i, p);
+    const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].after;
+    move_point(step, sum_of(body.slots[p], first, f + i * slots), i, p);
   });
 }
 

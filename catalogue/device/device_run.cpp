@@ -35,13 +35,19 @@ class BodyOnDevice {
                       .points = p.points,
                       .free = p.free(),
                       .tets = static_cast<std::int32_t>(p.mu.size()),
+                      .springs = static_cast<std::int32_t>(p.ends.size()),
                       .begin = there(p.begin),
                       .rim = there(p.rim),
                       .corners = there(p.corners),
                       .gradients = there(p.gradients),
                       .half_lambda = there(p.half_lambda),
                       .mu = there(p.mu),
-                      .last_slot = there(p.last_slot),
+                      .ends = there(p.ends),
+                      .per_length = there(p.per_length),
+                      .tension = there(p.tension),
+                      .cubic = p.cubic,
+                      .rest = there(p.rest),
+                      .slots = there(p.slots),
                       .push_slot = there(p.push_slot),
                       .push = there(p.push),
                       .weight = there(p.weight),
@@ -112,9 +118,12 @@ class BodyOnDevice {
   }
 
   /// Operations of the elements of a patch, and bytes of its elements, rims, states and point data.
-  [[nodiscard]] double flops() const { return 210.0 * step_.body.tets + 10.0 * 3 * step_.body.free; }
+  [[nodiscard]] double flops() const {
+    return 210.0 * step_.body.tets + 31.0 * step_.body.springs + 10.0 * 3 * step_.body.free;
+  }
   [[nodiscard]] double bytes() const {
     return static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(double)) * step_.body.tets +
+           static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(double)) * step_.body.springs +
            28.0 * static_cast<double>(patches_.rim.size()) + (3 * 5 + 2) * 8.0 * step_.body.free;
   }
 

@@ -1,7 +1,7 @@
 /// The forces of St. Venant-Kirchhoff tetrahedra: the one source of processors and devices.
 ///
-/// `Lanes` has `V`, a register of tetrahedra side by side or one number, and splat(s), a register of one
-/// number; kernel_loops.hpp says why it is of an unnamed namespace.
+/// `Lanes` has `V`, a register of tetrahedra side by side or one number, load(p) of it, and splat(s), a
+/// register of one number; kernel_loops.hpp says why it is of an unnamed namespace.
 #pragma once
 
 #include "core/instructions/device_code.hpp"
@@ -27,15 +27,17 @@ HMAX_DEVICE inline void displacement_gradient(const V (*U)[3], const V (*g)[3], 
 
 /// V S of the second Piola-Kirchhoff stress S = lambda tr(E) I + 2 mu E, where 2 E = F^T F - I, without the
 /// difference: 2 E_ii = H_ii + (F^T H)_ii.
-/// @param half_lambda, mu  V lambda / 2 and V mu [J]
+/// @param half_lambda, mu_at  where V lambda / 2 and V mu [J] stand
 template <class Lanes, class V>
-HMAX_DEVICE inline void green_stress(const V (*H)[3], const V (*F)[3], V half_lambda, V mu, V (&S)[6]) {
+HMAX_DEVICE inline void green_stress(const V (*H)[3], const V (*F)[3], const double* half_lambda,
+                                     const double* mu_at, V (&S)[6]) {
   const auto product = [&](int i, int j, const V(*B)[3]) {
     return F[0][i] * B[0][j] + F[1][i] * B[1][j] + F[2][i] * B[2][j];
   };
   for (int i = 0; i < 3; ++i) S[i] = H[i][i] + product(i, i, H);
   S[3] = product(0, 1, F), S[4] = product(0, 2, F), S[5] = product(1, 2, F);
-  const V pressure = half_lambda * (S[0] + S[1] + S[2]);
+  const V mu = Lanes::load(mu_at);
+  const V pressure = Lanes::load(half_lambda) * (S[0] + S[1] + S[2]);
   for (int k = 0; k < 6; ++k) S[k] *= mu;
   for (int k = 0; k < 3; ++k) S[k] += pressure;
 }
@@ -43,7 +45,8 @@ HMAX_DEVICE inline void green_stress(const V (*H)[3], const V (*F)[3], V half_la
 /// V F S Bm^T: what the corners 1, 2 and 3 are pulled back with, that of corner a + 1 at pull[a]. The force
 /// at corner 0 is their sum, (1 + 2) + 3.
 template <class Lanes, class V>
-HMAX_DEVICE inline void green_pull(const V (*U)[3], const V (*g)[3], V half_lambda, V mu, V (*pull)[3]) {
+HMAX_DEVICE inline void green_pull(const V (*U)[3], const V (*g)[3], const double* half_lambda,
+                                   const double* mu, V (*pull)[3]) {
   V H[3][3], F[3][3], S[6], P[3][3];
   displacement_gradient<Lanes>(U, g, H);
   for (int i = 0; i < 3; ++i)

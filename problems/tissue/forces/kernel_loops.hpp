@@ -17,6 +17,7 @@
 
 #include "problems/tissue/forces/green_pull.hpp"
 #include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/spring_pull.hpp"
 
 namespace hmax::kernel_loops {
 
@@ -49,7 +50,7 @@ void green_force(const TetBlock* blocks, std::size_t count, const double* u, dou
       const TetBlock& block = blocks[n];
       V U[3][3], g[3][3], pull[3][3];
       load_element<Lanes>(block, lane, u, U, g);
-      green_pull<Lanes>(U, g, Lanes::load(block.half_lambda + lane), Lanes::load(block.mu + lane), pull);
+      green_pull<Lanes>(U, g, block.half_lambda + lane, block.mu + lane, pull);
 
       const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
                                  pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
@@ -141,18 +142,6 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
   }
 }
 
-/// T / l = k L (s + b s^3) / l of some lanes as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d
-/// leads from the near to the far end. Points that coincide have d = 0 and meet no force.
-template <class Lanes, bool cubic, class V>
-inline V spring_pull(const SpringBlock& block, std::size_t lane, V b, const V* d) {
-  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(1e-300));
-  const V per_length = Lanes::load(block.per_length + lane);
-  const V pull = Lanes::load(block.tension + lane) * (per_length - one / now);
-  if constexpr (!cubic) return pull;
-  const V s = now * per_length - one;
-  return pull * (one + b * (s * s));
-}
-
 template <class Lanes, bool cubic>
 void spring_slices(const SpringSlice* slices, std::size_t count, const SpringBlock* blocks,
                    const SpringEnds* ends, double coefficient, const double* x, double* f) {
@@ -171,7 +160,8 @@ void spring_slices(const SpringSlice* slices, std::size_t count, const SpringBlo
         V d[3];
         Lanes::columns(Lanes::rows(x, ends[k].rows + part * width), d);
         for (int i = 0; i < 3; ++i) d[i] -= near[part][i];
-        const V pull = spring_pull<Lanes, cubic>(blocks[k], part * width, b, d);
+        const V pull = spring_pull<Lanes, cubic>(blocks[k].per_length + part * width,
+                                                 blocks[k].tension + part * width, b, d);
         for (int i = 0; i < 3; ++i) d[i] *= pull, sum[part][i] += d[i];
         const typename Lanes::Rows rows = Lanes::back(d[0], d[1], d[2]);
 #pragma GCC unroll 8

@@ -168,6 +168,12 @@ SpringSet::SpringSet(const Eigen::Matrix3Xd& rest, std::vector<Spring> springs, 
   if (cubic_coefficient(law_)) make_slices(static_cast<std::size_t>(rest.cols()));
 }
 
+std::optional<SpringSet::Sliced> SpringSet::sliced() const {
+  const std::optional<double> cubic = cubic_coefficient(law_);
+  if (!cubic) return std::nullopt;
+  return Sliced{slices_, blocks_, ends_, *cubic};
+}
+
 void SpringSet::make_slices(std::size_t points) {
   const ByPoint springs(springs_, points);
   std::vector<std::size_t> order;

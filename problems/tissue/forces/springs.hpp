@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
@@ -108,6 +109,16 @@ class SpringSet {
   [[nodiscard]] const Spring& spring(std::size_t i) const { return springs_[i]; }
   [[nodiscard]] const SpringLaw& law() const { return law_; }
   [[nodiscard]] bool has_dampers() const { return has_dampers_; }
+  /// The springs in the order in which their forces are added up, slice after slice, and b of phi = s + b
+  /// s^3.
+  struct Sliced {
+    std::span<const SpringSlice> slices;
+    std::span<const SpringBlock> blocks;
+    std::span<const SpringEnds> ends;
+    double cubic;
+  };
+  /// Nothing where the law is another one.
+  [[nodiscard]] std::optional<Sliced> sliced() const;
   /// The block of spring i: its stiffness is (B, -B; -B, B).
   [[nodiscard]] Eigen::Matrix3d stiffness(const NodeRows& x, std::size_t i) const;
 

@@ -76,10 +76,14 @@ TetMesh shuffled(const TetMesh& mesh) {
 }
 
 /// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
-Problem uneven_body(double alpha) {
+Problem uneven_body(double alpha, const char* model = "fem_green",
+                    SkinSettings::Kind skin = SkinSettings::Kind::none) {
   const TetMesh mesh = shuffled(tissue_tests::uneven_box());
   TissueSettings settings;
-  settings.model = tissue_model("fem_green");
+  settings.model = tissue_model(model);
+  settings.springs.law = CubicSpring{4};
+  settings.skin.kind = skin;
+  settings.skin.young = 1e5;
   settings.materials = tissue_tests::two_materials();
   settings.alpha = alpha;
   settings.gravity = {0.3, -1, -9.81};
@@ -98,7 +102,15 @@ void expect_same_on_bodies(Device& device) {
   expect_same(device, make_problem("fem_green/press@liver", {.parameters = {{"alpha", 3}}}),
               "velocity_verlet", {.t_end = 0.01234, .h = 1e-4});
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
-    expect_same(device, uneven_body(2.5), method, {.t_end = 0.0203, .h = 3e-4});
+    for (const Problem& body : {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
+                                uneven_body(2.5, "fem_green", SkinSettings::Kind::springs)})
+      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+  for (const auto& [mesh, parameters] :
+       std::vector<std::pair<const char*, Parameters>>{{"mass_spring@liver", {{"g", 9.81}}},
+                                                       {"mass_spring@cube:n=5", {{"g", 9.81}, {"alpha", 2}}},
+                                                       {"mass_spring@ball", {{"g", 9.81}}}})
+    for (const char* method : {"symplectic_euler", "velocity_verlet"})
+      expect_same(device, make_problem(mesh, {.parameters = parameters}), method, spec);
   for (const char* method : {"stormer_verlet", "central_difference"})
     expect_same(device, uneven_body(0), method, {.t_end = 0.0203, .h = 3e-4});
 }
@@ -163,9 +175,9 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
       why(make_problem("fem_green@cube:n=2", {.parameters = {{"alpha", 1}}}), "central_difference", fixed),
       "without damping"));
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"mass_spring@cube:n=2", {}, "other elements"},
+           {"fem_cauchy@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"beta", 0.1}}, "beta"},
-           {"fem_green@cube:n=2", {{"skin", 10}}, "skin"},
+           {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
            {"fem_green/breathing@cube:n=2", {}, "changes"}})
     EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler", fixed), part))
