@@ -126,12 +126,13 @@ class Gpu final : public Device {
     for (std::int64_t n = 0; n < count; ++n) {
       body_steps<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
       std::swap(step.q, step.q_next);
+      std::swap(step.v, step.v_next);
     }
   }
 
   /// A graph of steps, unless it is the one that is there.
   void capture(const BodyStep& step, std::size_t bytes) {
-    if (graph_ && step.q == of_.q && step.move == of_.move && step.h == of_.h && step.half == of_.half &&
+    if (graph_ && step.q == of_.q && step.v == of_.v && step.move == of_.move && step.h == of_.h && step.half == of_.half &&
         step.next_half == of_.next_half && step.body.mass == of_.body.mass)
       return;
     if (graph_) cudaGraphExecDestroy(std::exchange(graph_, nullptr));

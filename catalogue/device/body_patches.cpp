@@ -145,13 +145,14 @@ class Cutter {
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const double mass = body_.point_mass()[points_[p]];
       made_.mass.push_back(mass);
-      made_.drag.push_back(body_.settings().alpha * mass);
+      made_.drag.push_back(body_.settings().beta == 0 ? body_.settings().alpha * mass : 0.0);
       const Eigen::Vector3d weight = body_.heavy_mass()[points_[p]] * body_.settings().gravity;
       for (std::size_t i = 0; i < 3; ++i)
         made_.weight[i * points_.size() + p] = weight[static_cast<Eigen::Index>(i)];
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
     if (springs_.sliced) place_springs();
+    if (body_.settings().beta != 0) place_damping();
     // Displacements of at most a quarter of it differ by less than TissueBody::admits().
     const auto& X = body_.mesh().points;
     made_.watch = 2500 * (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).norm();
@@ -160,6 +161,29 @@ class Cutter {
 
  private:
   using Slots = std::array<std::uint16_t, 4>;
+
+  /// The columns of C = alpha M + beta K0, which are its rows, from those of the body.
+  void place_damping() {
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body_.dofs());
+    TissueBody::DofMatrix C;
+    body_.damping(0, still, still, C);
+    const auto free = static_cast<std::int32_t>(points_.size());
+    std::vector<Eigen::Index> column(points_.size());  // of each point here, that of its x
+    for (std::size_t p = 0; p < points_.size(); ++p)
+      column[static_cast<std::size_t>(made_.order[p])] = 3 * static_cast<Eigen::Index>(p);
+    std::array<std::vector<double>, 3> values;
+    for (const Eigen::Index j : column) {
+      for (Eigen::Index i = 0; i < 3; ++i)
+        for (TissueBody::DofMatrix::InnerIterator entry(C, j + i); entry; ++entry) {
+          values[static_cast<std::size_t>(i)].push_back(entry.value());
+          const auto row = static_cast<std::int32_t>(entry.row());
+          if (i == 0) made_.damped_by.push_back(row % 3 * free + made_.order[at(row / 3)]);
+        }
+      made_.damp_end.push_back(static_cast<std::int32_t>(made_.damped_by.size()));
+    }
+    for (const std::vector<double>& each : values)
+      made_.damping.insert(made_.damping.end(), each.begin(), each.end());
+  }
 
   void place_springs() {
     made_.cubic = springs_.sliced->cubic;
@@ -265,7 +289,6 @@ std::string unsuited_for_patches(const TissueBody& body) {
   if (!springs.empty() && springs.front().has_dampers()) return "has dampers";
   if (!settings.tools.empty()) return "meets a tool";
   if (!settings.elastic_supports.empty()) return "lies on springs";
-  if (settings.beta != 0) return "has damping by its stiffness, beta";
   if (!body.is_autonomous()) return "has a load or a support that changes with time";
   for (const Support& support : settings.supports)
     if (!support.travel.isZero(0)) return "has a support that is moved";

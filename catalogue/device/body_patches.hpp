@@ -28,6 +28,8 @@ struct BodyPatches {
   std::vector<PointSlots> slots;
   std::vector<std::uint16_t> push_slot;
   std::vector<double> push, weight, drag, mass;
+  std::vector<std::int32_t> damped_by, damp_end;
+  std::vector<double> damping;
   double watch = 0;
   std::int32_t points = 0;
   std::vector<std::int32_t> order;  ///< of each free point of the body: its number here

@@ -54,7 +54,11 @@ struct BodyArrays {
   const std::uint16_t* push_slot;      ///< slots of steady forces
   const double* push;                  ///< these [N], x, y, z
   const double *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
-  double watch;                        ///< a larger displacement [m] is told
+  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
+  const double* damping;               ///< of its three dofs [kg/s], shape (3, damps)
+  const std::int32_t* damp_end;        ///< the end of these, of each free point
+  std::int32_t damps;
+  double watch;  ///< a larger displacement [m] is told
 };
 
 /// What becomes of the accelerations.
@@ -65,12 +69,13 @@ enum class Move : std::int32_t {
   kick               ///< v += h/2 a: the end of a step; they are kept
 };
 
-/// One step, from the displacements `q` to `q_next`, shape (3, points), in place for v and a, (3, free).
+/// One step, from the displacements `q` to `q_next`, shape (3, points), and from `v` to `v_next`, (3, free);
+/// a is as v.
 struct BodyStep {
   BodyArrays body;
   Move move;
   double h, half, next_half;  ///< the step, its half, and half of the one that a kick_drift begins
-  double *q, *q_next, *v, *a;
+  double *q, *q_next, *v, *v_next, *a;
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
 };
@@ -136,12 +141,23 @@ HMAX_DEVICE inline double sum_of(const PointSlots& slots, std::int32_t first, co
   return sum;
 }
 
+/// What all velocities damp degree of freedom i of free point p with, in the order of the processor [N].
+HMAX_DEVICE inline double damping_of(const BodyStep& step, std::int32_t i, std::int32_t p) {
+  const BodyArrays& body = step.body;
+  double sum = 0;
+  for (std::int32_t n = p == 0 ? 0 : body.damp_end[p - 1]; n < body.damp_end[p]; ++n)
+    sum = sum + step.v[body.damped_by[n]] * body.damping[static_cast<std::int64_t>(i) * body.damps + n];
+  return sum;
+}
+
 /// The new q and v of degree of freedom `dof`, that of component i of free point p.
 HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
                      at = static_cast<std::int64_t>(i) * step.body.points + p;
   double q = step.q[at], v = step.v[dof];
-  const double a = ((force + step.body.weight[dof]) - step.body.drag[p] * v) / step.body.mass[p];
+  double all = (force + step.body.weight[dof]) - step.body.drag[p] * v;
+  if (step.body.damps > 0) all = all - damping_of(step, i, p);
+  const double a = all / step.body.mass[p];
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) v = v + step.half * a;
   if (step.move == Move::kick_drift) v = v + step.next_half * a, q = q + step.h * v;
@@ -149,7 +165,7 @@ HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int3
   const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= 1e100)) *step.left = 1;
   step.q_next[at] = q;
-  step.v[dof] = v;
+  step.v_next[dof] = v;
 }
 
 /// The step of one patch.

@@ -36,7 +36,7 @@ class Device {
   virtual void read(void* to, const void* from, std::size_t bytes) = 0;
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
 
-  /// `count` steps; q and q_next change places after each.
+  /// `count` steps; q and q_next, v and v_next change places after each.
   /// @param shared  doubles that a block shares, see shared_doubles()
   virtual void run(const BodyStep& step, std::size_t shared, std::int64_t count) = 0;
   /// first_kick_drift() of all degrees of freedom.

@@ -24,6 +24,8 @@ bool kicks(const Method& method) {
   return method.id == "velocity_verlet" || method.id == "stormer_verlet" || method.id == "central_difference";
 }
 
+bool is_damped(const TissueSettings& settings) { return settings.alpha != 0 || settings.beta != 0; }
+
 /// A body and its state in the memory of a device.
 class BodyOnDevice {
  public:
@@ -53,6 +55,10 @@ class BodyOnDevice {
                       .weight = there(p.weight),
                       .drag = there(p.drag),
                       .mass = there(p.mass),
+                      .damped_by = there(p.damped_by),
+                      .damping = there(p.damping),
+                      .damp_end = there(p.damp_end),
+                      .damps = static_cast<std::int32_t>(p.damped_by.size()),
                       .watch = p.watch},
              .move = Move::start,
              .h = 0,
@@ -61,6 +67,7 @@ class BodyOnDevice {
              .q = numbers(q),
              .q_next = numbers(q),
              .v = numbers(velocities()),
+             .v_next = numbers(velocities()),
              .a = numbers(velocities()),
              .left = static_cast<std::int32_t*>(device.allocate(sizeof(std::int32_t)))};
     kept_ = {numbers(q), numbers(velocities()), numbers(velocities())};
@@ -119,12 +126,14 @@ class BodyOnDevice {
 
   /// Operations of the elements of a patch, and bytes of its elements, rims, states and point data.
   [[nodiscard]] double flops() const {
-    return 210.0 * step_.body.tets + 31.0 * step_.body.springs + 10.0 * 3 * step_.body.free;
+    return 210.0 * step_.body.tets + 31.0 * step_.body.springs + 10.0 * 3 * step_.body.free +
+           6.0 * step_.body.damps;
   }
   [[nodiscard]] double bytes() const {
     return static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(double)) * step_.body.tets +
            static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(double)) * step_.body.springs +
-           28.0 * static_cast<double>(patches_.rim.size()) + (3 * 5 + 2) * 8.0 * step_.body.free;
+           28.0 * step_.body.damps + 28.0 * static_cast<double>(patches_.rim.size()) +
+           (3 * 5 + 2) * 8.0 * step_.body.free;
   }
 
  private:
@@ -154,7 +163,9 @@ class BodyOnDevice {
     step_.move = move;
     step_.h = h;
     device_.run(step_, patches_.shared, count);
-    if (count % 2 == 1) std::swap(step_.q, step_.q_next);
+    if (count % 2 == 0) return;
+    std::swap(step_.q, step_.q_next);
+    std::swap(step_.v, step_.v_next);
   }
 
   Device& device_;
@@ -194,7 +205,7 @@ std::string unsuited_for_device(const Problem& problem, const Method& method, co
     return fmt::format(
         "--device gpu does not run {}; take symplectic_euler, velocity_verlet, stormer_verlet or central_difference",
         method.id);
-  if (method.id != "velocity_verlet" && kicks(method) && problem.body->settings().alpha != 0)
+  if (method.id != "velocity_verlet" && kicks(method) && is_damped(problem.body->settings()))
     return fmt::format("--device gpu runs {} without damping; take velocity_verlet or symplectic_euler",
                        method.id);
   const std::string why = unsuited_for_patches(*problem.body);

@@ -43,6 +43,7 @@ void HostDevice::run(const BodyStep& step, std::size_t shared, std::int64_t coun
       body_step(HostBlock{backwards_}, now, patch, memory.data());
     });
     std::swap(now.q, now.q_next);
+    std::swap(now.v, now.v_next);
   }
 }
 
