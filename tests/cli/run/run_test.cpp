@@ -46,6 +46,9 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
     EXPECT_GT(on_gpu.at("device_seconds"), 0);
   } else {
     expect_refused(told, "leave out --device");
+    const Told check = shell.line("'" HMAX_SOURCE_DIR "/scripts/gpu-check' '" HMAX_PROGRAM "'");
+    EXPECT_EQ(check.exit_code, 77);
+    EXPECT_TRUE(says(check.err, "gpu-check: skipped: "));
   }
   EXPECT_EQ(shell.json(body + " --json --full --device cpu").count("device"), 0U);
   expect_refused(shell.hmax(body + " --device tpu"), "--device");
