@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/explicit/tableau_claims.hpp"
+#include "tests/integrators/methods.hpp"
 
 namespace hmax {
 namespace {
@@ -23,22 +24,9 @@ using tableaux::DormandPrince54;
 using tableaux::Fehlberg78;
 using tableaux::Tsitouras54;
 
-template <class Tuple>
-struct AsTypes;
-template <class... Methods>
-struct AsTypes<std::tuple<Methods...>> {
-  using Types = ::testing::Types<Methods...>;
-};
-struct NamedById {
-  template <class Method>
-  static std::string GetName(int) {
-    return std::string(Method::id);
-  }
-};
-
 template <class Method>
 class EveryTableau : public ::testing::Test {};
-TYPED_TEST_SUITE(EveryTableau, AsTypes<tableaux::All>::Types, NamedById);
+TYPED_TEST_SUITE(EveryTableau, EveryMethod, MethodId);
 
 template <std::size_t S>
 using Row = std::array<long double, S>;
@@ -84,24 +72,6 @@ void expect_coefficients(const std::vector<long double>& found, const std::vecto
     EXPECT_NEAR(static_cast<double>(found[k]), static_cast<double>(k < expected.size() ? expected[k] : 0),
                 1e-16)
         << "coefficient of z^" << k;
-}
-
-TYPED_TEST(EveryTableau, IntegratesPowersOfTimeExactlyUpToItsOrder) {
-  // Bushy trees: sum_i b_i c_i^(q-1) = 1/q, quadrature with the nodes themselves and not the row sums.
-  for (int q = 1; q <= TypeParam::order; ++q)
-    EXPECT_NEAR(static_cast<double>(dot(TypeParam::tableau.b, powers(TypeParam::tableau.c, q - 1))), 1.0 / q,
-                1e-15);
-}
-
-TYPED_TEST(EveryTableau, StabilityFunctionFollowsTheExponentialUpToItsOrderAndNoFurther) {
-  // Tall trees. Beyond the order nothing is promised; a method of s = p stages has no further terms.
-  const auto coefficients = stability_polynomial(TypeParam::tableau);
-  long double factorial = 1;
-  for (int k = 1; k <= TypeParam::order; ++k) {
-    factorial *= k;
-    EXPECT_NEAR(static_cast<double>(coefficients[static_cast<std::size_t>(k)]),
-                static_cast<double>(1 / factorial), 1e-15);
-  }
 }
 
 TYPED_TEST(EveryTableau, SatisfiesConditionsOfMixedTreesWrittenOutByHand) {
@@ -250,7 +220,7 @@ TEST(Tsitouras54, InterpolatesByThePublishedWeights) {
 template <class Method>
 class EveryInterpolant : public ::testing::Test {};
 using Interpolated = ::testing::Types<BogackiShampine32, DormandPrince54, Tsitouras54, Dop853>;
-TYPED_TEST_SUITE(EveryInterpolant, Interpolated, NamedById);
+TYPED_TEST_SUITE(EveryInterpolant, Interpolated, MethodId);
 
 TYPED_TEST(EveryInterpolant, IsExactOnPowersOfTimeAllAlongTheStep) {
   constexpr auto all = extended(TypeParam::tableau, TypeParam::interpolant);
