@@ -162,18 +162,6 @@ TEST(Static, HasTheKeysOfTheContract) {
   EXPECT_LE(found.at("residuals").back().get<double>(), 1e-9);
 }
 
-TEST(Static, FindsOneEquilibriumBySeveralWays) {
-  const auto displacement = [](const std::string& how) {
-    const Json found = Shell{}.json("static --mesh phantom --load press " + how);
-    EXPECT_EQ(found.at("outcome"), "converged") << how;
-    return found.at("max_displacement").get<double>();
-  };
-  const double newton = displacement("");
-  for (const char* how : {"--solver modified_newton", "--linear sor", "--linear cg",
-                          "--solver modified_newton --linear sor", "--load-steps 4"})
-    EXPECT_NEAR(displacement(how), newton, 1e-6 * newton) << how;
-}
-
 TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --json");
   EXPECT_EQ(told.exit_code, 1);
@@ -255,15 +243,6 @@ TEST(Static, KeepsToLoadStepsAndIterationsWithATool) {
   EXPECT_EQ(stopped.exit_code, 1);
   EXPECT_TRUE(says(stopped.json().at("status").get<std::string>(), "more iterations"));
   EXPECT_LT(Shell{}.json(tool + "--load-steps 5").at("iterations"), Shell{}.json(tool).at("iterations"));
-}
-
-TEST(Static, WithoutALoadIsRest) {
-  for (const char* nothing : {"--mesh cube:n=8 --set g=0", "--mesh cube:n=4 --load press --set force=0"}) {
-    const Json found = Shell{}.json(std::string("static ") + nothing);
-    EXPECT_EQ(found.at("outcome"), "converged") << nothing;
-    EXPECT_EQ(found.at("max_displacement"), 0) << nothing;
-    EXPECT_EQ(found.at("status"), "") << nothing;
-  }
 }
 
 TEST(Static, HasTheEnergyOfTheLoadThatActs) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
+#include <numbers>
 
 #include "tests/cli/program.hpp"
 
@@ -20,24 +21,6 @@ std::vector<std::string> types_of(const Json& document) {
   return types;
 }
 using Types = std::vector<std::string>;
-
-TEST(Phase, ClassifiesThePublishedDampings) {
-  const Shell shell;
-  for (const auto& [c, type] :
-       {std::pair{"-0.2", "unstable_focus"}, {"0", "centre"}, {"2", "stable_focus"}, {"10", "stable_node"}}) {
-    const Json document = phase(shell, std::string("liver_cubic --set c=") + c);
-    EXPECT_EQ(types_of(document), Types{type}) << c;
-    const Json& e = document.at("equilibria")[0];
-    EXPECT_EQ(e.at("x"), 0);
-    EXPECT_EQ(e.at("v"), 0);
-    ASSERT_EQ(e.at("eigenvalues").size(), 2U);
-    for (const Json& pair : e.at("eigenvalues")) {
-      // 1.45 lambda^2 + c lambda + 0.7 = 0
-      const std::complex<double> lambda(pair[0], pair[1]);
-      EXPECT_LT(std::abs(1.45 * lambda * lambda + std::stod(c) * lambda + 0.7), 1e-13) << c;
-    }
-  }
-}
 
 TEST(Phase, FindsTheDoubleWellAndSaysWhereItLooked) {
   const Json document = phase(Shell(), "liver_cubic --set k1=-1 --set c=0.3");
@@ -144,34 +127,11 @@ TEST(Phase, RefusesWhatItCannotShow) {
   EXPECT_EQ(shell.hmax("phase --problem roots.toml --window -1,1,-1,1").exit_code, 0);
 }
 
-/// z' = -z makes a plane of the line of y' = y (1 - y).
-void write_logistic(const Shell& shell) {
-  write_text(shell / "logistic.toml",
-             "[equations]\ny = \"y*(1-y)\"\nz = \"-z\"\n[initial]\ny = 0.5\nz = 0.5\n");
-}
-
-TEST(Phase, TheMidpointRuleRestsWhereTheLogisticEquationDoesNot) {
-  const Shell shell;
-  write_logistic(shell);
-  const double h = 1.5;
-  const Json document = phase(shell, "logistic.toml --window -1,3,-1,1 --method rk2_midpoint --h 1.5");
-  EXPECT_EQ(document.at("method"), "rk2_midpoint");
-  EXPECT_EQ(document.at("h"), h);
-  ASSERT_EQ(document.at("fixed_points").size(), 4U);
-  const double expected[] = {0, 1, 2 / h, 1 + 2 / h};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Json& point = document.at("fixed_points")[i];
-    EXPECT_NEAR(point.at("x").get<double>(), expected[i], 1e-11);
-    EXPECT_EQ(point.at("v"), 0);
-    EXPECT_EQ(point.at("spurious"), i >= 2);
-    EXPECT_EQ(point.at("multipliers").size(), 2U);
-  }
-  EXPECT_EQ(types_of(document), (Types{"saddle", "stable_node"}));
-}
-
 TEST(Phase, EulersRuleGoesToAndFroBeyondItsLimit) {
   const Shell shell;
-  write_logistic(shell);
+  // z' = -z makes a plane of the line of y' = y (1 - y).
+  write_text(shell / "logistic.toml",
+             "[equations]\ny = \"y*(1-y)\"\nz = \"-z\"\n[initial]\ny = 0.5\nz = 0.5\n");
   const auto at = [&](const std::string& h) {
     return phase(shell, "logistic.toml --window -1,3,-1,1 --method explicit_euler --h " + h);
   };
@@ -187,26 +147,17 @@ TEST(Phase, EulersRuleGoesToAndFroBeyondItsLimit) {
               std::min(std::abs(5 - h * h), (1 - h) * (1 - h)), 1e-9);
 }
 
-/// Symmetric points with Phi(x, 0) = (-x, 0): x + h^2/2 a(x) = -x, so k1 + k3 x^2 = 4 m / h^2.
-TEST(Phase, VerletsRuleGoesToAndFroOnTheUndampedCubicSpring) {
-  const Json document =
-      phase(Shell(), "liver_cubic --set c=0 --method stormer_verlet --h 2.5 --window -1.5,1.5,-1.5,1.5");
-  const double x = std::sqrt((4 * 1.45 / 6.25 - 0.7) / 0.8);
-  bool found = false;
-  for (const Json& pair : document.at("period_two"))
-    found = found || (std::abs(pair[0][0].get<double>() + x) < 1e-11 &&
-                      std::abs(pair[1][0].get<double>() - x) < 1e-11 && pair[0][1] == 0);
-  EXPECT_TRUE(found) << document.at("period_two");
-  EXPECT_EQ(document.at("fixed_points")[0].at("type"), "centre");
-}
-
 TEST(Phase, ShowsWhatRungeAndKuttaAddToTheLiver) {
   const Shell shell;
   const Json document =
       phase(shell, "liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 --output figure");
+  EXPECT_EQ(document.at("method"), "rk4");
+  EXPECT_EQ(document.at("h"), 2);
   EXPECT_EQ(document.at("fixed_points").size(), 5U);
-  for (const Json& point : document.at("fixed_points"))
+  for (const Json& point : document.at("fixed_points")) {
     EXPECT_EQ(point.at("spurious"), std::abs(point.at("x").get<double>()) > 0.1);
+    EXPECT_EQ(point.at("multipliers").size(), 2U);
+  }
   const std::string script = read_text(shell / "figure/map.gp");
   EXPECT_TRUE(says(script, "made by the method"));
   EXPECT_TRUE(says(script, "The method adds places of rest that the equation does not have"));
@@ -235,23 +186,6 @@ TEST(Phase, RefusesStepsThatAreNoMap) {
 
 const std::string ueda = "liver_forced --set m=1 --set c=0.05 --set k1=0 --set k3=1 --set w=1 ";
 
-/// x = Re(Z e^{i w t}) with Z = P / (k1 - m w^2 + i c w).
-TEST(Phase, SeesALinearLiverAtOnePointOfItsSteadyState) {
-  const Json document = phase(Shell(), "liver_forced --set k3=0 --set c=1 --poincare --periods 40 --skip 60");
-  const std::complex<double> Z = 0.5 / std::complex<double>(0.7 - 1.45 * 0.25, 0.5);
-  EXPECT_NEAR(document.at("drive_period").get<double>(), 4 * std::acos(-1), 1e-14);
-  ASSERT_EQ(document.at("section").size(), 40U);
-  for (const Json& y : document.at("section")) {
-    EXPECT_NEAR(y[0].get<double>(), Z.real(), 1e-9);
-    EXPECT_NEAR(y[1].get<double>(), -0.5 * Z.imag(), 1e-9);
-  }
-  EXPECT_EQ(document.at("period"), 1);
-  ASSERT_EQ(document.at("periodic").size(), 1U);
-  EXPECT_EQ(document.at("periodic")[0].at("type"), "stable_focus");
-  EXPECT_NEAR(document.at("lyapunov").get<double>(), -1 / 2.9, document.at("lyapunov_error").get<double>());
-  EXPECT_LT(document.at("lyapunov_error"), 0.01);
-}
-
 TEST(Phase, TellsChaosFromRepetition) {
   const Shell shell;
   const Json chaos = phase(shell, ueda + "--set P=7.5 --poincare --periods 1000 --output figure");
@@ -259,6 +193,7 @@ TEST(Phase, TellsChaosFromRepetition) {
   EXPECT_GT(chaos.at("lyapunov").get<double>(), 0.08);
   for (const Json& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
   EXPECT_EQ(chaos.at("settling"), "chaotic");
+  EXPECT_NEAR(chaos.at("drive_period").get<double>(), 2 * std::numbers::pi, 1e-14);
   EXPECT_EQ(chaos.at("figure"), "figure/poincare.svg");
   EXPECT_EQ(phase(shell, ueda + "--set P=5.75 --poincare --periods 100 --output three").at("period"), 3);
   // The way of a motion that repeats is drawn as a line, that of chaos is not.
@@ -278,20 +213,16 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
   EXPECT_EQ(chaos.at("periodic")[1].at("index"), -1);
   EXPECT_EQ(chaos.at("search").at("index_sum"), 1);
   EXPECT_EQ(chaos.at("search").at("degree"), 1);
-  EXPECT_NEAR(chaos.at("lyapunov").get<double>(), 0.1031, chaos.at("lyapunov_error").get<double>() + 4e-4);
-  EXPECT_EQ(found("--set c=0.1 --set k1=1 --set P=1 --set w=2").at("periodic").size(), 3U);
   const std::string wells = "--set c=0.25 --set k1=-1 --set w=1 ";
-  for (const auto& [P, count] : {std::pair{"0.1", 3U}, {"0.2", 7U}, {"0.4", 3U}})
-    EXPECT_EQ(found(wells + "--set P=" + P).at("periodic").size(), count) << P;
+  EXPECT_EQ(found(wells + "--set P=0.2").at("periodic").size(), 7U);
   // Around one of the wells alone.
   const Json part = found(wells + "--set P=0.1 --window 0.5,1.5,-0.5,0.5");
   EXPECT_EQ(part.at("periodic").size(), 1U);
   EXPECT_EQ(part.at("search").at("window"), Json({0.5, 1.5, -0.5, 0.5}));
   // Without force and damping every motion of the linear spring has its period.
-  const Json all = phase(shell,
-                         "liver_forced --poincare --periods 20 --set c=0 --set k3=0 --set k1=1 --set m=1 "
-                         "--set P=0 --period 6.283185307179586");
-  EXPECT_TRUE(all.at("search").at("cut_short"));
+  EXPECT_TRUE(found("--set c=0 --set k3=0 --set k1=1 --set P=0 --period 6.283185307179586")
+                  .at("search")
+                  .at("cut_short"));
 }
 
 /// Steps of order 8 that are short enough show what adaptive ones show; long ones of order 1 do not.

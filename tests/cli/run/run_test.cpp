@@ -11,14 +11,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(Run, AgreesWithTheEndStateOfAnotherEngine) {
-  const Json told =
-      Shell().json("run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10");
-  // docs/reference/facts.md: a Taylor series in arithmetic of 128 bits.
-  EXPECT_NEAR(told.at("y")[0].get<double>(), -3.3690941329057441755e-01, 1e-11);
-  EXPECT_NEAR(told.at("y")[1].get<double>(), 1.5203434594206605961e-01, 1e-11);
-}
-
 TEST(Run, HasDivergedWhereItsStateIsNoneOfTheProblem) {
   const Told body = Shell().hmax(
       "run --mesh phantom --model fem_cauchy --load press --method symplectic_euler --h 0.01 --t-end 3 --json");
@@ -364,18 +356,6 @@ TEST(Run, CountsNewtonIterationsOfTheMethodsWhoseLimitItTakes) {
         std::string("run --problem liver_forced --h 0.1 --t-end 1 --json --method ") + method;
     const bool counts = shell.hmax(run).json().at("stats").at("newton") > 0;
     EXPECT_EQ(shell.hmax(run + " --newton-iterations 20").exit_code, counts ? 0 : 2) << method;
-  }
-}
-
-/// x' = sin(2 pi t) - x from rest: x(10) in closed form. A method that looks at whole seconds sees nothing.
-TEST(Run, SeesAForceThatBeginsAndEndsAtZero) {
-  const Shell shell;
-  write_text(shell / "seconds.toml",
-             "[problem]\nt_end = 100\n[equations]\nx = \"sin(2*pi*t) - x\"\n[initial]\nx = 0\n");
-  for (const char* method : {"ode113", "ode23t", "sdirk_4", "radau_iia_5", "ode45"}) {
-    const Json told = shell.json(
-        std::string("run --problem seconds.toml --rtol 1e-6 --atol 1e-9 --t-end 10 --method ") + method);
-    EXPECT_NEAR(told.at("y")[0].get<double>(), -0.15521604901698566, 1e-5) << method;
   }
 }
 

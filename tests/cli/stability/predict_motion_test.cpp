@@ -77,17 +77,6 @@ TEST(PredictOfMatrices, TakesNegativeStiffnessWithinTheirDigitsForARigidMotion) 
   EXPECT_FALSE(says(told.err, "negative stiffness"));
 }
 
-TEST(PredictOfMatrices, SaysHowFastAModelGrowsBesideTheLimitOfTheOthers) {
-  const Shell shell;
-  std::ofstream(shell / "J.mtx")
-      << "%%MatrixMarket matrix coordinate real general\n3 3 3\n1 1 0.001\n2 2 -14000\n3 3 -1\n";
-  const Json row = shell.json("stability predict --matrices jacobian=J.mtx --methods rk4").at("rows").at(0);
-  EXPECT_NEAR(row.at("h_max").get<double>(), 2.785293563 / 14000, 1e-11);
-  EXPECT_NEAR(row.at("growth").at("doubling_time").get<double>(), 693.147, 1e-2);
-  EXPECT_TRUE(says(shell.hmax("stability predict --matrices jacobian=J.mtx --methods rk4").out,
-                   "doubling in 693.1 s"));
-}
-
 TEST(PredictOfBodies, CentralDifferenceHasALimitAlongTheMotionWithMassDamping) {
   // Damping alpha M is diagonal: nothing is taken apart, and Newmark's form of the same method has the same
   // limit.

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tests/analysis/amplification/published_limits.hpp"
 #include "tests/cli/program.hpp"
 
 namespace hmax {
@@ -24,29 +23,6 @@ Json stability(const std::string& options) {
 /// The keys of a contract with programs.
 void expect_keys(const Json& document, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) EXPECT_TRUE(document.contains(key)) << key << " in " << document.dump();
-}
-
-TEST(StabilityLimits, AreThoseOfTheFactsInOneCall) {
-  std::string names;
-  for (const PublishedLimit& fact : published_limits)
-    names += (names.empty() ? "" : ",") + std::string(fact.method);
-  const Json rows = stability("limits --method " + names);
-  ASSERT_EQ(rows.size(), std::size(published_limits));
-  const auto expect_number = [](const Json& found, double expected, double tolerance, const char* method) {
-    if (std::isnan(expected)) return;
-    if (std::isinf(expected))
-      EXPECT_EQ(found, "unbounded") << method;
-    else
-      EXPECT_NEAR(found.get<double>(), expected, tolerance) << method;
-  };
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const PublishedLimit& fact = published_limits[i];
-    EXPECT_EQ(rows[i].at("method"), fact.method);
-    EXPECT_EQ(rows[i].at("real").is_null(), std::isnan(fact.real)) << fact.method;
-    expect_number(rows[i].at("real"), fact.real, 1e-9, fact.method);
-    expect_number(rows[i].at("imaginary"), fact.imaginary, 1e-9, fact.method);
-    expect_number(rows[i].at("imaginary_weak"), fact.weak, 1e-4, fact.method);
-  }
 }
 
 TEST(StabilityLimits, HaveTheKeysOfTheContract) {
@@ -77,29 +53,6 @@ TEST(StabilityLimits, HaveTheKeysOfTheContract) {
   }
   EXPECT_NEAR(motion[0].at("imaginary").get<double>(), 2, 1e-9);
   EXPECT_NEAR(motion[1].at("imaginary").get<double>(), std::sqrt(12.0), 1e-9);
-}
-
-TEST(StabilityRegion, IsClosedCurvesThroughTheLimitsOfTheAxes) {
-  const Json region = stability("region --method rk4");
-  expect_keys(region, {"method", "curves"});
-  ASSERT_EQ(region.at("curves").size(), 1U);
-  const Json& curve = region.at("curves")[0];
-  ASSERT_GT(curve.size(), 100U);
-  EXPECT_EQ(curve.front(), curve.back());
-  double leftmost = 0;
-  for (const Json& point : curve) {
-    ASSERT_EQ(point.size(), 2U);
-    const double re = point[0];
-    if (std::abs(point[1].get<double>()) < 0.02) leftmost = std::min(leftmost, re);
-  }
-  EXPECT_NEAR(leftmost, -2.785293563405, 1e-3);
-}
-
-TEST(StabilityRegion, IsWrittenAsATable) {
-  const Shell shell;
-  shell.text("stability region --method rk4 --output region.csv");
-  const std::string csv = read_text(shell / "region.csv");
-  EXPECT_EQ(csv.rfind("method,curve,re,im\nrk4,0,", 0), 0U) << csv.substr(0, 60);
 }
 
 TEST(StabilityRegion, BesideAStiffPartIsACircleForImplicitExplicitEuler) {
@@ -182,21 +135,6 @@ TEST(StabilityPredict, TellsBothRatesAndTheNaturalFrequencyOfAnOverdampedMode) {
   const Json alone = stability("predict --problem dahlquist --methods rk4").at("rows")[0].at("limiting");
   EXPECT_TRUE(alone.at("omega").is_null() && alone.at("zeta").is_null()) << alone;
   EXPECT_TRUE(alone.contains("status") && !alone.contains("rates")) << alone;
-}
-
-TEST(StabilityPredict, OfExplicitEulerIsTheClosedFormOfTheLinearModel) {
-  // m 1.45: underdamped h = c / k; overdamped 4 m / (c + sqrt(c^2 - 4 k m)).
-  struct Case {
-    const char* set;
-    double h;
-  };
-  for (const auto& [set, h] : {Case{"--set c=2 --set k1=0.7", 2.857142857142857},
-                               {"--set c=10 --set k1=0.7", 5.8 / (10 + std::sqrt(100 - 4 * 0.7 * 1.45))},
-                               {"--set c=0.1 --set k1=5.3", 0.1 / 5.3}}) {
-    const Json row = stability(std::string("predict --problem liver_linear --methods explicit_euler ") + set)
-                         .at("rows")[0];
-    EXPECT_NEAR(row.at("h_max").get<double>(), h, 1e-12 * h) << set;
-  }
 }
 
 TEST(StabilityMap, IsOfABodyOnAMeshAsWell) {
