@@ -53,7 +53,7 @@ hmax_optional(SUNDIALS HMAX_HAVE_SUNDIALS "${SUNDIALS_VERSION}" libsundials-dev 
 
 find_package(Spectra 1.0 QUIET)
 set(HMAX_HAVE_SPECTRA ${Spectra_FOUND})
-hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "extreme eigenvalues of Jacobians of more than 4000 unknowns that are not symmetric")
+hmax_optional(Spectra HMAX_HAVE_SPECTRA "${Spectra_VERSION}" libspectra-dev "a reference of the micro-benchmarks")
 
 include(CheckCXXSymbolExists)
 find_path(HMAX_METIS_INCLUDE metis.h)

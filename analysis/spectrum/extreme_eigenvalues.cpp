@@ -8,11 +8,7 @@
 #include <Eigen/SparseCore>
 #include <fmt/format.h>
 
-#if HMAX_HAVE_SPECTRA
-#include <Spectra/GenEigsSolver.h>
-#include <Spectra/MatOp/SparseGenMatProd.h>
-#endif
-
+#include "analysis/spectrum/arnoldi.hpp"
 #include "analysis/spectrum/davidson.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "analysis/spectrum/scaled_matrices.hpp"
@@ -31,7 +27,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 // Residuals over eigenvalues.
-constexpr double tolerance = 1e-10;
+constexpr double most_residual = 1e-10;
 /// How far beyond an end of the spectrum a shifted matrix is regular, relative to a bound.
 constexpr double outside = 1e-8;
 
@@ -42,19 +38,11 @@ void require_sensible(Index n, Index count) {
         fmt::format("{} eigenvalues of {} unknowns were asked for; ask for 1 to {}", count, n, n));
 }
 
-/// Whether dense methods are to be used for a Jacobian.
+/// Whether all eigenvalues are computed: the iterations need room beside what they look for.
 /// @throws InputError  when the question has no answer
 bool goes_dense(Index n, Index count, Index dense_to) {
   require_sensible(n, count);
-  // The iterations need room beside what they look for.
-  if (n <= dense_to || count + 3 > n) return true;
-  if (has_krylov()) return false;
-  if (n > most_dense_rows)
-    throw InputError(
-        fmt::format("the extreme eigenvalues of a Jacobian of {} unknowns need Spectra: install the Debian "
-                    "package libspectra-dev and build again, or take at most {} unknowns",
-                    n, most_dense_rows));
-  return true;
+  return n <= dense_to || count + 3 > n;
 }
 
 /// All eigenvalues by the QR algorithm, 25 n^3 operations, of which count + 1 are kept.
@@ -191,7 +179,7 @@ ExtremeStiffnesses nearest_stiffnesses(const Scaled& scaled, Index count, double
   if (!factor.factor(shifted)) return result;
   result.negative = std::ranges::count_if(factor.pivots(), [](double pivot) { return pivot < 0; });
   const SymmetricOperator inverse = [&](const VectorXd& x, VectorXd& y) { scaled.solve(factor, x, y); };
-  const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, tolerance);
+  const LanczosPairs pairs = first_eigenpairs(inverse, n, count, Rank::largest_modulus, most_residual);
   const MassScaledProduct product = scaled.product();
   VectorXd image(n);
   result.converged = pairs.converged;
@@ -219,7 +207,7 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   if (!scaled.mass.is_diagonal()) {
     const PencilPairs pairs =
         largest_pencil_eigenpairs([&](const VectorXd& x, VectorXd& y) { rows.unscaled()(x, y); },
-                                  *scaled.mass.coupled(), count, tolerance, n > most_factored ? 5000 : 1000);
+                                  *scaled.mass.coupled(), count, most_residual, n > most_factored ? 5000 : 1000);
     if (pairs.converged || n > most_factored)
       return {.kappa = pairs.values, .shapes = pairs.vectors, .converged = pairs.converged};
     // Just beyond the best value, which bounds the spectrum where every pivot is negative.
@@ -232,21 +220,19 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   if (count == 1) {
     // Large meshes have no factor to fall back on, so they may iterate longer.
     const LanczosPair pair = largest_eigenpair(product, n,
-                                               {.tolerance = tolerance,
+                                               {.tolerance = most_residual,
                                                 .most_products = n > most_factored ? 5000 : 600,
                                                 .with_vector = with_shapes});
     result = {.kappa = {pair.value}, .converged = pair.converged};
     if (with_shapes) result.shapes = scaled.mass.root_solve(pair.vector);
   } else {
-    const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, tolerance);
+    const LanczosPairs pairs = first_eigenpairs(product, n, count, Rank::largest, most_residual);
     result = {
         .kappa = pairs.values, .shapes = scaled.mass.root_solve(pairs.vectors), .converged = pairs.converged};
   }
   return result.converged || n > most_factored ? result
                                                : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
 }
-
-#if HMAX_HAVE_SPECTRA
 
 /// Powers of two that bring row and column i of D^-1 J D to about one size, shape (n): positions and
 /// velocities for instance have none in common, and iterations see a matrix as far from normal as its units
@@ -272,58 +258,46 @@ VectorXd balance(const Sparse& J) {
   return log_d.unaryExpr([](double value) { return std::exp2(std::round(value)); });
 }
 
-/// Vectors kept between restarts: more than are wanted, so that neighbours of the last one do not hold it up.
-Index krylov_dimension(Index n, Index count) { return std::min(n, std::max<Index>(2 * count + 20, 60)); }
-
-/// Restarted Arnoldi iteration on D^-1 J D, whose eigenvalues are those of J. One value more than asked
-/// for, so that trim() sees a conjugate.
+/// Arnoldi iteration on D^-1 J D, whose eigenvalues are those of J. One value more than asked for, so that
+/// trim() sees a conjugate.
 LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index restarts) {
   const VectorXd d = balance(J);
   const Sparse balanced = d.cwiseInverse().asDiagonal() * J * d.asDiagonal();
-  Spectra::SparseGenMatProd<double> product(balanced);
-  Spectra::GenEigsSolver<Spectra::SparseGenMatProd<double>> solver(product, count + 1,
-                                                                   krylov_dimension(J.rows(), count + 1));
-  const VectorXd start = start_vector(J.rows());
-  solver.init(start.data());
-  solver.compute(Spectra::SortRule::LargestMagn, restarts, tolerance, Spectra::SortRule::LargestMagn);
-  const bool converged = solver.info() == Spectra::CompInfo::Successful;
-  const Eigen::VectorXcd lambda = solver.eigenvalues();
-  LargestEigenvalues result{.lambda = {lambda.begin(), lambda.end()},
-                            // D^-1 J D u = lambda u, so J (D u) = lambda (D u).
-                            .vectors = d.asDiagonal() * solver.eigenvectors(),
-                            .converged = converged};
+  // More vectors than are wanted, so that neighbours of the last one do not hold it up.
+  const Index basis = std::min(J.rows(), std::max<Index>(2 * count + 22, 60)), kept = basis / 2;
+  LargestEigenvalues result;
+  const auto is_decided = [&](const RitzSpectrum& ritz) {
+    const Index found = std::min(count + 1, static_cast<Index>(ritz.values.size()));
+    result = {.lambda = {}, .vectors = Eigen::MatrixXcd(J.rows(), found)};
+    bool decided = found > count || ritz.invariant;
+    for (Index i = 0; i < found; ++i) {
+      const RitzValue& pair = ritz.values[static_cast<std::size_t>(i)];
+      result.lambda.push_back(pair.value);
+      // D^-1 J D u = lambda u, so J (D u) = lambda (D u).
+      result.vectors.col(i) = d.asDiagonal() * ritz.vector(static_cast<std::size_t>(i));
+      decided = decided && pair.residual <= most_residual * std::abs(pair.value);
+    }
+    return decided && found >= count;
+  };
+  const ArnoldiSettings settings{
+      .basis = basis, .kept = kept, .most_products = basis + restarts * (basis - kept), .conditions = false};
+  result.converged =
+      visit_ritz_spectra([&](const VectorXd& x) -> VectorXd { return balanced * x; }, start_vector(J.rows()),
+                         settings, basis, is_decided) == RitzSearch::decided;
   result.vectors.colwise().normalize();
   return result;
 }
 
-#else
-
-LargestEigenvalues krylov_largest(const Sparse& J, Index count, Index /*restarts*/) {
-  return dense_largest(MatrixXd(J), count);
-}
-
-#endif
-
 /// Dense up to `dense_to` unknowns, where nearly all eigenvalues are asked for, and for K = 0.
 ExtremeStiffnesses stiffnesses(const MechanicalPart& part, Index count, Index dense_to, bool largest,
                                bool with_shapes = true) {
-  const Index n = part.mass.size();
-  require_sensible(n, count);
+  const bool by_dense = goes_dense(part.mass.size(), count, dense_to);
   const Scaled scaled(part);
-  if (n <= dense_to || count + 3 > n || scaled.gershgorin() == 0)
-    return dense_stiffnesses(scaled, count, largest);
+  if (by_dense || scaled.gershgorin() == 0) return dense_stiffnesses(scaled, count, largest);
   return krylov_stiffnesses(scaled, count, largest, with_shapes);
 }
 
 }  // namespace
-
-bool has_krylov() {
-#if HMAX_HAVE_SPECTRA
-  return true;
-#else
-  return false;
-#endif
-}
 
 // A matrix without entries has no Krylov space: it goes to the dense method too.
 LargestEigenvalues largest_eigenvalues(const Sparse& J, Index count, Index dense_to, Index restarts) {

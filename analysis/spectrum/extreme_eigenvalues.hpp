@@ -12,11 +12,6 @@
 
 namespace hmax {
 
-/// Whether this build has Krylov methods for Jacobians that are not symmetric (Debian package
-/// libspectra-dev). Without them all their eigenvalues are computed, up to most_dense_rows. Symmetric
-/// problems need nothing that is not here.
-bool has_krylov();
-
 /// Eigenvalues of largest modulus, the largest first, and their eigenvectors.
 /// Conjugate pairs are never cut in two.
 struct LargestEigenvalues {
@@ -26,14 +21,14 @@ struct LargestEigenvalues {
   bool converged = true;     ///< false: fewer than were asked for, which may not be the largest
 };
 
-/// The `count` eigenvalues of J of largest modulus, by implicitly restarted Arnoldi iteration from a fixed
-/// start [sorensen1992implicit]; residuals are at most 1e-10 of the eigenvalue.
+/// The `count` eigenvalues of J of largest modulus, by Arnoldi iteration with thick restarts from a fixed
+/// start (arnoldi.hpp); residuals are at most 1e-10 of the eigenvalue. Of a multiple eigenvalue one is found.
 /// J is balanced by a diagonal of powers of two first; the subspace has at least 60 and 2 (count + 1) + 20
 /// vectors.
 /// @param J         shape (n, n)
 /// @param dense_to  up to this n all eigenvalues are computed
 /// @param restarts  at most
-/// @throws InputError  when count is not in [1, n], or n is too large for a build without Krylov methods
+/// @throws InputError  when count is not in [1, n]
 LargestEigenvalues largest_eigenvalues(const Eigen::SparseMatrix<double>& J, Eigen::Index count,
                                        Eigen::Index dense_to = small_enough_for_dense,
                                        Eigen::Index restarts = 2000);

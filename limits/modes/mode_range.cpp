@@ -157,7 +157,7 @@ bool set_range(const LinearModel& model, ModeSet& modes, Eigen::Index small, boo
 }
 
 bool set_largest(const LinearModel& model, ModeSet& modes) {
-  if (model.y.size() <= most_dense_rows || !has_krylov()) return false;
+  if (model.y.size() <= most_dense_rows) return false;
   const AnyMatrix J = model.J();
   if (!is_sparse(J)) return false;
   constexpr Eigen::Index few_restarts = 40;  // at 100,000 unknowns seconds

@@ -70,7 +70,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^CLI/", "^cli/"},
     {"^pybind11/", "^(python/bindings/|tests/python/mujoco_package)"},
     {"^cmark", "^plots/pages/markdown_page\\.cpp$"},
-    {"^Spectra/", "^(analysis/spectrum/extreme_eigenvalues|limits/micro/references)\\.cpp$"},
+    {"^Spectra/", "^limits/micro/references\\.cpp$"},
     {"^metis", "^integrators/linear/elimination_order\\.cpp$"},
     {"^(gtest|gmock)/", "^tests/"},
 };
