@@ -94,13 +94,6 @@ void share_pattern(Sparse& K, Sparse& C, const MassMatrix<double>& M, bool dampe
 }
 void share_pattern(MatrixXd&, MatrixXd&, const MassMatrix<double>&, bool) {}
 
-template <class Matrix>
-bool has_entries(const Matrix& matrix) {
-  bool found = false;
-  each_entry(matrix, [&](Eigen::Index, Eigen::Index, double value) { found = found || value != 0; });
-  return found;
-}
-
 }  // namespace
 
 template <class MatrixT>

@@ -26,4 +26,12 @@ void each_entry(const std::variant<Eigen::MatrixXd, Eigen::SparseMatrix<double>>
   std::visit([&](const auto& held) { each_entry(held, visit); }, matrix);
 }
 
+/// Whether any entry is not zero.
+template <class Matrix>
+bool has_entries(const Matrix& matrix) {
+  bool found = false;
+  each_entry(matrix, [&](Eigen::Index, Eigen::Index, double value) { found = found || value != 0; });
+  return found;
+}
+
 }  // namespace hmax

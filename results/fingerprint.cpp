@@ -14,6 +14,7 @@
 #include "core/instructions/instruction_set.hpp"
 #include "core/numbers.hpp"
 #include "core/text/digest.hpp"
+#include "core/text/split.hpp"
 #include "results/build_info.hpp"
 
 #ifdef __GLIBC__
@@ -25,13 +26,6 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r\n";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
-}
 
 /// The first line of a file of /proc or /sys, "unknown" when there is none.
 std::string first_line(const fs::path& file) {
@@ -54,7 +48,7 @@ CpuInfo read_cpuinfo(const fs::path& file) {
   for (std::string line; std::getline(in, line);) {
     const auto colon = line.find(':');
     if (colon == std::string::npos) continue;
-    const std::string key = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1));
+    const std::string key(trimmed(line.substr(0, colon))), value(trimmed(line.substr(colon + 1)));
     if (key == "processor") ++info.processors;
     if (key == "model name" && info.model == "unknown" && !value.empty()) info.model = value;
     if (key == "flags" && (" " + value + " ").find(" hypervisor ") != std::string::npos)
@@ -168,7 +162,7 @@ std::string short_model(std::string model) {
   for (const char c : model) {
     if (c != ' ' || (!result.empty() && result.back() != ' ')) result += c;
   }
-  return trimmed(result);
+  return std::string(trimmed(result));
 }
 
 /// The member of every text, under the name it has in JSON.

@@ -14,6 +14,7 @@
 #include "core/own_files.hpp"
 #include "core/part_file.hpp"
 #include "core/process/whole_file.hpp"
+#include "core/text/split.hpp"
 
 namespace hmax {
 
@@ -41,12 +42,6 @@ std::vector<std::string> split_cells(std::string_view line) {
     }
   }
   return cells;
-}
-
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
 }
 
 std::string one_line(std::string text) {
@@ -169,7 +164,7 @@ Table parse_csv(std::string_view text, const std::string& name) {
     }
     const std::vector<std::string> cells = split_cells(line);
     if (table.columns.empty()) {
-      for (const std::string& cell : cells) table.columns.push_back(trimmed(cell));
+      for (const std::string& cell : cells) table.columns.emplace_back(trimmed(cell));
       table.values.resize(cells.size());
       continue;
     }

@@ -247,12 +247,6 @@ bool settle_symmetry(MatrixSeries& series) {
   return symmetric;
 }
 
-bool has_entries(const Sparse& A) {
-  bool found = false;
-  each_entry(A, [&](Eigen::Index, Eigen::Index, double value) { found = found || value != 0; });
-  return found;
-}
-
 /// @throws std::invalid_argument  where condensation or elimination has left the range of double
 void require_finite(const Structure& structure) {
   const auto check = [](const Sparse& A) {
@@ -284,7 +278,7 @@ void settle(MatrixModel& model, Structure structure) {
   facts.symmetric_C = settle_symmetry(structure.C);
   facts.free_directions = model.size() == facts.rows ? free_directions(structure.K.at.front()) : 0;
   facts.look_swapped = facts.coupled_mass && look_swapped(structure.K.at.front(), structure.M);
-  facts.damped = std::ranges::any_of(structure.C.at, has_entries);
+  facts.damped = std::ranges::any_of(structure.C.at, has_entries<Sparse>);
   if (facts.coupled_mass)
     model.M.swap(structure.M);
   else

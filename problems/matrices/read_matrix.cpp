@@ -15,24 +15,11 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view a_matrix_file = "a matrix file";
 
-std::string lower_extension(const std::string& name) {
-  std::string extension = fs::path(name).extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
 bool starts_as_matrix_market(std::string_view bytes) {
   const std::size_t begin = bytes.find_first_not_of('%');
   if (begin == std::string_view::npos || begin == 0) return false;
   constexpr std::string_view word = "matrixmarket";
-  for (std::size_t i = 0; i < word.size(); ++i) {
-    const std::size_t at = begin + i;
-    if (at >= bytes.size()) return false;
-    const char c = bytes[at];
-    if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c) != word[i]) return false;
-  }
-  return true;
+  return lower(bytes.substr(begin, word.size())) == word;
 }
 
 /// A sentence for formats that are met and not read; empty for all others.
@@ -60,7 +47,7 @@ MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
   if (starts_as_matrix_market(bytes)) return read_matrix_market(name, bytes);
   if (is_petsc(bytes)) return read_petsc(name, bytes);
   if (const std::string sentence = known_and_not_read(bytes); !sentence.empty()) fail(sentence);
-  const std::string extension = lower_extension(name);
+  const std::string extension = lower(fs::path(name).extension().string());
   if (extension == ".sti" || extension == ".mas" || extension == ".dam") return read_calculix(name, bytes);
   fail(
       "the file starts with " + in_quotes(bytes.substr(0, std::min(bytes.find('\n'), bytes.size()))) +

@@ -8,13 +8,6 @@
 namespace hmax {
 namespace {
 
-std::string lower(std::string_view word) {
-  std::string text(word);
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 /// What the first line says.
 struct Banner {
   bool dense = false;
