@@ -88,24 +88,12 @@ std::vector<long double*> joined(std::initializer_list<std::vector<long double*>
   return all;
 }
 
-template <class Tableau>
-std::vector<bool> stages_used(const Tableau& t) {
-  const std::size_t s = t.b.size();
-  std::vector<bool> used(s);
-  for (std::size_t i = s; i-- > 0;) {
-    used[i] = t.b[i] != 0;
-    for (std::size_t later = i + 1; later < s; ++later)
-      used[i] = used[i] || (used[later] && t.a[later][i] != 0);
-  }
-  return used;
-}
-
 template <class T>
 Planted in_tableau() {
   const Method method = find_method(T::id);
   Planted count{.id = method.id};
   auto t = T::tableau;
-  const std::vector<bool> used = stages_used(t);
+  const std::vector<bool> used = stages_used(at_run_time<T>());
   const std::size_t s = used.size();
   plant(
       count, joined({all_of(t.b), all_of(t.a)}), method,
@@ -283,23 +271,10 @@ TEST(StepDefect, ShowsAMillionthInAnyCoefficientThatAStepOfAnyMethodReads) {
 // ---- and where the code is wrong, not the claim
 
 template <class T>
-RuntimeTableau at_run_time() {
-  const auto& t = T::tableau;
-  RuntimeTableau tableau{.name = "planted",
-                         .a = {},
-                         .b = {t.b.begin(), t.b.end()},
-                         .b_err = std::vector<long double>(t.b.size()),
-                         .c = {t.c.begin(), t.c.end()},
-                         .computed_order = T::order};
-  for (const auto& row : t.a) tableau.a.insert(tableau.a.end(), row.begin(), row.end());
-  return tableau;
-}
-
-template <class T>
 void expect_wrong_code_is_noticed() {
   const Method claimed = find_method(T::id);
   RuntimeTableau code = at_run_time<T>();
-  const std::vector<bool> used = stages_used(T::tableau);
+  const std::vector<bool> used = stages_used(code);
   const std::size_t s = used.size();
   const auto defect = [&] { return step_defect(with(planted_method(code), *claimed.amplification)); };
   EXPECT_LE(defect(), 1e-12) << T::id;
