@@ -123,13 +123,4 @@ double order_by_halving(const StepperT& stepper, const Sys& system, const typena
   return static_cast<double>(std::log2(error(steps) / error(2 * steps)));
 }
 
-/// Whether a linear oscillator of m = 1 and angular frequency 1 stays bounded at steps of size h.
-template <class StepperT>
-bool stays_bounded(const StepperT& stepper, const OscillatorParameters& parameters, double h) {
-  const Oscillator system(parameters);
-  Eigen::Vector2d y(1, 0.3);
-  const auto end = integrate(stepper, system, Span<double>{0, 20000 * h}, y, FixedStep<double>(h));
-  return end.outcome == Outcome::reached_end && y.norm() < 1e3;
-}
-
 }  // namespace hmax

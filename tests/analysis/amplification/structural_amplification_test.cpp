@@ -23,6 +23,8 @@ TEST(StructuralAmplification, IsStableAtTheEigenvaluesInsideOfItsClosedRegion) {
   const std::vector<Region> regions{
       {"symplectic_euler", symplectic_euler_amplification(),
        [](Complex z) { return 4 + 4 * z.real() - std::norm(z); }},
+      {"velocity_verlet", kick_drift_kick_amplification(KickDamping::half_step),
+       [](Complex z) { return 4 + 4 * z.real() - std::norm(z); }},
       {"stormer_verlet", kick_drift_kick_amplification(KickDamping::predicted),
        [](Complex z) { return 4 + 8 * z.real() - std::norm(z); }},
       {"central_difference", kick_drift_kick_amplification(KickDamping::lumped),

@@ -48,23 +48,6 @@ TYPED_TEST(ImplicitRk, StepsAsItsStabilityFunctionSays) {
   }
 }
 
-TYPED_TEST(ImplicitRk, IsAStableAndLStableWhereItSaysSo) {
-  for (double y = 1e-3; y < 1e6; y *= 1.1)
-    EXPECT_LE(std::abs(stability_function<TypeParam>({0, y})), 1 + 1e-14) << y;
-  const double far = std::abs(stability_function<TypeParam>({-1e9, 0}));
-  if (TypeParam::l_stable)
-    EXPECT_LT(far, 1e-7);
-  else
-    EXPECT_NEAR(far, 1, 1e-7);
-}
-
-TEST(Trapezoidal, KeepsEveryOscillationAsItIs) {
-  for (double y = 1e-3; y < 1e6; y *= 1.1) {
-    EXPECT_NEAR(std::abs(stability_function<Trapezoidal>({0, y})), 1, 1e-15);
-    EXPECT_NEAR(std::abs(stability_function<ImplicitMidpoint>({0, y})), 1, 1e-15);
-  }
-}
-
 /// The full liver model at t = 10; digits of a Taylor series in 128 bits.
 const State reference(-3.3690941329057441755e-01, 1.5203434594206605961e-01);
 

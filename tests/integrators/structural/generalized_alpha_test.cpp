@@ -140,42 +140,6 @@ TEST(Newmark, KeepsTheEnergyOfALinearOscillatorToRounding) {
   EXPECT_LT(worst, 1e-9);
 }
 
-TEST(Newmark, StaysBoundedUpToThePublishedLimits) {
-  const OscillatorParameters one = linear(1, 0);
-  for (const auto& [beta, limit] :
-       {std::pair{0.0L, 2.0}, {1 / 12.0L, std::sqrt(6.0)}, {1 / 6.0L, std::sqrt(12.0)}}) {
-    const Step stepper(newmark_parameters(beta, 0.5L));
-    EXPECT_TRUE(stays_bounded(stepper, one, 0.9995 * limit));
-    EXPECT_FALSE(stays_bounded(stepper, one, 1.0005 * limit));
-  }
-}
-
-/// 2 beta >= gamma >= 1/2 for Newmark [hughes2000finite], alpha_m <= alpha_f <= 1/2 and beta >= 1/4 +
-/// (alpha_f - alpha_m) / 2 at order 2 [chung1993time]; a hair is left for rounding of the parameters.
-bool is_unconditionally_stable(const AlphaParameters& p) {
-  constexpr long double hair = 1e-15L;
-  if (p.alpha_m == 0 && p.alpha_f == 0) return p.gamma >= 0.5L && 2 * p.beta >= p.gamma;
-  return order_of(p) == 2 && p.alpha_m <= p.alpha_f + hair && p.alpha_f <= 0.5L + hair &&
-         p.beta >= 0.25L + (p.alpha_f - p.alpha_m) / 2 - hair;
-}
-
-TEST(Newmark, StaysBoundedAtAnyStepWhereItsParametersSaySo) {
-  for (const auto& [name, parameters] : every_method)
-    for (const double h : {1.0, 5.0, 100.0, 1e4}) {
-      if (!is_unconditionally_stable(parameters)) continue;
-      EXPECT_TRUE(stays_bounded(Step(parameters), linear(1, 0.0), h)) << name << " " << h;
-    }
-  EXPECT_FALSE(stays_bounded(Step(newmark_parameters(0.25L, 0.49L)), linear(1, 0.0), 1));
-}
-
-TEST(Newmark, WithoutBetaIsStableUntilOmegaHIsTwoWhateverTheDamping) {
-  const Step stepper(newmark_parameters(0, 0.5L));
-  for (const double zeta : {0.02, 0.7, 3.0}) {
-    EXPECT_TRUE(stays_bounded(stepper, linear(1, zeta), 1.999)) << zeta;
-    EXPECT_FALSE(stays_bounded(stepper, linear(1, zeta), 2.001)) << zeta;
-  }
-}
-
 TEST(Newmark, WithoutBetaIsCentralDifferences) {
   const OscillatorParameters p{.m = 1.45, .c = 2, .k1 = 0.7, .k3 = 0.8, .P = 0.5, .w = 0.5};
   const Plane a = after_steps(Step(newmark_parameters(0, 0.5L)), Oscillator(p), Plane(0.5, 1), 0.1, 300);

@@ -6,8 +6,6 @@
 #include <limits>
 #include <random>
 
-#include <Eigen/Eigenvalues>
-
 #include "integrators/explicit/explicit_rk.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/test_set/kepler.hpp"
@@ -152,58 +150,6 @@ TYPED_TEST(Structural, HasItsOrderWithoutDamping) {
   EXPECT_NEAR(observed, TypeParam::undamped_order, 0.03);
 }
 
-TYPED_TEST(Structural, IsStableUntilOmegaHIsTwoWithoutDamping) {
-  const typename TypeParam::template Stepper<Plane> stepper;
-  const OscillatorParameters one{.m = 1, .c = 0, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
-  EXPECT_TRUE(stays_bounded(stepper, one, 1.999));
-  EXPECT_FALSE(stays_bounded(stepper, one, 2.001));
-}
-
-TEST(SymplecticEuler, WithDampingIsStableUntilItsPublishedLimit) {
-  for (const auto& [c, k, published] :
-       {std::tuple{2.0, 0.7, 1.198591}, {10.0, 0.7, 0.287115}, {0.1, 5.3, 1.027409}, {6.0, 5.3, 0.409331}}) {
-    const OscillatorParameters damped{.m = 1.45, .c = c, .k1 = k, .k3 = 0, .P = 0, .w = 0};
-    const double limit = (-c + std::sqrt(c * c + 4 * k * damped.m)) / k;
-    EXPECT_NEAR(limit, published, 1e-6);
-    EXPECT_TRUE(stays_bounded(SymplecticEuler<Plane>{}, damped, 0.999 * limit));
-    EXPECT_FALSE(stays_bounded(SymplecticEuler<Plane>{}, damped, 1.001 * limit));
-  }
-}
-
-TEST(CentralDifference, IsStableUntilOmegaHIsTwoWhateverTheDamping) {
-  for (const double zeta : {0.02, 0.7, 3.0}) {
-    const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
-    EXPECT_TRUE(stays_bounded(CentralDifference<Plane>{}, damped, 1.999));
-    EXPECT_FALSE(stays_bounded(CentralDifference<Plane>{}, damped, 2.001));
-  }
-}
-
-/// Whether every step below a limit damps, and a step beyond grows: by the amplification matrix and by runs.
-template <class Method>
-void expect_derived_limit(double limit, double zeta) {
-  const auto radius = [zeta](double W) {
-    return Method::amplification(W, zeta).eigenvalues().cwiseAbs().maxCoeff();
-  };
-  for (int i = 1; i < 1000; ++i) EXPECT_LT(radius(limit * i / 1000), 1) << zeta << " " << i;
-  EXPECT_GT(radius(1.001 * limit), 1);
-  const typename Method::template Stepper<Plane> stepper;
-  const OscillatorParameters damped{.m = 1, .c = 2 * zeta, .k1 = 1, .k3 = 0, .P = 0, .w = 0};
-  EXPECT_TRUE(stays_bounded(stepper, damped, 0.999 * limit));
-  EXPECT_FALSE(stays_bounded(stepper, damped, 1.001 * limit));
-}
-
-TEST(StormerVerlet, WithDampingIsStableUntilItsDerivedLimit) {
-  // lambda = -1 is a root of the characteristic polynomial where W^2 + 8 zeta W - 4 = 0.
-  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0})
-    expect_derived_limit<StormerVerletMethod>(2 * (std::sqrt(1 + 4 * zeta * zeta) - 2 * zeta), zeta);
-}
-
-TEST(VelocityVerlet, WithDampingIsStableUntilItsDerivedLimit) {
-  // lambda = -1 is a root where W^2 + 4 zeta W - 4 = 0.
-  for (const double zeta : {0.01, 0.1, 0.5, 1.0, 3.0})
-    expect_derived_limit<VelocityVerletMethod>(2 * (std::sqrt(1 + zeta * zeta) - zeta), zeta);
-}
-
 TEST(VelocityVerlet, HasThePositionsOfSymplecticEulerFromTheFirstHalfStepOn) {
   const Oscillator system{OscillatorParameters{}};
   const Plane start(0.5, 1);
@@ -221,12 +167,6 @@ TEST(VelocityVerlet, HasThePositionsOfSymplecticEulerFromTheFirstHalfStepOn) {
     y = y_new;
   }
   EXPECT_NEAR(after_steps(VelocityVerlet<Plane>{}, system, start, h, 50)[0], y[0], 1e-13);
-}
-
-TEST(StormerVerlet, TakesADamperAloneUntilOneTimeConstant) {
-  const OscillatorParameters damper{.m = 1.45, .c = 2, .k1 = 0, .k3 = 0, .P = 0, .w = 0};
-  EXPECT_TRUE(stays_bounded(StormerVerlet<Plane>{}, damper, 0.999 * 1.45 / 2));
-  EXPECT_FALSE(stays_bounded(StormerVerlet<Plane>{}, damper, 1.001 * 1.45 / 2));
 }
 
 TEST(Verlet, IsOneMethodWithoutDamping) {
