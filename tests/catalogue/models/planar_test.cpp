@@ -23,32 +23,6 @@ std::vector<Equilibrium> equilibria_of(const Problem& problem, const Window& win
   return find_equilibria(planar_field(problem, 0, window.size()), window);
 }
 
-/// Every case of the study that rests: the only equilibrium of k1 > 0, k3 >= 0 is the origin, and
-/// m lambda^2 + c lambda + k1 = 0 tells its type.
-TEST(Planar, ClassifiesEveryUnforcedCaseOfTheStudy) {
-  int seen = 0;
-  for (const LiverFamily& family : liver_families())
-    for (const LiverFamilyMember& member : family.members) {
-      const OscillatorParameters& p = member.parameters;
-      if (p.P != 0) continue;
-      std::vector<std::pair<std::string, double>> set;
-      for (const auto& [name, value] : oscillator_parameter_names) set.emplace_back(name, p.*value);
-      const auto found = equilibria_of(liver(set), {{-2, -2.5}, {2, 2.5}});
-      ASSERT_EQ(found.size(), 1U) << family.id << " " << member.label;
-      EXPECT_EQ(found[0].state, Vector2d::Zero());
-      const double discriminant = p.c * p.c - 4 * p.m * p.k1;
-      // Critical damping is computed from a square root, and is a node.
-      const bool node = discriminant >= -1e-14 * p.c * p.c;
-      const std::string expected =
-          p.c == 0 ? "centre" : std::string(p.c > 0 ? "stable_" : "unstable_") + (node ? "node" : "focus");
-      EXPECT_EQ(name_of(found[0].type), expected) << family.id << " " << member.label;
-      for (const auto lambda : found[0].eigenvalues)
-        EXPECT_LT(std::abs(p.m * lambda * lambda + p.c * lambda + p.k1), 1e-14 * (p.k1 + p.c * p.c));
-      ++seen;
-    }
-  EXPECT_GE(seen, 30);
-}
-
 TEST(Planar, FormulasAreClassifiedWithoutAJacobianOfTheirs) {
   const Scratch scratch;
   write_text(scratch / "well.toml",
