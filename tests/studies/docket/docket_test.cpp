@@ -1,6 +1,7 @@
 #include "studies/docket/docket.hpp"
 
 #include <algorithm>
+#include <regex>
 #include <set>
 #include <string>
 
@@ -55,6 +56,16 @@ method = "symplectic_euler"
 h = 0.21
 cause = "step"
 )";
+
+/// Readers know the assumed numbers that are varied by the names that the page gives them.
+TEST(Docket, SaysWhatItsVariedNumbersAre) {
+  for (const auto& [name, text] : docket_texts()) {
+    const auto report = parse_toml(std::string(text), std::string(name)).root.at("report");
+    const std::string words = report.at("posted").get<std::string>() + report.value("assumed", report).dump();
+    for (const std::string& varied : report.value("vary", std::vector<std::string>{}))
+      EXPECT_TRUE(std::regex_search(words, std::regex("\\b" + varied + "\\b"))) << name << ": " << varied;
+  }
+}
 
 TEST(Docket, IsJudgedAsItsThreadsEnd) {
   std::ptrdiff_t right = 0, controls = 0, firm = 0;
