@@ -11,6 +11,7 @@
 
 #include "analysis/statics/equilibrium.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -66,8 +67,11 @@ void settle_body(FidelityModel& model, const std::function<void()>& watch) {
     StaticSettings settings;
     if (watch) settings.seen = [&](const StaticIterate&) { watch(); };
     const StaticSolution solution = found_equilibrium(model.problem, 1, settings, [] { return 0.0; });
-    if (!solution.converged)
-      throw InputError("no static equilibrium to compare with: " + status_of(model.problem, solution));
+    if (!solution.converged) {
+      const std::string remedy = remedy_without_equilibrium(model.problem);
+      throw InputError("no static equilibrium to compare with: " + cause_of(model.problem, solution) +
+                       (remedy.empty() ? "" : "; ") + remedy);
+    }
     model.equilibrium = solution.q;
   }
   model.volume = volume_of(body, model.equilibrium);
