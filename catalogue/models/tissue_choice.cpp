@@ -1,9 +1,9 @@
 #include "catalogue/models/tissue_choice.hpp"
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "catalogue/input/suggest.hpp"
@@ -13,8 +13,8 @@
 #include "core/numbers.hpp"
 #include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
-#include "problems/mesh/topology.hpp"
 #include "problems/tissue/contact.hpp"
+#include "problems/tissue/held_end.hpp"
 #include "problems/tissue/materials.hpp"
 #include "problems/tissue/surface_place.hpp"
 
@@ -112,7 +112,8 @@ constexpr std::array<NamedOfRegion, 7> named_of_region{{{"E", &TissueMaterial::y
                                                         {"fibre_z", &TissueMaterial::fibre_z}}};
 constexpr std::string_view table_name = "phi";
 
-/// "E:tumour=8000", "phi:0.1=0.14" and "support:capsule=1". @returns false when the name is not of that kind
+/// "E:tumour=8000", "phi:0.1=0.14", "support:capsule=1" and "force_z:capsule=0.5". @returns false when the
+/// name is not of that kind
 bool take_indexed(TissueParameters& parameters, const std::string& name, double value, const TissueId& id) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return false;
@@ -130,6 +131,10 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
       throw InputError(fmt::format(
           "{} is {}, but a set of points is held with 1; leave it out to set it free", name, to_text(value)));
     parameters.supports.push_back(index);
+    return true;
+  }
+  if (const auto axis = std::ranges::find(nodal_force_names, what); axis != nodal_force_names.end()) {
+    parameters.nodal_forces.push_back({static_cast<int>(axis - nodal_force_names.begin()), index, value});
     return true;
   }
   const auto it = std::ranges::find(named_of_region, what, &NamedOfRegion::name);
@@ -232,23 +237,6 @@ void take_materials_of_regions(const std::string& text, const TissueId& id, Tiss
     }
   }
 }
-
-/// One end of a mesh along an axis, to which loads are opposite.
-struct HeldEnd {
-  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  ///< unit vector that points from the free end to it
-
-  explicit HeldEnd(double axis) { towards[static_cast<int>(std::abs(axis)) - 1] = axis > 0 ? -1 : 1; }
-  explicit HeldEnd(Eigen::Vector3d direction) : towards(std::move(direction)) {}
-
-  /// The middle one of the points that are farthest from it.
-  [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const {
-    std::vector<TetMesh::Index> far = points_of_end(mesh, -towards, 0.02);
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const TetMesh::Index i : far) middle += mesh.points.col(i) / static_cast<double>(far.size());
-    return *std::ranges::min_element(
-        far, {}, [&](TetMesh::Index i) { return (mesh.points.col(i) - middle).squaredNorm(); });
-  }
-};
 
 /// @throws InputError  when what is asked for is not that of the model, the mesh or the load
 void require_sensible(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
@@ -356,56 +344,12 @@ TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
   return {std::move(strain), std::move(phi)};
 }
 
-/// The length of the diagonal of the box around a mesh [m].
-double size_of(const TetMesh& mesh) {
-  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
-}
-
-/// A force towards the held end on the patch of the surface around the free one.
-PressingForce pressing_force(double force, const TetMesh& mesh, const HeldEnd& end) {
-  PressingForce load{.points = {}, .force = force * end.towards};
-  const Eigen::Vector3d tip = mesh.points.col(end.opposite(mesh));
-  const double radius = 0.15 * size_of(mesh);
-  for (const TetMesh::Index i : surface_of(mesh).points)
-    if ((mesh.points.col(i) - tip).norm() <= radius) load.points.push_back(i);
-  return load;
-}
-
 /// The pressure of a tool of radius R that indents a body by a depth is a share of E; it shall push the tool
 /// into the surface by no more than a twentieth of the depth or so.
 /// @param young  of the stiffest region
 double default_tool_stiffness(double young, double depth, double radius) {
   const double reach = depth != 0 ? std::abs(depth) : radius;
   return 500 * young / (reach * std::sqrt(reach));
-}
-
-/// Where a tool that moves along `way` meets the body squarely and does not slide off: the foremost point, in
-/// the nearer half of the body, around which the surface within a radius faces the tool. Where there is none,
-/// the foremost of all.
-TetMesh::Index faced_point(const TetMesh& mesh, const MeshSurface& surface, const HeldEnd& way,
-                           double radius) {
-  constexpr double square = 0.8;  // the projected area over the area
-  const auto place = [&](TetMesh::Index i) { return Eigen::Vector3d(mesh.points.col(i)); };
-  const auto faces = [&](TetMesh::Index point) {
-    double projected = 0, area = 0;
-    for (const auto& points : surface.triangles.colwise()) {
-      if (std::ranges::none_of(points,
-                               [&](TetMesh::Index i) { return (place(i) - place(point)).norm() <= radius; }))
-        continue;
-      const Eigen::Vector3d a = place(points[0]), normal = (place(points[1]) - a).cross(place(points[2]) - a);
-      projected -= normal.dot(way.towards);
-      area += normal.norm();
-    }
-    return projected >= square * area;
-  };
-  const Eigen::RowVectorXd along = way.towards.transpose() * mesh.points;
-  const double middle = (along.minCoeff() + along.maxCoeff()) / 2;
-  std::vector<TetMesh::Index> candidates = surface.points;
-  std::ranges::stable_sort(candidates, {}, [&](TetMesh::Index i) { return along[i]; });
-  candidates.insert(candidates.begin(), way.opposite(mesh));
-  for (const TetMesh::Index point : candidates)
-    if (along[point] <= middle && faces(point)) return point;
-  return candidates.front();
 }
 
 /// A sphere that touches the body, or where the user places it its starting point, with its front and moves
@@ -417,7 +361,7 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   if (!placed && given.array().isFinite().any())
     throw InputError("tool_x, tool_y and tool_z are one point; give all three or none");
   const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
-  const double size = size_of(mesh);
+  const double size = diagonal_of(mesh);
   SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
   tool.stiffness =
       p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
@@ -458,6 +402,17 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   if (place.inside || meets_point || place.distance < tool.radius - resting)
     throw InputError(which + " starts inside the body; place its front on the surface or before it");
   return tool;
+}
+
+/// A dead load for each of p.nodal_forces. @throws InputError  for points that the mesh does not have
+std::vector<PressingForce> nodal_forces(const TissueParameters& p, const LoadedMesh& loaded) {
+  std::vector<PressingForce> forces;
+  for (const auto& [axis, set, value] : p.nodal_forces) {
+    PressingForce& force = forces.emplace_back();
+    force.points = union_of_sets({set}, loaded);
+    force.force[axis] = value * static_cast<double>(force.points.size());
+  }
+  return forces;
 }
 
 /// The region 0, 1, ... that a user calls by its name or, where none has this name, by its number.
@@ -548,6 +503,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
     if (it == all_named.end()) {
       std::vector<std::string> known;
       for (const Named& each : all_named) known.emplace_back(each.name);
+      for (const std::string_view each : nodal_force_names) known.push_back(fmt::format("{}:SET", each));
       throw InputError(
           fmt::format("unknown parameter '{}' of tissue; {}", parameter, suggestion(parameter, known)));
     }
@@ -599,13 +555,18 @@ std::vector<std::pair<std::string, double>> named_values(const TissueParameters&
         value);
   for (const std::string& set : parameters.supports)
     values.emplace_back(fmt::format("{}:{}", support_name, set), 1);
+  for (const auto& [axis, set, value] : parameters.nodal_forces)
+    values.emplace_back(fmt::format("{}:{}", nodal_force_names.at(static_cast<std::size_t>(axis)), set),
+                        value);
   for (const auto& [strain, phi] : parameters.table)
     values.emplace_back(fmt::format("{}:{}", table_name, to_text(strain)), phi);
   return values;
 }
 
 std::string_view unit_of_tissue_parameter(std::string_view name) {
-  const auto* const named = std::ranges::find(all_named, name.substr(0, name.find(':')), &Named::name);
+  const std::string_view what = name.substr(0, name.find(':'));
+  if (std::ranges::find(nodal_force_names, what) != nodal_force_names.end()) return "N";
+  const auto* const named = std::ranges::find(all_named, what, &Named::name);
   return named == all_named.end() ? "1" : named->unit;
 }
 
@@ -683,6 +644,7 @@ TissueSettings tissue_settings(const TissueId& id, const TissueParameters& p, co
   } else {
     settings.forces.push_back(pressing_force(id.load == "press" ? p.force : -p.force, mesh, end));
   }
+  std::ranges::move(nodal_forces(p, loaded), std::back_inserter(settings.forces));
   return settings;
 }
 

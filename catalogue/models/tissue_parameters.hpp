@@ -70,6 +70,14 @@ struct TissueParameters {
   /// Sets of held points (catalogue/models/support_sets.hpp), instead of a share of an end:
   /// `support:capsule=1`.
   std::vector<std::string> supports{};
+  /// A force on each point of a set (catalogue/models/support_sets.hpp) along x, y or z, beside the load:
+  /// `force_z:points:7=0.5`.
+  struct NodalForce {
+    int axis;
+    std::string set;
+    double value;  ///< [N]
+  };
+  std::vector<NodalForce> nodal_forces{};
   /// Points (strain, phi) of a law of springs by table (problems/tissue/forces/springs.hpp): `phi:0.1=0.14`.
   /// (0, 0) is always one.
   std::vector<std::pair<double, double>> table{};
@@ -86,6 +94,7 @@ inline constexpr std::string_view support_name = "support";
 
 /// The parameters that hold a vector each: "gx", "gy", "gz" and so on.
 inline constexpr std::array<std::string_view, 3> gravity_names{"gx", "gy", "gz"};
+inline constexpr std::array<std::string_view, 3> nodal_force_names{"force_x", "force_y", "force_z"};
 inline constexpr std::array<std::string_view, 3> tool_place_names{"tool_x", "tool_y", "tool_z"};
 inline constexpr std::array<std::string_view, 3> tool_direction_names{"tool_dx", "tool_dy", "tool_dz"};
 
