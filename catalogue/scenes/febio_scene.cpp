@@ -34,13 +34,18 @@ class FebioSceneReader {
         read_domain(part);
       else if (parent && parent->type == "Control" && part.type == "solver")
         read_solver(part);
+      else if (parent && parent->type == "Control" && part.type == "time_stepper")
+        read_stepper(part);
+      else if (parent && parent->type == "Loads")
+        read_load(part);
     }
     if (regions_ != mesh_.names.size() || regions_ == 0)
       file_.fail(root,
                  "there is not one SolidDomain of each Elements, which gives it a material; correct them");
     read_control();
     set_supports();
-    builder_.set_gravity(Eigen::Vector3d::Zero());
+    builder_.set_gravity(gravity_);
+    builder_.scene.regions = mesh_.names;
   }
 
  private:
@@ -51,15 +56,17 @@ class FebioSceneReader {
   };
 
   static std::vector<Known> known(std::string_view parent) {
-    static constexpr std::array<Known, 15> all{
+    static constexpr std::array<Known, 23> all{
         {{"febio_spec", "Module", "type", true},
          {"febio_spec", "Control", "", true},
-         // Load curves act through loads and conditions, which are refused.
-         {"febio_spec", "Globals|Material|Mesh|MeshDomains|Boundary|LoadData|Output", ""},
+         // Load curves act through loads and conditions.
+         {"febio_spec", "Globals|Material|Mesh|MeshDomains|Boundary|Loads|LoadData|Output", ""},
          {"Module", "units", ""},
          {"Control", "analysis", "type", true},
          {"Control", "solver", "type", true},
          {"Control", "step_size|time_steps", "", true},
+         {"Control", "time_stepper", "type", true},
+         {"time_stepper", "dtmin|dtmax|dtforce|max_retries|opt_iter|aggressiveness|cutback", "lc"},
          {"Control",
           "plot_level|plot_range|plot_stride|plot_zero_state|output_level|output_stride|adaptor_re_solve|"
           "print_level",
@@ -74,6 +81,12 @@ class FebioSceneReader {
          {"Mesh", "Nodes|Elements|NodeSet|Surface|Edge|ElementSet|PartList|SurfacePair", "name|type"},
          {"MeshDomains", "SolidDomain", "name|mat|type|elem_type"},
          {"Boundary", "bc", "name|type|node_set"},
+         {"Loads", "nodal_load", "name|type|node_set"},
+         {"Loads", "body_load", "name|type"},
+         {"nodal_load", "dof", "", true},
+         {"nodal_load", "scale|value", "lc", true},
+         {"nodal_load", "relative", "", true},
+         {"body_load", "x|y|z|force", "lc", true},
          {"Material", "material", "id|name|type"},
          {"material", "E|v|density", "", true}}};
     std::vector<Known> of_parent;
@@ -120,6 +133,104 @@ class FebioSceneReader {
       file_.fail(part, fmt::format("the solver is {}, and solid is read", in_quotes(type)));
     check_children(part);
     solver_ = &part;
+  }
+
+  /// It shortens steps whose Newton iteration fails, and may lengthen them.
+  void read_stepper(const XmlPart& part) {
+    check_children(part);
+    const auto longest = number(part, "dtmax");
+    builder_.scene.notes.push_back(
+        "time_stepper changes the step during a run; the step that is judged is step_size" +
+        (longest ? fmt::format(", and dtmax is {}", to_text(*longest)) : std::string()));
+  }
+
+  /// What a load is multiplied with: the value of its load curve where that is one at all times.
+  double amplitude_of(const XmlPart& part) {
+    const std::string_view called = part.tag.attribute("lc");
+    if (called.empty() || called == "0") return 1;
+    const auto controller = std::ranges::find_if(file_.parts(), [&](const XmlPart& each) {
+      return each.type == "load_controller" && each.tag.attribute("id") == called;
+    });
+    if (controller == file_.parts().end())
+      file_.fail(part, fmt::format("there is no load_controller {}; define it", in_quotes(called)));
+    std::set<double> values;
+    for (const XmlPart& each : file_.parts())
+      if (is_listed(each.type, "pt|point") && is_in(each, *controller)) {
+        const std::vector<double> pair = file_.numbers(each);
+        if (pair.size() != 2)
+          file_.fail(each, "a point of a load curve is not a time and a value; correct it");
+        values.insert(pair[1]);
+      }
+    if (controller->tag.attribute("type") == "loadcurve" && values.size() == 1) return *values.begin();
+    refuse(
+        "lc", part,
+        fmt::format("{} follows the load controller {} of line {}, which changes with time, and loads here "
+                    "are steady; write the load at the time that you ask for, without it",
+                    part.type, called, controller->place));
+    return 1;
+  }
+
+  [[nodiscard]] bool is_in(const XmlPart& part, const XmlPart& outer) const {
+    for (const XmlPart* above = file_.parent(part); above; above = file_.parent(*above))
+      if (above == &outer) return true;
+    return false;
+  }
+
+  /// Numbers of a part of a load at its amplitude; zeros where a part that may be left out is.
+  Eigen::VectorXd amounts(const XmlPart& load, std::string_view type, Eigen::Index count) {
+    const XmlPart* const part = in(load, type);
+    if (!part && !is_listed(type, "x|y|z"))
+      file_.fail(load, fmt::format("{} has no {}; add it", load.type, type));
+    if (!part) return Eigen::VectorXd::Zero(count);
+    const std::vector<double> values = file_.numbers(*part);
+    if (std::ssize(values) != count)
+      file_.fail(*part,
+                 fmt::format("{} has {} numbers and should have {}; correct it", type, values.size(), count));
+    return amplitude_of(*part) * Eigen::Map<const Eigen::VectorXd>(values.data(), count);
+  }
+
+  void read_load(const XmlPart& load) {
+    if (!is_listed(load.type, "nodal_load|body_load")) return;
+    check_children(load);
+    const std::string_view type = load.tag.attribute("type");
+    if (load.type == "nodal_load") return read_nodal_load(load, type);
+    // FEBio subtracts it: "const" and "body force" point against the acceleration.
+    if (type == "const")
+      gravity_ -=
+          Eigen::Vector3d(amounts(load, "x", 1)[0], amounts(load, "y", 1)[0], amounts(load, "z", 1)[0]);
+    else if (type == "body force")
+      gravity_ -= amounts(load, "force", 3);
+    else
+      refuse(load.type, load,
+             fmt::format("the body_load is {}, and const and body force are read", in_quotes(type)));
+  }
+
+  /// A force on each point of a set.
+  void read_nodal_load(const XmlPart& load, std::string_view type) {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    if (type == "nodal_load") {
+      const XmlPart* const dof = in(load, "dof");
+      const std::size_t axis =
+          dof ? std::string_view("xyz").find(trimmed(dof->text)) : std::string_view::npos;
+      if (!dof || trimmed(dof->text).size() != 1 || axis == std::string_view::npos)
+        file_.fail(load, "the dof of a nodal_load is not x, y or z; correct it");
+      force[static_cast<Eigen::Index>(axis)] = amounts(load, "scale", 1)[0];
+    } else if (type == "nodal_force") {
+      force = amounts(load, "value", 3);
+    } else {
+      return refuse(
+          load.type, load,
+          fmt::format("the nodal_load is {}, and nodal_load and nodal_force are read", in_quotes(type)));
+    }
+    if (number(load, "relative").value_or(0) != 0)
+      refuse("relative", load, "a relative nodal_load adds to that of an earlier step, and one step is read");
+    const std::string_view called = load.tag.attribute("node_set");
+    const auto set = std::ranges::find(mesh_.groups, called, &MeshGroup::name);
+    if (set == mesh_.groups.end())
+      file_.fail(load,
+                 fmt::format("there is no NodeSet {}; define it, or correct the name", in_quotes(called)));
+    for (const TetMesh::Index corner : set->corners)
+      builder_.add_force(mesh_.point_numbers[static_cast<std::size_t>(corner)], force);
   }
 
   /// The part of this type in another one; null where there is none.
@@ -174,7 +285,7 @@ class FebioSceneReader {
     if (std::ranges::none_of(mesh_.names, [&](const auto& each) { return each.second == domain.name(); }))
       file_.fail(domain, fmt::format("there are no Elements {}; correct the name", in_quotes(domain.name())));
     builder_.add_material(mesh_.names.size() == 1 ? "" : std::string(domain.name()), *young, *poisson,
-                          *density);
+                          *density, fmt::format("{}, line {}", file_.name(), material->place));
   }
 
   /// Newmark's method, or generalized alpha where the spectral radius of infinite steps is given.
@@ -221,6 +332,7 @@ class FebioSceneReader {
   MeshFile mesh_;
   const XmlPart *control_ = nullptr, *solver_ = nullptr;
   std::size_t regions_ = 0;
+  Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace

@@ -18,9 +18,14 @@ namespace hmax {
 namespace {
 
 struct Material {
-  std::int64_t place = 0;
+  std::int64_t place = 0, elastic_place = 0, density_place = 0;
   std::optional<double> young, poisson, density;
   double alpha = 0, beta = 0;
+};
+
+struct Amplitude {
+  std::int64_t place = 0;
+  std::optional<double> value;  ///< at all times; nothing where it changes
 };
 
 /// Keywords on which neither the body nor its steps depend, whatever their parameters are.
@@ -35,6 +40,8 @@ class InpSceneReader {
 
   void read() {
     builder_.scene.model = "fem_cauchy";
+    for (const InpCard& card : file_.cards())
+      if (card.keyword == "AMPLITUDE") read_amplitude(card);
     for (const InpCard& card : file_.cards()) read(card);
     if (in_step_)
       file_.fail(file_.cards().back().place,
@@ -53,18 +60,27 @@ class InpSceneReader {
 
   static const Keyword* known(std::string_view name) {
     using Self = InpSceneReader;
-    static constexpr std::array<Keyword, 14> keywords{
+    static constexpr std::array<Keyword, 22> keywords{
         {{"NODE", "NSET"},
          {"ELEMENT", "TYPE|ELSET"},
-         {"NSET", "NSET|GENERATE"},
-         {"ELSET", "ELSET|GENERATE"},
+         {"NSET", "NSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"},
+         {"ELSET", "ELSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"},
          {"SOLID SECTION", "ELSET|MATERIAL"},
-         {"BOUNDARY", "OP"},
+         // What is fixed at 0 does not move, whatever its amplitude.
+         {"BOUNDARY", "OP|AMPLITUDE"},
+         {"PART", "NAME"},
+         {"END PART", ""},
+         {"ASSEMBLY", "NAME"},
+         {"END ASSEMBLY", ""},
+         {"INSTANCE", "NAME|PART"},
+         {"END INSTANCE", ""},
+         {"AMPLITUDE", "NAME|DEFINITION|TIME|VALUE|SMOOTH"},
+         {"CLOAD", "OP|AMPLITUDE", &Self::read_forces},
          {"MATERIAL", "NAME", &Self::read_material},
          {"ELASTIC", "TYPE", &Self::read_elastic},
          {"DENSITY", "", &Self::read_density},
          {"DAMPING", "ALPHA|BETA", &Self::read_damping},
-         {"DLOAD", "OP", &Self::read_loads},
+         {"DLOAD", "OP|AMPLITUDE", &Self::read_loads},
          {"STEP", "NLGEOM|INC|NAME", &Self::read_step},
          {"DYNAMIC", "ALPHA|EXPLICIT|DIRECT|SOLVER", &Self::read_dynamic},
          {"END STEP", "", &Self::end_step}}};
@@ -72,20 +88,20 @@ class InpSceneReader {
     return found == keywords.end() ? nullptr : found;
   }
 
-  void refuse(const InpCard& card, const std::string& what) {
-    builder_.refuse(card.keyword, fmt::format("{}, line {}: ", file_.name(), card.place), what);
+  void refuse(const InpCard& card, const std::string& what) { refuse(card.keyword, card.place, what); }
+  void refuse(std::string_view part, std::int64_t place, const std::string& what) {
+    builder_.refuse(part, where(place) + ": ", what);
+  }
+  /// "bar.inp, line 7"
+  [[nodiscard]] std::string where(std::int64_t place) const {
+    return fmt::format("{}, line {}", file_.at(place).name(), file_.line(place));
   }
 
   /// Reads a keyword that is understood with all of its parameters.
   void read(const InpCard& card) {
     if (is_listed(card.keyword, passed_over)) return;
     const Keyword* const keyword = known(card.keyword);
-    if (!keyword)
-      return refuse(card,
-                    card.keyword == "CLOAD"
-                        ? "*CLOAD is forces at single points, which bodies here have not; limits of linear "
-                          "bodies do not depend on them"
-                        : fmt::format("*{} is not understood", card.keyword));
+    if (!keyword) return refuse(card, fmt::format("*{} is not understood", card.keyword));
     for (const auto& [parameter, value] : card.parameters)
       if (!is_listed(parameter, keyword->parameters) || (parameter == "OP" && value != "MOD"))
         return refuse(card, fmt::format("{} of *{} is not understood", parameter, card.keyword));
@@ -123,11 +139,13 @@ class InpSceneReader {
           card.place,
           fmt::format("*ELASTIC is of type {}, and only isotropic solids are read; give E and nu", type));
     of_material(card).young = file_.number(only_line(card), 0, "Young's modulus");
+    material_->elastic_place = only_line(card).place;
     material_->poisson = file_.number(only_line(card), 1, "Poisson's ratio");
   }
 
   void read_density(const InpCard& card) {
     of_material(card).density = file_.number(only_line(card), 0, "density");
+    material_->density_place = only_line(card).place;
   }
 
   void read_damping(const InpCard& card) {
@@ -140,16 +158,92 @@ class InpSceneReader {
     return text ? file_.number({.place = card.place, .fields = {*text}}, 0, parameter) : otherwise;
   }
 
-  /// Weight of the whole body: its size, and its direction of any length.
+  /// One value at all times; others are refused where something follows them.
+  void read_amplitude(const InpCard& card) {
+    Amplitude& made = amplitudes_[card.parameter("NAME").value_or("")];
+    made = {.place = card.place, .value = {}};
+    const std::string definition = card.parameter("DEFINITION").value_or("TABULAR");
+    if (definition != "TABULAR" || card.lines.empty()) return;
+    for (const InpLine& line : card.lines)
+      for (std::size_t k = 1; k < line.fields.size(); k += 2) {
+        const double value = file_.number(line, k, "an amplitude");
+        if (made.value && *made.value != value) {
+          made.value.reset();
+          return;
+        }
+        made.value = value;
+      }
+  }
+
+  /// What the numbers of loads are multiplied with.
+  double amplitude_of(const InpCard& card) {
+    const auto called = card.parameter("AMPLITUDE");
+    if (!called) return 1;
+    const auto found = amplitudes_.find(*called);
+    if (found == amplitudes_.end())
+      file_.fail(card.place,
+                 fmt::format("there is no *AMPLITUDE '{}'; define it, or correct the name", *called));
+    if (found->second.value) return *found->second.value;
+    refuse("AMPLITUDE", card.place,
+           fmt::format("*{} follows the amplitude {} of line {}, which changes with time, and loads here are "
+                       "steady; write the load at the time that you ask for, without it",
+                       card.keyword, *called, file_.line(found->second.place)));
+    return 1;
+  }
+
+  /// Forces on points or on each point of a set, along directions 1 to 3.
+  void read_forces(const InpCard& card) {
+    const double amplitude = amplitude_of(card);
+    for (const InpLine& line : card.lines) {
+      const std::int64_t direction = file_.integer(line, 1, "direction");
+      if (direction < 1 || direction > 3) {
+        refuse(card.keyword, line.place,
+               fmt::format("*CLOAD is along direction {}, and points have 1 to 3", direction));
+        continue;
+      }
+      const Eigen::Vector3d force =
+          amplitude * file_.number(line, 2, "force") * Eigen::Vector3d::Unit(direction - 1);
+      for (const std::int64_t number : points_of(line)) builder_.add_force(number, force);
+    }
+  }
+
+  /// The numbers of the points that a line begins with, outside of the part.
+  std::vector<std::int64_t> points_of(const InpLine& line) {
+    std::string name = line.fields.empty() ? "" : upper(line.fields[0]);
+    const std::vector<std::int64_t>& numbers = body_.mesh.point_numbers;
+    const auto set = std::ranges::find_if(body_.mesh.groups, [&](const MeshGroup& group) {
+      return group.dimension == 0 && group.name == name;
+    });
+    if (set != body_.mesh.groups.end()) {
+      std::vector<std::int64_t> found;
+      for (const TetMesh::Index corner : set->corners)
+        found.push_back(numbers[static_cast<std::size_t>(corner)]);
+      return found;
+    }
+    if (const std::string& prefix = file_.prefix(); !prefix.empty() && name.starts_with(prefix))
+      name.erase(0, prefix.size());
+    if (name.empty() || name.find_first_not_of("0123456789") != std::string::npos)
+      file_.fail(line.place, fmt::format("there is no node set {}; define it, or correct the name",
+                                         in_quotes(line.fields.empty() ? "" : line.fields[0])));
+    const std::int64_t number = file_.integer({.place = line.place, .fields = {name}}, 0, "node");
+    if (std::ranges::find(numbers, number) == numbers.end())
+      file_.fail(line.place, fmt::format("there is no node {}; correct it", number));
+    return {number};
+  }
+
+  /// Weight of the whole body, which no set names too: its size, and its direction of any length.
   void read_loads(const InpCard& card) {
+    const double amplitude = amplitude_of(card);
     for (const InpLine& line : card.lines) {
       if (line.fields.size() < 2 || upper(line.fields[1]) != "GRAV") {
         refuse(card, "*DLOAD is not GRAV, the only distributed load that is read");
         continue;
       }
       const auto set = body_.element_sets.find(upper(line.fields[0]));
-      if (set == body_.element_sets.end() ||
-          std::set(set->second.begin(), set->second.end()).size() != body_.mesh.numbers.size()) {
+      if (line.fields[0].empty()
+              ? false
+              : set == body_.element_sets.end() ||
+                    std::set(set->second.begin(), set->second.end()).size() != body_.mesh.numbers.size()) {
         refuse(card,
                fmt::format("GRAV is of the set {}, which is not the whole body", in_quotes(line.fields[0])));
         continue;
@@ -160,7 +254,7 @@ class InpSceneReader {
       for (int k = 0; k < 3; ++k)
         direction[k] = file_.number(line, static_cast<std::size_t>(3 + k), "direction of gravity");
       if (direction.isZero(0)) file_.fail(line.place, "gravity has no direction; correct it");
-      gravity_ = size * direction.normalized();
+      gravity_ = amplitude * size * direction.normalized();
     }
   }
 
@@ -235,24 +329,24 @@ class InpSceneReader {
                    fmt::format("the material '{}' has another *DAMPING than the first one, and bodies here "
                                "have one; give both the same",
                                called));
-      builder_.add_material(body_.sections.size() == 1 ? "" : section->parameter("ELSET").value_or(""),
-                            *material.young, *material.poisson, *material.density);
+      const std::string region = body_.sections.size() == 1 ? "" : section->parameter("ELSET").value_or("");
+      builder_.add_material(region, *material.young, *material.poisson, {}, where(material.elastic_place));
+      builder_.set_density(region, *material.density, where(material.density_place));
     }
+    builder_.scene.regions = body_.mesh.names;
     builder_.set_damping(first->alpha, first->beta);
   }
 
   void set_supports() {
-    const auto group = [&](std::string_view called) {
-      const auto found = std::ranges::find(body_.mesh.groups, called, &MeshGroup::name);
-      return found == body_.mesh.groups.end() ? nullptr : &*found;
-    };
-    if (const MeshGroup* other = group(otherwise_held_points))
-      builder_.refuse(
-          "BOUNDARY", file_.name() + ": ",
-          fmt::format(
-              "*BOUNDARY does not fix node {} in directions 1 to 3 alone, at 0, the only way that is read",
-              body_.mesh.point_numbers[static_cast<std::size_t>(other->corners.front())]));
-    builder_.set_support(group(held_points) ? held_points : "");
+    const bool holds =
+        std::ranges::find(body_.mesh.groups, held_points, &MeshGroup::name) != body_.mesh.groups.end();
+    if (const InpLine* line = body_.otherwise_held)
+      refuse(
+          "BOUNDARY", line->place,
+          fmt::format("*BOUNDARY does not fix {} in all directions 1 to 3 at 0, and a point here is fixed in "
+                      "all of them or free; fix all with {}, 1, 3",
+                      in_quotes(line->fields[0]), line->fields[0]));
+    builder_.set_support(holds ? held_points : "");
   }
 
   const InpFile& file_;
@@ -260,6 +354,7 @@ class InpSceneReader {
   InpMesh body_;
   std::optional<Eigen::Vector3d> gravity_;
   std::map<std::string, Material> materials_;
+  std::map<std::string, Amplitude> amplitudes_;
   Material* material_ = nullptr;
   bool has_step_ = false, in_step_ = false;
 };

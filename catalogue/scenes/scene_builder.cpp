@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 
@@ -74,12 +75,28 @@ void SceneBuilder::refuse(std::string_view part, const std::string& where, const
 }
 
 void SceneBuilder::add_material(const std::string& region, double young, double poisson,
-                                std::optional<double> density) {
+                                std::optional<double> density, const std::string& where) {
   const std::string of = region.empty() ? "" : ":" + region;
   const double length = units_.length;
+  for (const char* name : {"E", "nu"}) scene.places[name + of] = where;
   set("E" + of, young * units_.mass / (length * units_.time * units_.time));
   set("nu" + of, poisson);
-  if (density) set("rho" + of, *density * units_.mass / (length * length * length));
+  if (density) set_density(region, *density, where);
+}
+
+void SceneBuilder::set_density(const std::string& region, double density, const std::string& where) {
+  const std::string name = "rho" + (region.empty() ? "" : ":" + region);
+  scene.places[name] = where;
+  set(name, density * units_.mass / (units_.length * units_.length * units_.length));
+}
+
+void SceneBuilder::set_springs(std::optional<double> stiffness, double young, double damper) {
+  const double per_time = 1 / (units_.time * units_.time);
+  if (stiffness)
+    set("k", *stiffness * units_.mass * per_time);
+  else
+    set("E", young * units_.mass / units_.length * per_time);
+  if (damper != 0) set("damper", damper * units_.time);
 }
 
 void SceneBuilder::set_mass(double mass, bool equal) {
@@ -104,14 +121,65 @@ void SceneBuilder::set_support(std::string_view group) {
   set(fmt::format("{}:vertices:{}", support_name, group), 1);
 }
 
+void SceneBuilder::add_force(std::int64_t number, const Eigen::Vector3d& force) {
+  const auto [at, is_new] = forces_.try_emplace(number, Eigen::Vector3d::Zero());
+  at->second += force * units_.mass * units_.length / (units_.time * units_.time);
+}
+
+/// One parameter for all points with the same force along an axis.
+void SceneBuilder::set_forces() {
+  for (std::size_t axis = 0; axis < nodal_force_names.size(); ++axis) {
+    std::map<double, std::string> points;
+    for (const auto& [number, force] : forces_) {
+      const double value = force[static_cast<Eigen::Index>(axis)];
+      if (value == 0) continue;
+      std::string& list = points[value];
+      list += (list.empty() ? "" : ",") + std::to_string(number);
+    }
+    for (const auto& [value, list] : points)
+      set(fmt::format("{}:points:{}", nodal_force_names.at(axis), list), value);
+  }
+}
+
 Scene SceneBuilder::finish(const std::string& file) {
   for (const std::string& part : ignored_)
     if (std::ranges::none_of(left_out_, [&](const std::string& left) { return lower(left) == part; }))
       throw InputError(
           fmt::format("--ignore names {}, and {} has nothing of it to leave out; remove it", part, file));
+  set_forces();
   if (!left_out_.empty())
     scene.notes.push_back(fmt::format("left out of {}: {}", file, fmt::join(left_out_, ", ")));
   return std::move(scene);
+}
+
+void leave_out(const Scene& scene, Parameters& parameters, const std::string& name) {
+  std::string other = name;
+  if (const std::size_t colon = name.find(':'); colon != std::string::npos) {
+    const auto named = [&](const auto& region) { return region.second == name.substr(colon + 1); };
+    if (std::ranges::none_of(scene.regions, named))
+      for (const auto& [number, called] : scene.regions)
+        if (std::to_string(number) == name.substr(colon + 1)) other = name.substr(0, colon + 1) + called;
+  }
+  std::erase_if(parameters, [&](const auto& parameter) {
+    return parameter.first == name || parameter.first == other || parameter.first.starts_with(name + ":");
+  });
+}
+
+void require_in_range(const Scene& scene, const Parameters& parameters) {
+  for (const auto& [name, value] : parameters) {
+    const auto place = scene.places.find(name);
+    if (place == scene.places.end()) continue;
+    const std::string_view what = std::string_view(name).substr(0, name.find(':'));
+    const bool is_ratio = what == "nu";
+    if (is_ratio ? value > -1 && value < 0.5 : value > 0 && std::isfinite(value)) continue;
+    throw InputError(
+        fmt::format("{}: {} is {} but must {}; correct it, or replace it with --set {}=", place->second,
+                    is_ratio      ? "Poisson's ratio"
+                    : what == "E" ? "Young's modulus"
+                                  : "the density",
+                    is_ratio ? to_text(value) : to_text(value) + (what == "E" ? " Pa" : " kg/m^3"),
+                    is_ratio ? "lie above -1 and below 0.5" : "be positive", name));
+  }
 }
 
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {

@@ -1,6 +1,8 @@
 /// What the readers of scenes share; for their sources only.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -31,7 +33,15 @@ class SceneBuilder {
   /// @param where  "FILE, line N: "; @param what  "*CLOAD is forces at single points, which bodies have not"
   void refuse(std::string_view part, const std::string& where, const std::string& what);
   /// E, nu and density of a region, or of the whole body where its name is empty.
-  void add_material(const std::string& region, double young, double poisson, std::optional<double> density);
+  /// @param where  "FILE, line N"
+  void add_material(const std::string& region, double young, double poisson, std::optional<double> density,
+                    const std::string& where);
+  /// A dead load on one point, which adds to others on it. @param number  of the point in its file
+  void add_force(std::int64_t number, const Eigen::Vector3d& force);
+  void set_density(const std::string& region, double density, const std::string& where);
+  /// Springs on all edges: of one stiffness, or without one by Young's modulus.
+  /// @param damper  ratio of damper and stiffness
+  void set_springs(std::optional<double> stiffness, double young, double damper);
   /// The mass of the whole body, instead of densities. @param equal  the same at all points
   void set_mass(double mass, bool equal);
   /// Rayleigh damping alpha M + beta K.
@@ -46,10 +56,12 @@ class SceneBuilder {
   Scene finish(const std::string& file);
 
  private:
+  void set_forces();
   void set(std::string name, double value) { scene.settings.parameters.emplace_back(std::move(name), value); }
 
   SceneUnits units_;
   std::set<std::string> ignored_, left_out_;
+  std::map<std::int64_t, Eigen::Vector3d> forces_;  ///< by points [N]
 };
 
 /// CalculiX's and Abaqus' .inp, SOFA's .scn, FEBio's .feb. @throws InputError, std::invalid_argument  as

@@ -19,6 +19,7 @@
 #include "catalogue/methods/unsuited.hpp"
 #include "catalogue/models/support_sets.hpp"
 #include "catalogue/models/tissue_choice.hpp"
+#include "catalogue/scenes/scene.hpp"
 #include "cli/advice/advice_page.hpp"
 #include "cli/advice/advice_words.hpp"
 #include "cli/bodies/body_words.hpp"
@@ -31,6 +32,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "plots/pages/answer_words.hpp"
+#include "problems/tissue/sofa_scene.hpp"
 #include "results/fingerprint.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
@@ -68,6 +70,44 @@ std::vector<Method> named_methods(const AdviseOptions& options, const Problem& p
     chosen.left_out.insert(chosen.left_out.end(), not_tried.begin(), not_tried.end());
   warn_of_left_out(console, chosen.left_out);
   return std::move(chosen.methods);
+}
+
+/// Whether a scene of SOFA is asked for, else a page.
+bool writes_scene(const AdviseOptions& options) {
+  return std::filesystem::path(options.output).extension() == ".scn";
+}
+
+/// Leaves out the methods that SOFA does not step this body with, before the minutes of the search.
+/// @throws InputError  for one that the user names, and where none is left
+void keep_methods_of_sofa(const AdviseOptions& options, const Problem& problem,
+                          std::vector<Method>& methods) {
+  if (!problem.body)
+    throw InputError("--output FILE.scn is a scene of a body; name a mesh with --mesh, or write FILE.html");
+  std::string refusal;
+  std::erase_if(methods, [&](const Method& method) {
+    try {
+      (void)sofa_text(*problem.body, sofa_step(method.id, 1));
+      return false;
+    } catch (const std::invalid_argument& error) {
+      refusal = error.what();
+    } catch (const InputError& error) {
+      refusal = error.what();
+    }
+    return true;
+  });
+  if (!refusal.empty() && (methods.empty() || !options.methods.empty())) throw InputError(refusal);
+}
+
+/// The body with the method and the step that are recommended.
+void write_scene(const AdviseOptions& options, const Problem& problem, const Advice& advice,
+                 Console& console) {
+  const AdviceRow* const row = advice.recommended();
+  if (!row)
+    return console.remark(fmt::format("{} is not written, as nothing is recommended", options.output));
+  write_file(options.output, sofa_text(*problem.body, sofa_step(row->candidate.method.id, row->h)));
+  if (const std::string chosen = row->candidate.options(); !chosen.empty())
+    console.remark(fmt::format("SOFA solves its equations anew in every step, and not with {}", chosen));
+  if (!console.json) console.print(fmt::format("\nOpen {} with SOFA\n", options.output));
 }
 
 AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem, Console& console) {
@@ -113,8 +153,11 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
                                        element_nodes(TissueId(problem.id))));
     }
   }
-  question.methods = options.methods.empty() ? choose_methods(simulator_methods(), {problem})
-                                             : named_methods(options, problem, console);
+  question.methods =
+      options.methods.empty()
+          ? choose_methods(writes_scene(options) ? sofa_methods() : simulator_methods(), {problem})
+          : named_methods(options, problem, console);
+  if (writes_scene(options)) keep_methods_of_sofa(options, problem, question.methods);
   return question;
 }
 
@@ -134,7 +177,7 @@ void check_names(const AdviseOptions& options) {
   if (!options.out.empty())
     if (const std::filesystem::path store = store_path(options.out); std::filesystem::exists(store))
       (void)Store::open_existing(store);
-  if (!options.output.empty()) check_page_name(options.output, "advice.html");
+  if (!options.output.empty() && !writes_scene(options)) check_page_name(options.output, "advice.html");
 }
 
 /// Whether a row is more than a prediction.
@@ -205,7 +248,9 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
   const std::string scene = problem.body && advice.model ? body_scene_text(*advice.model) : "";
   std::exception_ptr page_failure;  // the store is written all the same
   try {
-    if (!options.output.empty()) {
+    if (writes_scene(options)) {
+      write_scene(options, problem, advice, console);
+    } else if (!options.output.empty()) {
       write_advice_page(options.output, text, key, rows, scene);
       if (!console.json) console.print(fmt::format("\nOpen {}\n", options.output));
     }
@@ -300,9 +345,11 @@ void add_advise(CLI::App& app, Console& console) {
       "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
       "by default",
       "STORE");
-  add_text(command, "--output", options->output,
-           "Page of HTML with the whole answer and its figures, which needs no other file; none by default",
-           "FILE.html");
+  add_text(
+      command, "--output", options->output,
+      "Page of HTML with the whole answer and its figures, which needs no other file; or FILE.scn, the body as a "
+      "scene of SOFA with what is recommended of its solvers; none by default",
+      "FILE");
   add_force(command);
   add_jobs(command);
   set_callback(command, [options, &console] { advise_on(*options, console); });

@@ -21,6 +21,7 @@ struct MeshCommand {
   std::string matrices;  ///< folder
   // Of SOFA's scenes, and of matrices.
   std::string model, material, gravity;
+  std::string load, method;  ///< of scenes alone
   std::vector<std::string> set;
   std::vector<std::string> supports;  ///< of `mesh check` too
   std::optional<double> h;

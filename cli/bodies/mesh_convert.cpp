@@ -3,10 +3,12 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
+#include "catalogue/scenes/scene.hpp"
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/bodies/mesh.hpp"
 #include "cli/shared/choices.hpp"
@@ -33,7 +35,8 @@ constexpr std::array<std::string_view, 3> written{".msh", ".vtu", ".scn"};
 
 /// What a scene lacks that most simulations need, and what adds it; empty where it lacks nothing.
 std::string lacking(const TissueSettings& settings) {
-  const bool held = !settings.supports.empty(), heavy = !settings.gravity.isZero(0);
+  const bool held = !settings.supports.empty() || !settings.elastic_supports.empty(),
+             heavy = !settings.gravity.isZero(0) || !settings.forces.empty();
   if (held && heavy) return {};
   if (held) return "the scene has no gravity; `hmax mesh convert` adds it with --gravity 0,0,-9.81";
   if (heavy) return "the scene has no supports; `hmax mesh convert` adds them with --support SET";
@@ -42,17 +45,18 @@ std::string lacking(const TissueSettings& settings) {
 }
 
 /// A scene of a body, and what it lacks.
-struct Scene {
+struct WrittenScene {
   std::string text, lacking;
 };
 
-/// Without gravity and supports unless they are asked for.
+/// Without gravity and supports unless they are asked for, gravity by a load too.
 ProblemSettings settings_of(const MeshCommand& options) {
   MeshOptions acting;
   acting.gravity = options.gravity;
   acting.supports = options.supports;
   ProblemSettings settings{
-      .material = options.material, .parameters = {{"g", 0}, {"support", 0}}, .unit = options.metres()};
+      .material = options.material, .parameters = {{"support", 0}}, .unit = options.metres()};
+  if (options.load.empty()) settings.parameters.emplace_back("g", 0);
   for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
   for (const std::string& assignment : options.set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
@@ -61,8 +65,9 @@ ProblemSettings settings_of(const MeshCommand& options) {
 
 /// A scene of the body that `hmax run --mesh` would make, without gravity and supports unless they are asked
 /// for.
-Scene scene_of(const MeshCommand& options, MeshFile file) {
-  const TissueId id(tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, ""));
+WrittenScene scene_of(const MeshCommand& options, MeshFile file) {
+  const TissueId id(
+      tissue_id(options.model.empty() ? "fem_corotational" : options.model, options.mesh, options.load));
   if (element_nodes(id) == ElementNodes::ten) file = with_ten_nodes(file);
   MeshImport import = import_as_it_is(file);
   const std::vector<TetMesh::Index> idle = unused_points(file.mesh);
@@ -72,7 +77,9 @@ Scene scene_of(const MeshCommand& options, MeshFile file) {
                     .origin = std::make_shared<const MeshOrigin>(std::move(import.origin))};
   const TissueParameters parameters = tissue_parameters(id, settings_of(options));
   const TissueBody body(loaded.mesh, tissue_settings(id, parameters, loaded), loaded.origin);
-  return {sofa_text(body, options.h.value_or(0.01)), lacking(body.settings())};
+  const SofaStep step = sofa_step(options.method.empty() ? sofa_methods().front() : options.method,
+                                  options.h.value_or(SofaStep{}.h));
+  return {sofa_text(body, step), lacking(body.settings())};
 }
 
 /// Writes the mesh in the form that the extension of the output names, and says so.
@@ -87,17 +94,19 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
   const bool scene = extension == ".scn";
   if (is_given(options.jobs)) throw InputError("--jobs is for --matrices; leave it out");
   const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
-                       !options.gravity.empty() || !options.supports.empty() || !options.set.empty();
+                       !options.gravity.empty() || !options.supports.empty() || !options.set.empty() ||
+                       !options.load.empty() || !options.method.empty();
   if (physics && !scene)
     throw InputError(
-        "--model, --material, --set, --h, --gravity and --support belong to a SOFA scene; write to a file .scn");
+        "--model, --material, --load, --method, --set, --h, --gravity and --support belong to a SOFA scene; write to a "
+        "file .scn");
   if (scene && !metres)
     throw InputError(
         fmt::format("{} does not say its unit, and a body of {} could be anything; state it with --unit",
                     options.mesh, box_in_words(mesh)));
   std::string text, remark;
   if (scene) {
-    Scene made = scene_of(options, file);
+    WrittenScene made = scene_of(options, file);
     text = std::move(made.text);
     remark = std::move(made.lacking);
   } else if (extension == ".msh") {
@@ -135,9 +144,10 @@ void deliver_matrices(const MeshCommand& options, Console& console) {
   if (!options.output.empty())
     throw InputError(fmt::format("--matrices {} and the output {} are both given; remove one of them",
                                  options.matrices, options.output));
-  if (options.fix || options.renumber || options.h)
+  if (options.fix || options.renumber || options.h || !options.load.empty() || !options.method.empty())
     throw InputError(
-        "--fix, --renumber and --h do not apply to matrices; convert the mesh to a file first, and leave --h out");
+        "--fix, --renumber, --h, --load and --method do not apply to matrices; convert the mesh to a file first, and "
+        "leave the others out");
   const Problem problem = make_problem(tissue_id(options.model, options.mesh, ""), settings_of(options));
   write_matrices(problem, operating_point(problem), options.matrices, console);
 }
@@ -208,6 +218,7 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
       group, console, "convert", "Convert a mesh to Gmsh, ParaView, a scene of SOFA, or matrices",
       {"hmax mesh convert phantom phantom.vtu",
        "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
+       "hmax mesh convert liver pressed.scn --load press --support 'z<0.02' --method symplectic_euler --h 0.002",
        "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber",
        "hmax mesh convert liver --matrices liver --material liver:male_normal"});
   add_mesh_argument(convert_command, *options);
@@ -232,6 +243,12 @@ void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& optio
                "Change a parameter of a scene or of matrices, like E:tumour=8000; may be repeated",
                "NAME=VALUE");
   add_support(convert_command, options->supports, "none by default");
+  add_text(convert_command, "--load", options->load,
+           fmt::format("Load of a scene: {}; none by default", fmt::join(tissue_loads(), ", ")), "ID");
+  add_text(convert_command, "--method", options->method,
+           fmt::format("Method whose solver steps a scene: {}; {} by default",
+                       fmt::join(sofa_methods(), ", "), sofa_methods().front()),
+           "ID");
   add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
   options->jobs = add_jobs(convert_command);
   add_force(convert_command);

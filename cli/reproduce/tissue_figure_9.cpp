@@ -71,7 +71,7 @@ void figure_9(TissuePage& tissue) {
                            "h = {:g} s. E and alpha as above each picture.",
                            drawn_force, h);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
-      write_file(tissue.page.folder / name, sofa_text(*problem.body, h));
+      write_file(tissue.page.folder / name, sofa_text(*problem.body, {h}));
       if (!scenes.insert(name).second) continue;
       tissue.page.link(name, name);
       tissue.page.values["scenes"].push_back(name);

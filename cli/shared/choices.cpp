@@ -97,25 +97,23 @@ std::vector<std::pair<std::string, double>> MeshOptions::of_scene(const std::vec
                                                                   std::string_view material) const {
   if (scene.empty()) return {};
   std::vector<std::pair<std::string, double>> parameters = read().settings.parameters;
-  const auto leave_out = [&](const std::string& name) {
-    std::erase_if(parameters, [&](const auto& parameter) {
-      return parameter.first == name || parameter.first.starts_with(name + ":");
-    });
-  };
-  for (const std::string& assignment : set) leave_out(parse_assignment("--set", assignment).first);
+  const auto replace = [&](const std::string& name) { leave_out(read(), parameters, name); };
+  for (const std::string& assignment : set) replace(parse_assignment("--set", assignment).first);
   for (const std::string_view part : split(material, ",")) {
     const std::size_t equals = part.rfind('=');
     const bool is_of_region = equals != std::string_view::npos;
     if (trimmed(part).empty()) continue;
     for (const char* name : {"E", "nu", "rho"})
-      leave_out(is_of_region ? fmt::format("{}:{}", name, trimmed(part.substr(0, equals))) : name);
-    if (!is_of_region) leave_out("mass");
+      replace(is_of_region ? fmt::format("{}:{}", name, trimmed(part.substr(0, equals))) : name);
+    if (!is_of_region) replace("mass");
   }
-  // Another load has no gravity.
+  // Another load replaces that of the scene.
   if (!load.empty() && load != tissue_loads().front()) {
-    leave_out("g");
-    for (const std::string_view name : gravity_names) leave_out(std::string(name));
+    replace("g");
+    for (const std::string_view name : gravity_names) replace(std::string(name));
+    for (const std::string_view name : nodal_force_names) replace(std::string(name));
   }
+  require_in_range(read(), parameters);
   return parameters;
 }
 

@@ -39,7 +39,11 @@ bool is_same(const TissueSettings& settings, double TissueMaterial::*what) {
                              [&](const TissueMaterial& material) { return material.*what == first; });
 }
 
-void check(const TissueSettings& settings, double step) {
+bool is_explicit(const SofaStep& step) {
+  return step.solver != SofaStep::Solver::implicit_euler && step.solver != SofaStep::Solver::newmark;
+}
+
+void check(const TissueSettings& settings, const SofaStep& step) {
   if (settings.model.is_of_springs())
     require_none(std::holds_alternative<LinearSpring>(settings.springs.law), "springs that are not linear");
   else if (settings.model.sofa == SofaField::none)
@@ -60,7 +64,10 @@ void check(const TissueSettings& settings, double step) {
   }
   for (const double damping : {settings.alpha, settings.beta})
     require(damping == 0 || positive(damping), "Rayleigh damping", damping, "give 0 or more");
-  require(step > 0 && std::isfinite(step), "step", step, "give a positive one in seconds");
+  require(positive(step.h), "step", step.h, "give a positive one in seconds");
+  if (is_explicit(step))
+    require(settings.beta == 0, "Rayleigh damping by stiffness", settings.beta,
+            "SOFA's explicit solvers have none, so set beta=0 or take an implicit method");
 }
 
 /// Each number behind a blank.
@@ -214,37 +221,71 @@ std::vector<TetMesh::Index> fixed_points(const TissueBody& body) {
   return fixed;
 }
 
+std::string solver(const TissueSettings& settings, const SofaStep& step) {
+  const std::string rayleigh = " rayleighMass=\"" + shortest_digits(settings.alpha) +
+                               "\" rayleighStiffness=\"" + shortest_digits(settings.beta) + "\"/>";
+  switch (step.solver) {
+    case SofaStep::Solver::newmark:
+      return "<NewmarkImplicitSolver beta=\"" + shortest_digits(step.beta) + "\" gamma=\"" +
+             shortest_digits(step.gamma) + "\"" + rayleigh;
+    case SofaStep::Solver::symplectic_euler:
+      return "<EulerExplicitSolver symplectic=\"1\"/>";
+    case SofaStep::Solver::explicit_euler:
+      return "<EulerExplicitSolver symplectic=\"0\"/>";
+    case SofaStep::Solver::runge_kutta_4:
+      return "<RungeKutta4Solver/>";
+    default:
+      return "<EulerImplicitSolver" + rayleigh;
+  }
+}
+
+/// -alpha m v at each point.
+std::string velocity_damping(const TissueBody& body) {
+  Eigen::MatrixXd masses = body.point_mass().transpose();
+  if (body.origin()) masses = body.origin()->on_points(masses);
+  const Eigen::MatrixXd coefficients = (body.settings().alpha * masses).replicate(3, 1);
+  return "<DiagonalVelocityDampingForceField template=\"Vec3d\" dampingCoefficient=\"" +
+         listed(coefficients.reshaped()) + "\"/>";
+}
+
+/// The modules of SOFA with the components of a scene.
+std::string plugins(const TissueSettings& settings, const SofaStep& step) {
+  std::vector<const char*> names{"Constraint.Projective", "Mass"};
+  if (is_explicit(step))
+    names.push_back("ODESolver.Forward");
+  else
+    names.insert(names.end(), {"LinearSolver.Iterative", "ODESolver.Backward"});
+  names.insert(names.end(), {settings.model.is_of_springs() ? "SolidMechanics.Spring"
+                             : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
+                                                            : "SolidMechanics.FEM.HyperElastic",
+                             "StateContainer", "Topology.Container.Dynamic", "Visual"});
+  if (!settings.forces.empty() || (is_explicit(step) && settings.alpha != 0))
+    names.push_back("MechanicalLoad");
+  if (!settings.elastic_supports.empty() && !settings.model.is_of_springs())
+    names.push_back("SolidMechanics.Spring");
+  std::string text;
+  for (const char* name : names)
+    text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + name + "\"/>\n";
+  return text;
+}
+
 }  // namespace
 
-std::string sofa_text(const TissueBody& body, double step) {
+std::string sofa_text(const TissueBody& body, const SofaStep& step) {
   const TissueSettings& settings = body.settings();
   check(settings, step);
   const TetMesh& mesh = body.origin() ? body.origin()->file.mesh : body.mesh();
   const std::vector<TetMesh::Index> fixed = fixed_points(body);
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) +
-                     " -->\n<Node name=\"root\" dt=\"" + shortest_digits(step) + "\" gravity=\"" +
+                     " -->\n<Node name=\"root\" dt=\"" + shortest_digits(step.h) + "\" gravity=\"" +
                      listed(settings.gravity) + "\">\n";
-  std::vector<const char*> plugins{"Constraint.Projective",
-                                   "LinearSolver.Iterative",
-                                   "Mass",
-                                   "ODESolver.Backward",
-                                   settings.model.is_of_springs() ? "SolidMechanics.Spring"
-                                   : is_linear(settings)          ? "SolidMechanics.FEM.Elastic"
-                                                                  : "SolidMechanics.FEM.HyperElastic",
-                                   "StateContainer",
-                                   "Topology.Container.Dynamic",
-                                   "Visual"};
-  if (!settings.forces.empty()) plugins.push_back("MechanicalLoad");
-  if (!settings.elastic_supports.empty() && !settings.model.is_of_springs())
-    plugins.push_back("SolidMechanics.Spring");
-  for (const char* plugin : plugins)
-    text += std::string("  <RequiredPlugin name=\"Sofa.Component.") + plugin + "\"/>\n";
+  text += plugins(settings, step);
   text += "  <DefaultAnimationLoop/>\n  <VisualStyle displayFlags=\"showBehaviorModels showForceFields\"/>\n";
   text += "  <Node name=\"tissue\">\n";
   const auto add = [&](const std::string& component) { text += "    " + component + "\n"; };
-  add("<EulerImplicitSolver rayleighMass=\"" + shortest_digits(settings.alpha) + "\" rayleighStiffness=\"" +
-      shortest_digits(settings.beta) + "\"/>");
-  add("<CGLinearSolver iterations=\"1000\" tolerance=\"1e-10\" threshold=\"1e-20\"/>");
+  add(solver(settings, step));
+  if (!is_explicit(step))
+    add("<CGLinearSolver iterations=\"1000\" tolerance=\"1e-10\" threshold=\"1e-20\"/>");
   add("<TetrahedronSetTopologyContainer name=\"mesh\" position=\"" + listed(mesh.points.reshaped()) +
       "\" tetrahedra=\"" + listed(mesh.tetrahedra.reshaped()) + "\"/>");
   add("<TetrahedronSetGeometryAlgorithms template=\"Vec3d\"/>");
@@ -254,6 +295,7 @@ std::string sofa_text(const TissueBody& body, double step) {
   add(settings.model.is_of_springs() ? springs(body) : force_fields(body));
   for (const ElasticSupport& support : settings.elastic_supports) add(rest_springs(body, support));
   for (const PressingForce& force : settings.forces) add(constant_force(body, force));
+  if (is_explicit(step) && settings.alpha != 0) add(velocity_damping(body));
   return text + "  </Node>\n</Node>\n";
 }
 

@@ -2,15 +2,9 @@
 #include <array>
 #include <map>
 
-#include <gtest/gtest.h>
+#include <fmt/format.h>
 
-#include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
-#include "catalogue/scenes/scene.hpp"
-#include "core/errors.hpp"
-#include "problems/tissue/body.hpp"
-#include "tests/results/scratch.hpp"
-#include "tests/says.hpp"
+#include "tests/catalogue/scenes/scene_files.hpp"
 
 namespace hmax {
 namespace {
@@ -32,24 +26,17 @@ const std::string two_parts =
     "<Boundary>\n<bc type=\"zero displacement\" node_set=\"middle\"><x_dof>1</x_dof><y_dof>1</y_dof>"
     "<z_dof>1</z_dof></bc>\n</Boundary>\n</febio_spec>\n";
 
-class FebioScenes : public ::testing::Test {
+class FebioScenes : public SceneFiles {
  protected:
-  Scene read(const std::string& text, const std::string& ignored = "") {
-    write_text(folder / "a.feb", text);
-    return read_scene((folder / "a.feb").string(), "m,kg,s", ignored);
-  }
+  FebioScenes() : SceneFiles("a.feb", "m,kg,s") {}
+
   /// What of the text is replaced by what: the error that reading tells.
   std::string error(const std::string& what, const std::string& by) {
-    return error_of<InputError>([&] { read(changed(what, by)); });
+    return SceneFiles::error(changed(what, by));
   }
   static std::string changed(const std::string& what, const std::string& by) {
-    std::string text = two_parts;
-    const std::size_t at = text.find(what);
-    EXPECT_NE(at, std::string::npos) << what;
-    return text.replace(at, what.size(), by);
+    return replaced(two_parts, what, by);
   }
-
-  Scratch folder;
 };
 
 /// V (lambda + 2 mu) / m of a corner that is free, along z: 1200 / 6 / (1 / 24) of the soft one.
@@ -58,8 +45,7 @@ TEST_F(FebioScenes, AreBodiesWithTheirMaterialsAndSupports) {
   EXPECT_EQ(scene.model, "fem_neo_hookean");
   EXPECT_EQ(scene.step, 0.1);
   EXPECT_EQ(scene.method, "generalized_alpha:rho_inf=0.5");
-  const auto made =
-      make_problem(tissue_id(scene.model, (folder / "a.feb").string(), ""), scene.settings).body;
+  const auto made = body(scene);
   ASSERT_EQ(made->dofs(), 6);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(6);
   TissueBody::DofMatrix K;
@@ -80,8 +66,7 @@ TEST_F(FebioScenes, TakeTheIntegratorOfTheControl) {
 
 TEST_F(FebioScenes, HaveCommentsInValues) {
   const auto young = [&](const std::string& value) {
-    const auto values = read(changed("<E>1000", "<E>" + value)).settings.parameters;
-    return std::ranges::find(values, "E:up", &std::pair<std::string, double>::first)->second;
+    return SceneFiles::value(read(changed("<E>1000", "<E>" + value)), "E:up");
   };
   for (const char* value : {"<!-- 3 Pa -->1000", "1000<!-- <Pa> -->", " 10<!----><!-- > -->00 "})
     EXPECT_EQ(young(value), 1000) << value;
@@ -92,7 +77,7 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
   const std::map<std::string, std::array<const char*, 2>> cases{
       {"format '3.0'", {"version=\"4.0\"", "version=\"3.0\""}},
       {"module is 'fluid'", {"Module type=\"solid\"", "Module type=\"fluid\""}},
-      {"'Loads' is not understood", {"<Boundary>", "<Loads/><Boundary>"}},
+      {"'Contact' is not understood", {"<Boundary>", "<Contact/><Boundary>"}},
       {"material is 'Ogden'", {"name=\"soft\" type=\"neo-Hookean\"", "name=\"soft\" type=\"Ogden\""}},
       {"different laws",
        {"name=\"stiff\" type=\"neo-Hookean\"", "name=\"stiff\" type=\"isotropic elastic\""}},
@@ -120,7 +105,8 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
       {"E is not one number", {"<E>1000", "<E>1000<by/>"}},
       {"solver is 'explicit-solid'", {"solver type=\"solid\"", "solver type=\"explicit-solid\""}},
       {"--ignore 'mass_lumping'", {"<rhoi>", "<mass_lumping>1</mass_lumping><rhoi>"}},
-      {"'time_stepper' of a Control", {"<solver", "<time_stepper type=\"default\"/><solver"}},
+      {"'mode' of a time_stepper",
+       {"<solver", "<time_stepper type=\"default\"><mode>1</mode></time_stepper><solver"}},
       {"step_size is given twice", {"<solver", "<step_size>0.2</step_size><solver"}},
       {"density is given twice", {"<density>", "<density>2</density><density>"}},
       {"Control is given twice", {"<Globals>", "<Control/><Globals>"}},
@@ -133,26 +119,75 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
     EXPECT_EQ(told.find('\n'), std::string::npos) << told;
   }
   EXPECT_EQ(read(changed("<solver type=\"solid\">",
-                         "<time_stepper/><solver type=\"solid\"><max_refs>25</max_refs><qn_method "
-                         "type=\"BFGS\"><max_ups>10</max_ups></qn_method>"),
-                 "time_stepper")
+                         "<solver type=\"solid\"><max_refs>25</max_refs><qn_method "
+                         "type=\"BFGS\"><max_ups>10</max_ups></qn_method>"))
                 .step,
             0.1);
-  EXPECT_TRUE(says(read(changed("<Boundary>", "<Loads/><Boundary>"), "loads").notes.back(), "Loads"));
+  EXPECT_TRUE(says(read(changed("<Boundary>", "<Contact/><Boundary>"), "contact").notes.back(), "Contact"));
+}
+
+TEST_F(FebioScenes, NameLoadsThatTheyDoNotUnderstand) {
+  const auto loaded = [](const char* load) { return fmt::format("<Loads>{}</Loads><Boundary>", load); };
+  const std::map<std::string, const char*> cases{
+      {"'surface_load' of a Loads", "<surface_load/>"},
+      {"body_load is 'centrifugal'", "<body_load type=\"centrifugal\"/>"},
+      {"nodal_load is 'nodal moment'", "<nodal_load type=\"nodal moment\"/>"},
+      {"no NodeSet 'top'",
+       "<nodal_load type=\"nodal_force\" node_set=\"top\"><value>1,0,0</value></nodal_load>"},
+      {"value has 2 numbers",
+       "<nodal_load type=\"nodal_force\" node_set=\"middle\"><value>1,0</value></nodal_load>"},
+      {"nodal_load has no scale",
+       "<nodal_load type=\"nodal_load\" node_set=\"middle\"><dof>x</dof></nodal_load>"},
+      {"a relative nodal_load",
+       "<nodal_load type=\"nodal_force\" node_set=\"middle\"><value>1,0,0</value><relative>1</relative></nodal_load>"},
+      {"dof of a nodal_load is not x, y or z",
+       "<nodal_load type=\"nodal_load\" node_set=\"middle\"><dof>p</dof><scale>1</scale></nodal_load>"}};
+  for (const auto& [named, load] : cases) {
+    const std::string told = error("<Boundary>", loaded(load));
+    EXPECT_TRUE(says(told, named));
+    EXPECT_TRUE(says(told, "a.feb, line "));
+  }
+}
+
+TEST_F(FebioScenes, JudgeTheStepThatATimeStepperBeginsWith) {
+  const Scene scene = read(changed("<solver",
+                                   "<time_stepper type=\"default\"><max_retries>5</max_retries>"
+                                   "<dtmax lc=\"1\">0.4</dtmax></time_stepper><solver"));
+  EXPECT_EQ(scene.step, 0.1);
+  EXPECT_TRUE(says(scene.notes.front(), "the step that is judged is step_size, and dtmax is 0.4"));
+}
+
+/// FEBio subtracts body loads; nodal loads push each point of the set.
+TEST_F(FebioScenes, HaveForcesOnPointsAndBodyLoads) {
+  const std::string loads =
+      "<Loads><nodal_load type=\"nodal_load\" node_set=\"tip\"><dof>z</dof><scale lc=\"1\">3</scale></nodal_load>"
+      "<nodal_load type=\"nodal_force\" node_set=\"tip\"><value>1,0,-1</value></nodal_load>"
+      "<body_load type=\"const\"><z>9.81</z></body_load>"
+      "<body_load type=\"body force\"><force lc=\"1\">1,0,0</force></body_load></Loads>";
+  const std::string curve =
+      "<LoadData><load_controller id=\"1\" type=\"loadcurve\"><points><pt>0,2</pt><pt>1,2</pt></points>"
+      "</load_controller></LoadData>";
+  const std::string text = replaced(changed("<Boundary>", loads + curve + "<Boundary>"), "</Mesh>",
+                                    "<NodeSet name=\"tip\">14</NodeSet></Mesh>");
+  const Scene scene = read(text);
+  EXPECT_EQ(value(scene, "force_z:points:14"), 5);
+  EXPECT_EQ(value(scene, "force_x:points:14"), 1);
+  EXPECT_EQ(value(scene, "gz"), -9.81);
+  EXPECT_EQ(value(scene, "gx"), -2);
+  const std::string ramp = replaced(text, "<pt>0,2</pt>", "<pt>0,0</pt>");
+  EXPECT_TRUE(says(SceneFiles::error(ramp), "scale follows the load controller 1"));
+  EXPECT_EQ(value(read(ramp, "lc"), "force_z:points:14"), 2);
+  EXPECT_TRUE(says(SceneFiles::error(replaced(text, "controller id=\"1\"", "controller id=\"2\"")),
+                   "no load_controller '1'"));
 }
 
 /// Wherever a file is cut off or damaged, it is refused in one sentence or is a scene.
 TEST_F(FebioScenes, SurviveDamage) {
-  std::size_t refused = 0;
-  for (std::size_t i = 0; i < two_parts.size(); i += 7) {
-    for (const std::string& damaged : {two_parts.substr(0, i), std::string(two_parts).replace(i, 1, "-"),
-                                       std::string(two_parts).erase(i, 1)}) {
-      const std::string told = error_of<InputError>([&] { read(damaged); });
-      EXPECT_EQ(told.find('\n'), std::string::npos) << told;
-      refused += told.empty() ? 0 : 1;
-    }
-  }
-  EXPECT_GT(refused, two_parts.size() / 5);
+  const auto damage = [](std::size_t i) {
+    return std::array{two_parts.substr(0, i), std::string(two_parts).replace(i, 1, "-"),
+                      std::string(two_parts).erase(i, 1)};
+  };
+  EXPECT_GT(refused(two_parts, 7, damage), two_parts.size() / 5);
 }
 
 }  // namespace

@@ -3,15 +3,8 @@
 #include <array>
 #include <map>
 
-#include <gtest/gtest.h>
-
-#include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
-#include "core/errors.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
-#include "problems/tissue/body.hpp"
-#include "tests/results/scratch.hpp"
-#include "tests/says.hpp"
+#include "tests/catalogue/scenes/scene_files.hpp"
 
 namespace hmax {
 namespace {
@@ -32,28 +25,12 @@ constexpr const char* boundary = "*BOUNDARY\nFIX, 1, 3\n";
 constexpr const char* step =
     "*STEP\n*DYNAMIC, ALPHA=-0.1, DIRECT\n1e-5, 1e-3\n*DLOAD\nEALL, GRAV, 9810., 0., 0., -2.\n*END STEP\n";
 
-class Scenes : public ::testing::Test {
+class Scenes : public SceneFiles {
  protected:
-  Scene read(const std::string& text, const std::string& units = "mm,t,s", const std::string& ignored = "") {
-    write_text(folder / "bar.inp", text);
-    return read_scene((folder / "bar.inp").string(), units, ignored);
-  }
-  std::string error(const std::string& text, const std::string& ignored = "") {
-    return error_of<InputError>([&] { read(text, "mm,t,s", ignored); });
-  }
-  std::shared_ptr<const TissueBody> body(const Scene& scene) {
-    return make_problem(tissue_id(scene.model, (folder / "bar.inp").string(), ""), scene.settings).body;
-  }
+  Scenes() : SceneFiles("bar.inp", "mm,t,s") {}
 
   const std::string whole = std::string(mesh) + material + section + boundary + step;
-  Scratch folder;
 };
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return text.replace(at, what.size(), by);
-}
 
 TEST_F(Scenes, ConvertUnitsOfAllNumbers) {
   const Scene scene = read(replaced(whole, "*SOLID", "*DAMPING, ALPHA=3, BETA=2e-6\n*SOLID"));
@@ -68,7 +45,7 @@ TEST_F(Scenes, ConvertUnitsOfAllNumbers) {
   EXPECT_DOUBLE_EQ(values.at("gz"), -9.81);  // the direction has no length
   EXPECT_DOUBLE_EQ(values.at("alpha"), 3);
   EXPECT_DOUBLE_EQ(values.at("beta"), 2e-6);
-  const Scene in_ms = read(whole, "mm,kg,ms");
+  const Scene in_ms = read_in("mm,kg,ms", whole);
   values = {in_ms.settings.parameters.begin(), in_ms.settings.parameters.end()};
   EXPECT_DOUBLE_EQ(values.at("E"), 2.1e14);
   EXPECT_DOUBLE_EQ(in_ms.step.value(), 1e-8);
@@ -144,7 +121,7 @@ TEST_F(Scenes, CollectDirectionsOfHeldPoints) {
   for (const char* other :
        {"FIX, 1, 2\n", "FIX, XSYMM\n", "FIX, 1, 3, 0.1\n", "FIX, 1, 3\n16, 2\n", "FIX, 11\n"})
     EXPECT_TRUE(says(error(replaced(whole, "FIX, 1, 3\n", other)), "--ignore 'BOUNDARY'")) << other;
-  const Scene freed = read(replaced(whole, "FIX, 1, 3\n", "FIX, 1, 3\n16, 2\n"), "mm,t,s", "boundary");
+  const Scene freed = read(replaced(whole, "FIX, 1, 3\n", "FIX, 1, 3\n16, 2\n"), "boundary");
   EXPECT_EQ(body(freed)->dofs(), 36);
   ASSERT_EQ(freed.notes.size(), 2U);
   EXPECT_TRUE(says(freed.notes.back(), "BOUNDARY"));
@@ -160,7 +137,11 @@ TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
   };
   refused("*STEP\n", "*CONTACT PAIR, INTERACTION=A\nB,C\n*STEP\n",
           "line 51: *CONTACT PAIR is not understood");
-  refused("*DLOAD", "*CLOAD\n16,3,1.\n*DLOAD", "*CLOAD is forces at single points");
+  refused("*DLOAD", "*CLOAD\n16,4,1.\n*DLOAD", "line 55: *CLOAD is along direction 4");
+  refused("*DLOAD", "*CLOAD\n17,3,1.\n*DLOAD", "there is no node 17");
+  refused("*DLOAD", "*CLOAD\nTIP,3,1.\n*DLOAD", "no node set 'TIP'");
+  refused("*DLOAD", "*CLOAD\nFIX,3\n*DLOAD", "has no force");
+  refused("*DLOAD", "*DLOAD, AMPLITUDE=UP", "no *AMPLITUDE 'UP'");
   refused("EALL, GRAV, 9810.", "EALL, P1, 9810.", "*DLOAD is not GRAV");
   refused("EALL, GRAV, 9810.", "SOME, GRAV, 9810.", "'SOME', which is not the whole body");
   refused("TYPE=C3D4", "TYPE=C3D8", "only C3D4 is read");
@@ -186,12 +167,106 @@ TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
   refused("ALPHA=-0.1, DIRECT", "EXPLICIT=4", "EXPLICIT=4 of *DYNAMIC");
   refused("ALPHA=-0.1, DIRECT\n1e-5, 1e-3", "EXPLICIT\n1e-5, 1e-3, 1e-6", "scales masses");
   refused("*HEADING", "1,2\n*HEADING", "begins with a keyword");
-  refused("*NSET", "*INCLUDE, INPUT=A\n*NSET", "*INCLUDE is not read");
+  refused("*NSET", "*INCLUDE, INPUT=a.inc\n*NSET", "a.inc' to include");
+  refused("*NSET", "*INCLUDE\n*NSET", "names no file");
+  refused("*NSET", "*INCLUDE, INPUT=bar.inp\n*NSET", "without end");
+  refused("*BOUNDARY\nFIX", "*BOUNDARY\n", "names no node and no set");
+}
+
+/// Lines of values go on in the included file, and behind it.
+TEST_F(Scenes, IncludeOtherFiles) {
+  const std::string lines = "9,20,0,0\n10,20,0,10\n";
+  write_text(folder / "Nodes.dat", lines);
+  write_text(folder / "steel.inc", material);
+  const Eigen::Matrix3Xd points = body(read(whole))->mesh().points;
+  const std::string split = replaced(replaced(whole, lines, "*INCLUDE, INPUT=Nodes.dat\n"), material,
+                                     "*Include, input = \"steel.inc\"\n");
+  EXPECT_EQ(body(read(split))->mesh().points, points);
+  EXPECT_EQ(value(read(split), "E"), 2.1e11);
+  write_text(folder / "Nodes.dat", "9,20,0,0\n10,20,0,1O\n");
+  EXPECT_TRUE(says(error(split), "Nodes.dat, line 2"));
+  write_text(folder / "Nodes.dat", "9,20,0,0\n10,20,0,1");
+  EXPECT_TRUE(says(error(split), "Nodes.dat, line 2: the last line has no end"));
+  write_text(folder / "Nodes.dat", lines);
+  // Behind an included file lines count on as before.
+  EXPECT_TRUE(says(error(replaced(split, "11,20,10,0", "11,20,10,O")), "bar.inp, line 14"));
+  EXPECT_EQ(error(split), "");
+  EXPECT_EQ(read_mesh_file(folder / "bar.inp").where(0), "bar.inp, line 22: tetrahedron 1");
+}
+
+TEST_F(Scenes, EndWithoutALineBreakWhereNothingCanBeMissing) {
+  EXPECT_EQ(read(whole.substr(0, whole.size() - 1)).step, 1e-5);
+  EXPECT_TRUE(says(error(whole + "*SURFACE, NAME=A\nEALL"), "the last line has no end"));
+}
+
+/// What Abaqus/CAE writes: sets of the part and of the assembly may have the same name.
+TEST_F(Scenes, HaveOnePartInOneInstance) {
+  const std::string part = std::string("*Heading\n*Part, name=Bar\n") + std::string(mesh).substr(9) +
+                           section +
+                           "*End Part\n*Assembly, name=All\n*Instance, name=Bar-1, part=Bar\n*End Instance\n"
+                           "*Nset, nset=FIX, instance=Bar-1\n1,2,3,4,16\n*End Assembly\n";
+  const std::string assembly = part + material + boundary + replaced(step, "EALL, GRAV", ", GRAV");
+  EXPECT_EQ(body(read(assembly))->dofs(), 33);
+  EXPECT_DOUBLE_EQ(value(read(assembly), "gz"), -9.81);
+  EXPECT_EQ(body(read(replaced(assembly, "FIX, 1, 3", "Bar-1.FIX, 1, 3")))->dofs(), 36);
+  EXPECT_EQ(body(read(replaced(assembly, "FIX, 1, 3", "Bar-1.FIX, 1, 3\nBar-1.13, 1, 3")))->dofs(), 33);
+  EXPECT_EQ(body(read(replaced(assembly, "part=Bar\n", "part=Bar\n0.,0.,0.\n")))->dofs(), 33);
+  for (const auto& [what, by, named] :
+       {std::array{"part=Bar\n", "part=Bar\n0.,0.,1.\n", "the *INSTANCE is moved"},
+        {"part=Bar\n", "part=Rod\n", "not of the *PART"},
+        {"*End Instance\n", "*End Instance\n*Instance, name=Bar-2, part=Bar\n*End Instance\n",
+         "a second *INSTANCE"},
+        {"*Assembly", "*Part, name=B\n*End Part\n*Assembly", "a second *PART"},
+        {"instance=Bar-1\n", "instance=Bar-2\n", "no *INSTANCE 'BAR-2'"},
+        {"*Instance, name=Bar-1, part=Bar\n*End Instance\n", "", "no *INSTANCE"},
+        {"*End Instance\n", "", "has no end"}})
+    EXPECT_TRUE(says(error(replaced(assembly, what, by)), named));
+}
+
+/// Moduli in SI units, so that a force of 2 N is 2 t mm/s^2.
+TEST_F(Scenes, HaveForcesOnPointsAndConstantAmplitudes) {
+  const std::string loaded =
+      replaced(whole, "*DLOAD",
+               "*AMPLITUDE, NAME=HALF\n0, 0.5, 1, 0.5\n*CLOAD\n16,3,-2.\nFIX,1,1.\n16,3,1.\n"
+               "*CLOAD, AMPLITUDE=HALF\n15,2,4.\n*DLOAD, AMPLITUDE=HALF");
+  const Scene scene = read(loaded);
+  EXPECT_EQ(value(scene, "force_z:points:16"), -1);
+  EXPECT_EQ(value(scene, "force_y:points:15"), 2);
+  EXPECT_EQ(value(scene, "force_x:points:1,2,3,4"), 1);
+  EXPECT_DOUBLE_EQ(value(scene, "gz"), -4.905);
+  EXPECT_EQ(value(read_in("m,t,s", loaded), "force_y:points:15"), 2000);
+  const auto made = body(scene);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(made->dofs());
+  Eigen::VectorXd force = zero;
+  made->force(0, zero, zero, force);
+  double y = 0, z = 0;
+  for (Eigen::Index i = 0; i < made->dofs(); i += 3) {
+    y += force[i + 1];
+    z += force[i + 2];
+  }
+  EXPECT_NEAR(y, 2, 1e-12);
+  EXPECT_NEAR(z, -1 - 4.905 * Eigen::VectorXd(made->mass()).sum() / 3, 1e-12);
+
+  const std::string ramp = replaced(loaded, "0, 0.5, 1, 0.5", "0, 0., 1, 0.5");
+  EXPECT_TRUE(says(error(ramp), "*CLOAD follows the amplitude HALF of line 54, which changes with time"));
+  EXPECT_EQ(value(read(ramp, "AMPLITUDE"), "force_y:points:15"), 4);
+  EXPECT_TRUE(
+      says(error(replaced(loaded, "NAME=HALF\n", "NAME=HALF, DEFINITION=PERIODIC\n")), "changes with time"));
+}
+
+TEST_F(Scenes, SayWhereNumbersOutOfRangeStand) {
+  const Scene scene = read(replaced(whole, "210000., 0.3", "210000., 0.5"));
+  const auto told = [&](Parameters parameters, const std::string& set) {
+    leave_out(scene, parameters, set);
+    return error_of<InputError>([&] { require_in_range(scene, parameters); });
+  };
+  EXPECT_TRUE(says(told(scene.settings.parameters, "E"), "bar.inp, line 45: Poisson's ratio is 0.5"));
+  EXPECT_EQ(told(scene.settings.parameters, "nu"), "");
 }
 
 TEST_F(Scenes, LeaveOutWhatIsIgnored) {
-  const std::string loaded = replaced(whole, "*DLOAD", "*CLOAD\n16,3,1.\n*DLOAD");
-  const Scene scene = read(loaded, "mm,t,s", "*cload");
+  const std::string loaded = replaced(whole, "*DLOAD", "*CLOAD\n16,4,1.\n*DLOAD");
+  const Scene scene = read(loaded, "*cload");
   EXPECT_TRUE(says(scene.notes.back(), "CLOAD"));
   EXPECT_TRUE(says(error(whole, "CLOAD"), "nothing of it to leave out"));
   EXPECT_TRUE(says(error(loaded, "CLOAD,"), "empty part"));
@@ -204,7 +279,7 @@ TEST_F(Scenes, NeedThreeUnits) {
                                                                        {"mm,lb,s", "no unit of mass"},
                                                                        {"mm,t,0", "no unit of time"},
                                                                        {"ft,t,s", "no unit of length"}})
-    EXPECT_TRUE(says(error_of<InputError>([&] { read(whole, units); }), named));
+    EXPECT_TRUE(says(error_of<InputError>([&] { read_in(units, whole); }), named));
   for (const auto& [file, named] : {std::pair("a.xml", "no scene by its extension"),
                                     {"a.txt", "no scene by its extension"},
                                     {"a.xml", "`hmax probe FILE`"},
@@ -214,10 +289,8 @@ TEST_F(Scenes, NeedThreeUnits) {
 
 /// Wherever a file is cut off, it is refused or read, and never more than that.
 TEST_F(Scenes, SurviveCuts) {
-  std::size_t refused = 0;
-  for (std::size_t size = 0; size < whole.size(); size += 7)
-    refused += error(whole.substr(0, size)).empty() ? 0 : 1;
-  EXPECT_GT(refused, whole.size() / 7 - 10);
+  const auto cut = [&](std::size_t size) { return std::array{whole.substr(0, size)}; };
+  EXPECT_GT(refused(whole, 7, cut), whole.size() / 7 - 10);
 }
 
 }  // namespace

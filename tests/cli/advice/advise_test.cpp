@@ -306,6 +306,25 @@ TEST(AdvisePage, ShowsTextOfFilesAsItIs) {
   EXPECT_TRUE(says(page, "<title>a&lt;b&gt;&amp;c at 100 Hz"));
 }
 
+/// Of the methods that SOFA steps this body with, damping by stiffness leaves the implicit ones.
+TEST(AdviseScene, WritesWhatItRecommendsAsASceneOfSofa) {
+  const Shell shell;
+  const std::string ask =
+      "advise --mesh cube:n=2 --model fem_corotational --load press --rate 100 --frames 20 ";
+  const auto advice = shell.json(ask + "--output cube.scn");
+  for (const auto& row : advice["rows"]) EXPECT_NE(row["method"], "hht_alpha");
+  const auto judged = shell.json("stability predict --scene cube.scn --unit m,kg,s");
+  EXPECT_EQ(judged["scene"]["method"].get<std::string>().substr(0, 7),
+            advice["recommended"]["method"].get<std::string>().substr(0, 7));
+  EXPECT_EQ(judged["scene"]["h"], advice["recommended"]["h"]);
+  EXPECT_EQ(judged["scene"]["within"], true);
+  const auto damped = shell.json(ask + "--set beta=1e-3 --output damped.scn");
+  for (const auto& row : damped["rows"]) EXPECT_NE(row["method"], "rk4");
+  expect_refused(shell.hmax(ask + "--set beta=1e-3 --methods rk4 --output damped.scn --force"), "set beta=0");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --output a.scn"),
+                 "is a scene of a body");
+}
+
 TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {
   const Shell shell;
   const Told told = shell.hmax(std::string(small_question) + " --budget 1e-6 --output page.html");

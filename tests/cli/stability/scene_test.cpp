@@ -82,6 +82,31 @@ TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
                    "the step of 0.01 s with EulerExplicitSolver (symplectic_euler) is unstable: at most"));
 }
 
+/// The limit under the load itself, which moves the body.
+TEST(StabilityOfScenes, OfSofaHaveTheLoadAndTheSolverThatWereWritten) {
+  Shell shell;
+  const std::string body =
+      " --support 'z<0.01' --material tissue:liver --model fem_green --load press --set force=2 ";
+  ASSERT_EQ(shell.hmax("mesh convert phantom gel.scn --h 0.001 --method rk4 --set alpha=20" + body).exit_code,
+            0);
+  const auto json = shell.json("stability predict --scene gel.scn --unit m,kg,s");
+  EXPECT_EQ(json["scene"]["integrator"], "RungeKutta4Solver");
+  EXPECT_EQ(json["scene"]["h"], 0.001);
+  const double h_max = json["rows"][0]["h_max"];
+  const std::string same = "stability predict --mesh phantom --method rk4 --alpha 20" + body;
+  EXPECT_NEAR(shell.json(same)["rows"][0]["h_max"], h_max, 1e-6 * h_max);
+  const double unloaded = shell.json(
+      "stability predict --scene gel.scn --unit m,kg,s --load gravity --set g=0 --at rest")["rows"][0]
+                                                                                           ["h_max"];
+  EXPECT_GT(std::abs(unloaded - h_max), 1e-4 * h_max);
+  expect_refused(shell.hmax("mesh convert phantom gel.scn --method hht_alpha"),
+                 "no solver that steps as hht_alpha");
+  expect_refused(shell.hmax("mesh convert phantom gel.scn --method rk4 --set beta=1"), "set beta=0");
+  expect_refused(shell.hmax("mesh convert phantom gel.scn --load breathing --support 'z<0.01'"),
+                 "moving supports");
+  expect_refused(shell.hmax("mesh convert phantom gel.vtu --method rk4"), "write to a file .scn");
+}
+
 TEST(StabilityOfScenes, AreNotJudgedWhereNothingIsKnown) {
   Shell shell;
   const std::string predict = "stability predict --unit m,kg,s --scene ";
@@ -120,6 +145,7 @@ TEST(StabilityOfScenes, GiveWayToWhatIsSet) {
   EXPECT_NEAR(h_max(two), of_scene, 1e-9 * of_scene);
   EXPECT_NEAR(h_max(two + "--set E=4e4"), of_scene / 2, 1e-6 * of_scene);
   EXPECT_NEAR(h_max(two + "--set E:A=4e4 --set E:B=4e4"), of_scene / 2, 1e-6 * of_scene);
+  EXPECT_NEAR(h_max(two + "--set E:1=4e4 --set E:2=4e4"), of_scene / 2, 1e-6 * of_scene);
   EXPECT_NEAR(h_max(two + "--set E=5500 --set nu=0.45 --set rho=1060"), known, 1e-9 * known);
   const auto material = shell.hmax("stability predict --json --material tissue:liver" + two).json();
   const double of_material = material["rows"][0]["h_max"];
@@ -131,9 +157,20 @@ TEST(StabilityOfScenes, GiveWayToWhatIsSet) {
   EXPECT_NEAR(shell.hmax(same).json()["rows"][0]["h_max"], of_material, 1e-9 * of_material);
 }
 
+TEST(StabilityOfScenes, SayWhereNumbersOutOfRangeStandUnlessTheyAreReplaced) {
+  Shell shell;
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
+  change(shell, "bar.inp", "0.01,0.3", "0.01,0.5");
+  const std::string predict = "stability predict --scene bar.inp --unit mm,t,s";
+  expect_refused(shell.hmax(predict), "bar.inp, line 14: Poisson's ratio is 0.5");
+  EXPECT_EQ(shell.hmax(predict + " --set nu=0.45").exit_code, 0);
+  change(shell, "bar.inp", "0.01,0.5", "-0.01,0.3");
+  expect_refused(shell.hmax(predict), "bar.inp, line 14: Young's modulus is -10000 Pa");
+}
+
 TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   Shell shell;
-  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1\n*CLOAD\n4,3,1"));
+  write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1\n*CLOAD\n4,4,1"));
   const std::string scene = " --scene bar.inp --unit mm,t,s --ignore CLOAD";
   const Told modes = shell.hmax("stability modes --count 1" + scene);
   EXPECT_EQ(modes.exit_code, 0) << modes.err;
@@ -141,7 +178,7 @@ TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   EXPECT_EQ(shell.hmax("run --method central_difference --h 1e-4 --t-end 1e-3" + scene).exit_code, 0);
   const auto pressed = shell.hmax("static --load press --set E=2e4 --json" + scene).json();
   EXPECT_EQ(pressed["problem"], "fem_cauchy/press@bar.inp");
-  expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm,t,s"), "bar.inp, line 23: *CLOAD");
+  expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm,t,s"), "bar.inp, line 24: *CLOAD");
   expect_refused(shell.hmax("stability predict --scene bar.inp --unit mm"), "--unit mm is not enough");
   expect_refused(shell.hmax("stability predict --mesh liver" + scene), "--mesh and --scene are both given");
   expect_refused(shell.hmax("stability predict --mesh liver --ignore CLOAD --method rk4"),

@@ -13,8 +13,7 @@ namespace hmax {
 namespace {
 
 /// Keywords that make or move points and elements in ways that are not read.
-constexpr std::array<std::string_view, 10> unread{"INCLUDE", "PART",  "INSTANCE", "ASSEMBLY", "NGEN",
-                                                  "NFILL",   "NCOPY", "ELGEN",    "ELCOPY",   "SYSTEM"};
+constexpr std::array<std::string_view, 6> unread{"NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY", "SYSTEM"};
 
 class InpMeshReader {
  public:
@@ -23,8 +22,9 @@ class InpMeshReader {
   InpMesh read() {
     for (const InpCard& card : file_.cards())
       if (std::ranges::find(unread, card.keyword) != unread.end())
-        file_.fail(card.place, "*" + card.keyword + " is not read; write its points and elements out, as " +
-                                   "one part, and export the file again");
+        file_.fail(card.place,
+                   "*" + card.keyword +
+                       " is not read; write its points and elements out, and export the file again");
     each("NODE", [&](const InpCard& card) { read_nodes(card); });
     builder_.number_points(whole_);
     each("ELEMENT", [&](const InpCard& card) { read_elements(card); });
@@ -37,6 +37,7 @@ class InpMeshReader {
     set_regions();
     set_groups();
     result_.mesh = builder_.finish(whole_, "CalculiX/Abaqus");
+    for (std::int64_t& place : result_.mesh.places) place = file_.own_line(place);
     result_.element_sets = std::move(elements_);
     return std::move(result_);
   }
@@ -44,6 +45,7 @@ class InpMeshReader {
  private:
   using Set = std::vector<std::size_t>;
   using Sets = std::map<std::string, Set>;
+  using ElementCard = std::pair<std::string, const InpCard*>;  ///< by its set
 
   template <class Read>
   void each(std::string_view keyword, Read read) {
@@ -52,7 +54,8 @@ class InpMeshReader {
   }
 
   std::size_t point(std::int64_t number, std::int64_t place) const {
-    return static_cast<std::size_t>(builder_.numbered_point(number, file_.at(place), place, "line"));
+    return static_cast<std::size_t>(
+        builder_.numbered_point(number, file_.at(place), file_.line(place), "line"));
   }
 
   std::size_t element(std::int64_t number, std::int64_t place) const {
@@ -63,8 +66,13 @@ class InpMeshReader {
     return found->second;
   }
 
-  const Set& set(const Sets& sets, std::string_view name, std::int64_t place) const {
-    const auto found = sets.find(upper(name));
+  /// A name that is given in the part as it is called from outside.
+  std::string scoped(const InpCard& card, std::string_view name) const {
+    return (card.is_in_part ? file_.prefix() : "") + upper(name);
+  }
+
+  const Set& set(const Sets& sets, std::string_view name, const InpCard& card, std::int64_t place) const {
+    const auto found = sets.find(scoped(card, name));
     if (found == sets.end())
       file_.fail(place, std::string("there is no ") + (&sets == &nodes_ ? "node" : "element") + " set " +
                             in_quotes(name) + "; define it, or correct the name");
@@ -72,7 +80,8 @@ class InpMeshReader {
   }
 
   void read_nodes(const InpCard& card) {
-    Set& named = nodes_[card.parameter("NSET").value_or("")];
+    const auto its = card.parameter("NSET");
+    Set& named = nodes_[its ? scoped(card, *its) : ""];
     for (const InpLine& line : card.lines) {
       named.push_back(builder_.point_count());
       const std::int64_t number = file_.integer(line, 0, "the number of a node");
@@ -87,8 +96,8 @@ class InpMeshReader {
       file_.fail(card.place, "the elements are of type " + in_quotes(type) +
                                  ", and only C3D4 is read; mesh the body with tetrahedra of four nodes");
     const auto named = card.parameter("ELSET");
-    if (named && std::ranges::find(element_cards_, *named) == element_cards_.end())
-      element_cards_.push_back(*named);
+    if (named && std::ranges::find(element_cards_, *named, &ElementCard::first) == element_cards_.end())
+      element_cards_.emplace_back(*named, &card);
     for (const InpLine& line : card.lines) {
       const std::int64_t number = file_.integer(line, 0, "the number of an element");
       std::array<TetMesh::Index, 4> corners{};
@@ -100,7 +109,7 @@ class InpMeshReader {
                    "element " + std::to_string(number) + " has more than four nodes; export the file again");
       if (!by_number_.emplace(number, builder_.tetrahedron_count()).second)
         file_.fail(line.place, "element " + std::to_string(number) + " is given twice; remove one of them");
-      if (named) elements_[*named].push_back(builder_.tetrahedron_count());
+      if (named) elements_[scoped(card, *named)].push_back(builder_.tetrahedron_count());
       builder_.add_tetrahedron(corners, number, line.place, 0, whole_);
     }
   }
@@ -111,7 +120,9 @@ class InpMeshReader {
     const std::string name = card.parameter(card.keyword).value_or("");
     if (name.empty())
       file_.fail(card.place, "the set has no name; write *" + card.keyword + ", " + card.keyword + "=NAME");
-    Set more = sets[name];
+    if (const auto instance = card.parameter("INSTANCE"); instance && *instance + "." != file_.prefix())
+      file_.fail(card.place, "there is no *INSTANCE " + in_quotes(*instance) + "; correct the name");
+    Set more = sets[scoped(card, name)];
     for (const InpLine& line : card.lines) {
       if (card.parameter("GENERATE")) {
         const std::int64_t last = file_.integer(line, 1, "last number");
@@ -129,11 +140,11 @@ class InpMeshReader {
           more.push_back(find(file_.integer(line, k, "member of a set"), line.place));
           continue;
         }
-        const Set& other = set(sets, line.fields[k], line.place);
+        const Set& other = set(sets, line.fields[k], card, line.place);
         more.insert(more.end(), other.begin(), other.end());
       }
     }
-    sets[name] = std::move(more);
+    sets[scoped(card, name)] = std::move(more);
   }
 
   static bool is_number(std::string_view word) { return word.find_first_of("+-0123456789") == 0; }
@@ -142,24 +153,24 @@ class InpMeshReader {
     each("SOLID SECTION", [&](const InpCard& card) { result_.sections.push_back(&card); });
     std::int64_t region = 0;
     if (result_.sections.empty())
-      for (const std::string& name : element_cards_) set_region(++region, name);
+      for (const auto& [name, card] : element_cards_) set_region(++region, name, *card);
     std::vector<char> taken(builder_.tetrahedron_count(), 0);
     for (const InpCard* card : result_.sections) {
       const std::string name = card->parameter("ELSET").value_or("");
-      for (const std::size_t t : set(elements_, name, card->place))
+      for (const std::size_t t : set(elements_, name, *card, card->place))
         if (std::exchange(taken[t], 1) != 0)
           file_.fail(card->place, "an element of the set " + in_quotes(name) +
                                       " has a *SOLID SECTION already; keep one of them");
-      set_region(++region, name);
+      set_region(++region, name, *card);
     }
     if (const auto none = std::ranges::count(taken, 0); !result_.sections.empty() && none > 0)
       file_.fail(result_.sections.front()->place,
                  std::to_string(none) + " elements are in no *SOLID SECTION; give them one");
   }
 
-  void set_region(std::int64_t region, const std::string& name) {
+  void set_region(std::int64_t region, const std::string& name, const InpCard& card) {
     builder_.name_group(3, region, name, whole_);
-    for (const std::size_t t : elements_[name]) builder_.set_region(t, region, whole_);
+    for (const std::size_t t : elements_[scoped(card, name)]) builder_.set_region(t, region, whole_);
   }
 
   /// The directions of a line of *BOUNDARY as bits 0 to 2; bit 3: held in a way that is not read.
@@ -181,21 +192,36 @@ class InpMeshReader {
     return bits;
   }
 
+  /// Of the number or the set that a line begins with.
+  Set points_of(const InpLine& line, const InpCard& card) const {
+    const std::string name = line.fields.empty() ? "" : upper(line.fields[0]);
+    if (name.empty()) file_.fail(line.place, "the line names no node and no set; write one first");
+    if (is_number(name)) return {point(file_.integer(line, 0, "node"), line.place)};
+    if (const std::string& prefix = file_.prefix(); !prefix.empty() && name.starts_with(prefix) &&
+                                                    is_number(std::string_view(name).substr(prefix.size()))) {
+      const std::string number = name.substr(prefix.size());
+      return {point(file_.integer({.place = line.place, .fields = {number}}, 0, "node"), line.place)};
+    }
+    return set(nodes_, name, card, line.place);
+  }
+
   void set_groups() {
     std::vector<unsigned> held(builder_.point_count(), 0);
+    std::vector<const InpLine*> by(held.size(), nullptr);
     each("BOUNDARY", [&](const InpCard& card) {
       for (const InpLine& line : card.lines) {
         const unsigned bits = directions(line);
-        if (!line.fields.empty() && is_number(line.fields[0]))
-          held[point(file_.integer(line, 0, "node"), line.place)] |= bits;
-        else
-          for (const std::size_t i : set(nodes_, line.fields.empty() ? "" : line.fields[0], line.place))
-            held[i] |= bits;
+        for (const std::size_t i : points_of(line, card)) {
+          if (!by[i]) by[i] = &line;
+          held[i] |= bits;
+        }
       }
     });
     nodes_.erase("");
-    for (std::size_t i = 0; i < held.size(); ++i)
+    for (std::size_t i = 0; i < held.size(); ++i) {
       if (held[i] != 0) nodes_[std::string(held[i] == 7 ? held_points : otherwise_held_points)].push_back(i);
+      if (held[i] != 0 && held[i] != 7 && !result_.otherwise_held) result_.otherwise_held = by[i];
+    }
     std::int64_t number = 0;
     for (const auto& [name, points] : nodes_) {
       builder_.name_group(0, ++number, name, whole_);
@@ -210,7 +236,7 @@ class InpMeshReader {
   MeshBuilder builder_;
   std::unordered_map<std::int64_t, std::size_t> by_number_;
   Sets nodes_, elements_;
-  std::vector<std::string> element_cards_;
+  std::vector<ElementCard> element_cards_;
 };
 
 }  // namespace

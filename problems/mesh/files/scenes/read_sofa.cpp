@@ -2,7 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <utility>
 
+#include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 #include "problems/mesh/files/scenes/sofa_file.hpp"
 
@@ -25,12 +28,14 @@ class SofaMeshReader {
     const XmlPart& topology = find_topology();
     const XmlPart* const loader = loader_of(topology);
     mesh_ = loader ? loaded(*loader) : inline_mesh(topology);
-    require_same_points();
+    require_same_points(topology, loader);
     for (const XmlPart& part : file_.parts()) {
-      if (part.node != state_.node) continue;
+      if (sofa_state_of(file_, part) != &state_) continue;
       if (part.type == "FixedConstraint" || part.type == "FixedProjectiveConstraint") fix(part);
-      if (part.has("youngModulus")) set_regions(part);
+      if (part.has("youngModulus") && (part.node == state_.node || !topology_in(part.node)))
+        set_regions(part);
     }
+    set_regions_of_nodes();
     if (fixed_.corners.empty()) return std::move(mesh_);
     std::ranges::sort(fixed_.corners);
     const auto doubled = std::ranges::unique(fixed_.corners);
@@ -43,24 +48,16 @@ class SofaMeshReader {
   }
 
  private:
-  /// The part that a link like "@../box.indices" names.
-  const XmlPart& linked(const XmlPart& part, std::string_view attribute) const {
-    std::string_view name = part.tag.attribute(attribute);
-    name.remove_prefix(std::min(name.find_last_of("@/") + 1, name.size()));
-    name = name.substr(0, name.find('.'));
-    const auto found = std::ranges::find(file_.parts(), name, &XmlPart::name);
-    if (name.empty() || found == file_.parts().end())
-      file_.fail(part, std::string(attribute) + " of " + std::string(part.type) + " is " +
-                           in_quotes(part.tag.attribute(attribute)) +
-                           ", and no component has this name; correct it");
-    return *found;
+  const XmlPart* topology_in(std::optional<std::size_t> node) const {
+    for (const XmlPart& part : file_.parts())
+      if (part.node == node &&
+          (part.type == "TetrahedronSetTopologyContainer" || part.type == "MeshTopology"))
+        return &part;
+    return nullptr;
   }
 
   const XmlPart& find_topology() const {
-    for (const XmlPart& part : file_.parts())
-      if (part.node == state_.node &&
-          (part.type == "TetrahedronSetTopologyContainer" || part.type == "MeshTopology"))
-        return part;
+    if (const XmlPart* const found = topology_in(state_.node)) return *found;
     file_.fail(state_, "there is no TetrahedronSetTopologyContainer beside the MechanicalObject; " + remedy_);
   }
 
@@ -68,7 +65,7 @@ class SofaMeshReader {
   const XmlPart* loader_of(const XmlPart& topology) const {
     if (topology.has("filename")) return &topology;
     for (const char* attribute : {"src", "tetrahedra"})
-      if (is_link(topology.tag.attribute(attribute))) return &linked(topology, attribute);
+      if (is_link(topology.tag.attribute(attribute))) return &sofa_linked(file_, topology, attribute);
     return nullptr;
   }
 
@@ -109,9 +106,15 @@ class SofaMeshReader {
   }
 
   /// Points of its own win over those of the topology, and strains are relative to them.
-  void require_same_points() const {
-    if (!state_.has("position") || is_link(state_.tag.attribute("position"))) return;
-    const std::vector<double> own = file_.numbers(state_, "position");
+  void require_same_points(const XmlPart& topology, const XmlPart* loader) const {
+    const XmlPart* at = &state_;
+    for (int links = 0; is_link(at->tag.attribute("position")) && links < 8; ++links)
+      at = &sofa_linked(file_, *at, "position");
+    if (at == &topology || at == loader) return;
+    if (is_link(at->tag.attribute("position")) || (at != &state_ && !at->has("position")))
+      file_.fail(state_, "position of the MechanicalObject is that of " + in_quotes(at->type) +
+                             ", which is not read; link it to the topology or to the loader");
+    const std::vector<double> own = file_.numbers(*at, "position");
     if (own.empty()) return;
     const auto points = mesh_.mesh.points.reshaped();
     const double allowed = 1e-9 * points.cwiseAbs().maxCoeff();
@@ -138,8 +141,53 @@ class SofaMeshReader {
     mesh_.names.clear();
   }
 
+  /// Of nodes in that of the body, without points of their own: the tetrahedra of their topologies.
+  void set_regions_of_nodes() {
+    std::map<std::array<Index, 4>, std::size_t> by_corners;
+    std::vector<Index> regions;
+    Index count = 0;
+    const XmlPart* last = nullptr;
+    for (const XmlPart& field : file_.parts()) {
+      if (!is_sofa_field(field.type) || field.node == state_.node || sofa_state_of(file_, field) != &state_)
+        continue;
+      const XmlPart* const topology = topology_in(field.node);
+      if (!topology) continue;  // acts on the whole body
+      if (!topology->has("tetrahedra") || is_link(topology->tag.attribute("tetrahedra")))
+        file_.fail(field, "the node of this force field has no tetrahedra of its own; " + remedy_);
+      if (regions.empty()) {
+        regions.assign(static_cast<std::size_t>(mesh_.mesh.tetrahedron_count()), 0);
+        for (std::size_t t = 0; t < regions.size(); ++t)
+          by_corners[sorted_corners(mesh_.mesh.tetrahedra.col(static_cast<Index>(t)))] = t;
+      }
+      ++count;
+      MeshText corners = file_.values(*topology, topology->tag.attribute("tetrahedra"));
+      while (!corners.at_end()) {
+        Eigen::Vector<Index, 4> four;
+        for (Index& corner : four) corner = static_cast<Index>(corners.integer("a corner"));
+        const auto found = by_corners.find(sorted_corners(four));
+        if (found == by_corners.end() || std::exchange(regions[found->second], count) != 0)
+          file_.fail(*topology,
+                     "a tetrahedron is not one of the body, or has a force field already; correct it");
+      }
+      last = &field;
+    }
+    if (!last) return;
+    if (std::ranges::find(regions, 0) != regions.end())
+      file_.fail(*last, "not every tetrahedron of the body has a force field; add one");
+    mesh_.mesh.regions = std::move(regions);
+    mesh_.names.clear();
+  }
+
+  template <class Corners>
+  static std::array<Index, 4> sorted_corners(const Corners& corners) {
+    std::array<Index, 4> sorted{static_cast<Index>(corners[0]), static_cast<Index>(corners[1]),
+                                static_cast<Index>(corners[2]), static_cast<Index>(corners[3])};
+    std::ranges::sort(sorted);
+    return sorted;
+  }
+
   void fix(const XmlPart& part) {
-    if (is_link(part.tag.attribute("indices"))) return fix_box(linked(part, "indices"));
+    if (is_link(part.tag.attribute("indices"))) return fix_box(sofa_linked(file_, part, "indices"));
     MeshText indices = file_.values(part, part.tag.attribute("indices"));
     while (!indices.at_end()) {
       const std::int64_t index = indices.integer("an index");
@@ -182,6 +230,57 @@ const XmlPart& sofa_state(const XmlFile& file) {
   const auto found = std::ranges::find(file.parts(), "MechanicalObject", &XmlPart::type);
   if (found == file.parts().end())
     file.fail(file.parts().front(), "the scene has no MechanicalObject and so no body; add one");
+  return *found;
+}
+
+const XmlPart* sofa_state_of(const XmlFile& file, const XmlPart& part) {
+  for (const XmlPart* node = file.parent(part); node; node = file.parent(*node))
+    for (const XmlPart& each : file.parts())
+      if (each.type == "MechanicalObject" && file.parent(each) == node) return &each;
+  return nullptr;
+}
+
+bool is_sofa_field(std::string_view type) {
+  return type.ends_with("FEMForceField") || type.ends_with("CorotationalForceField");
+}
+
+namespace {
+
+/// A component or a node with this name in a node.
+const XmlPart* named_in(const XmlFile& file, const XmlPart& node, std::string_view name) {
+  const auto found = std::ranges::find_if(
+      file.parts(), [&](const XmlPart& part) { return file.parent(part) == &node && part.name() == name; });
+  return found == file.parts().end() ? nullptr : &*found;
+}
+
+/// @param path  without "@" and the name of a value
+const XmlPart* at_path(const XmlFile& file, const XmlPart& part, std::string_view path) {
+  const bool is_based = path.starts_with('/') || path.starts_with('.');
+  const XmlPart* from = path.starts_with('/') ? &file.parts().front() : file.parent(part);
+  for (; from; from = is_based ? nullptr : file.parent(*from)) {
+    const XmlPart* at = from;
+    for (const std::string_view step : split(path, "/"))
+      if (at && !step.empty() && step != ".")
+        at = step == ".." ? file.parent(*at) : named_in(file, *at, step);
+    if (at && at != from) return at;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+const XmlPart& sofa_linked(const XmlFile& file, const XmlPart& part, std::string_view attribute) {
+  std::string_view path = part.tag.attribute(attribute);
+  path.remove_prefix(std::min<std::size_t>(1, path.size()));
+  const std::size_t last = path.rfind('/') == std::string_view::npos ? 0 : path.rfind('/') + 1;
+  if (const std::size_t dot = path.find('.', last);
+      dot != std::string_view::npos && path.substr(last) != "." && path.substr(last) != "..")
+    path = path.substr(0, dot);
+  const XmlPart* const found = at_path(file, part, path);
+  if (!found)
+    file.fail(part, std::string(attribute) + " of " + std::string(part.type) + " is " +
+                        in_quotes(part.tag.attribute(attribute)) +
+                        ", and no component has this name there; correct it");
   return *found;
 }
 

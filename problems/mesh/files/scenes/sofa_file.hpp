@@ -15,6 +15,17 @@ inline constexpr std::string_view sofa_root = "Node";
 /// The first MechanicalObject: the points of the body. @throws std::invalid_argument  where there is none
 const XmlPart& sofa_state(const XmlFile& file);
 
+/// The MechanicalObject that acts on a part: in its node, or in the next one above that has one; null where
+/// there is none.
+const XmlPart* sofa_state_of(const XmlFile& file, const XmlPart& part);
+
+/// The part that a link such as "@../box.indices" names: from the node of the part, where it may be in any
+/// node above, or from the root. @throws std::invalid_argument  where there is none
+const XmlPart& sofa_linked(const XmlFile& file, const XmlPart& part, std::string_view attribute);
+
+/// Whether a force field of tetrahedra.
+bool is_sofa_field(std::string_view type);
+
 /// The name of the group of points that constraints fix.
 inline constexpr std::string_view fixed_points_of_sofa = "FixedProjectiveConstraint";
 
@@ -22,7 +33,9 @@ inline constexpr std::string_view fixed_points_of_sofa = "FixedProjectiveConstra
 std::vector<double> sorted_moduli(std::vector<double> values);
 
 /// The tetrahedra of the body: those of the topology beside its MechanicalObject, or of the mesh file that a
-/// loader names there. @throws std::invalid_argument  one sentence with file, line and remedy
+/// loader names there. Regions are the moduli of a force field, or the nodes in that of the body that have a
+/// force field on their own tetrahedra, in their order from 1. @throws std::invalid_argument  one sentence
+/// with file, line and remedy
 MeshFile sofa_mesh(const XmlFile& file);
 
 }  // namespace hmax

@@ -114,7 +114,7 @@ TissueSettings liver() {
 
 TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
   TissueSettings settings = liver();
-  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02);
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.02});
   for (const char* part :
        {"dt=\"0.02\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
         "youngModulus=\"2600\" poissonRatio=\"0.3\" method=\"polar\"", "massDensity=\"1000\"",
@@ -122,14 +122,14 @@ TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
     EXPECT_TRUE(says(text, part));
   EXPECT_EQ(std::count(text.begin(), text.end(), '<'), std::count(text.begin(), text.end(), '>'));
   settings.total_mass = 1.5;
-  EXPECT_TRUE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02), "totalMass=\"1.5\""));
+  EXPECT_TRUE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), {0.02}), "totalMass=\"1.5\""));
 }
 
 TEST(SofaScenes, HoldElasticSupports) {
   TissueSettings settings = liver();
   settings.supports = {};
   settings.elastic_supports = {{.points = {3, 1}, .stiffness = {20, 0.5}}};
-  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.02);
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.02});
   EXPECT_TRUE(
       says(text, "<RestShapeSpringsForceField template=\"Vec3d\" points=\"3 1\" stiffness=\"20 0.5\"/>"));
   EXPECT_TRUE(says(text, "Sofa.Component.SolidMechanics.Spring"));
@@ -151,7 +151,7 @@ std::string scene_of_two_regions(const TissueModel& model, double nu_of_4, doubl
                         {.young = 900, .poisson = nu_of_9, .density = 9}};
   settings.supports = {};
   const TissueBody body(import.mesh, settings, std::make_shared<const MeshOrigin>(import.origin));
-  return sofa_text(body, 0.01);
+  return sofa_text(body, {0.01});
 }
 
 TEST(SofaScenes, HoldTheMaterialsOfRegionsInTheOrderOfTheFile) {
@@ -203,7 +203,7 @@ TEST(SofaScenes, TranslateTheMaterial) {
   const auto scene = [](const TissueModel& model) {
     TissueSettings settings = liver();
     settings.model = model;
-    return sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
+    return sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01});
   };
   EXPECT_TRUE(says(scene(tissue_model("fem_green")), "ParameterSet=\"1000 1500"));
   EXPECT_TRUE(says(scene(tissue_model("fem_green")), "StVenantKirchhoff"));
@@ -216,7 +216,7 @@ TEST(SofaScenes, HaveEverySpring) {
   settings.model = tissue_model("mass_spring");
   settings.springs.stiffness = 12;
   settings.springs.damper = 0.5;
-  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01});
   // Six edges: three of length 1, three of sqrt 2.
   for (const char* part :
        {"Sofa.Component.SolidMechanics.Spring", "spring=\"0 1 12 0.5 1 ", "2 3 12 0.5 1.414213562373095"})
@@ -228,7 +228,7 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   const auto refused = [](auto change, double step = 0.01) {
     TissueSettings settings = liver();
     change(settings);
-    EXPECT_THROW(sofa_text(TissueBody(unit_tetrahedron(), settings), step), std::invalid_argument);
+    EXPECT_THROW(sofa_text(TissueBody(unit_tetrahedron(), settings), {step}), std::invalid_argument);
   };
   refused([](TissueSettings& s) { s.materials[0].young = 0; });
   refused([](TissueSettings& s) { s.materials[0].poisson = 0.5; });
@@ -255,12 +255,12 @@ TEST(SofaScenes, HaveDeadLoadsByTheirShares) {
   TissueSettings settings = liver();
   settings.forces = {{.points = {1, 3}, .force = {0, 0, 2}},
                      {.points = {1, 3}, .force = {4, 0, 0}, .shares = {0.25, 0.75}}};
-  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01);
+  const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01});
   for (const char* part : {"Sofa.Component.MechanicalLoad", "indices=\"1 3\" forces=\"0 0 1 0 0 1\"",
                            "indices=\"1 3\" forces=\"1 0 0 3 0 0\""})
     EXPECT_TRUE(says(text, part));
   settings.forces.clear();
-  EXPECT_FALSE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), 0.01), "MechanicalLoad"));
+  EXPECT_FALSE(says(sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01}), "MechanicalLoad"));
 }
 
 }  // namespace
