@@ -285,10 +285,7 @@ Answer answer_of(const ProbeOptions& options, Question question, Console& consol
 void probe(const ProbeOptions& options, Console& console) {
   if (!options.example.empty()) return write_examples(options, console);
   const Question question = question_of(options);
-  Answer answer;
-  const auto ask = [&] { answer = answer_of(options, question, console); };
-  options.scene.empty() ? ask() : in_words_of_engine(question.scene, ask);
-  print(options, answer, console);
+  print(options, answer_of(options, question, console), console);
 }
 
 }  // namespace

@@ -39,36 +39,19 @@ std::string in_words(const LimitOwner& owner, double h) {
   return text;
 }
 
-/// Each `from` in the text by `to`.
-void replace(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != text.npos; ++at)
-    if (text.substr(at + from.size(), 1) != "/") text.replace(at, from.size(), to);  // no name of a folder
-}
-
 }  // namespace
 
 PluginName plugin_of(const SceneName& scene) {
   if (scene.file.find('\n') != scene.file.npos || scene.keyframe.find('\n') != scene.keyframe.npos)
     throw InputError("a name of the scene has a line break; rename it");
-  PluginName plugin = parse_scene(scene.file);
-  if (!scene_kind(scene.file)->settles) {
+  PluginName plugin = parse_engine_file(scene.file);
+  if (!engine_format(scene.file)->settles) {
     if (!scene.keyframe.empty()) throw InputError("--keyframe is one of a scene of MuJoCo; remove it");
     return plugin;
   }
   if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;
   if (!scene.settles) plugin.argument += "\n";
   return plugin;
-}
-
-void in_words_of_engine(const SceneName& scene, const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    std::string text = error.what();
-    replace(text, "create() of the plugin failed: ", scene.file + ": ");
-    replace(text, "the plugin", scene_kind(scene.file)->engine);
-    throw InputError(text);
-  }
 }
 
 std::string in_words(const OwnStep& own, const ProbedLimit& found) {

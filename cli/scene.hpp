@@ -1,7 +1,6 @@
 /// Scenes of other engines, which modules of hmax open, and what `hmax probe` says of their own step size.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "analysis/foreign_steps/own_step.hpp"
@@ -18,9 +17,6 @@ struct SceneName {
 /// The module that opens the file, by its ending, with its argument.
 /// @throws InputError  where there is no such file or no such module
 PluginName plugin_of(const SceneName& scene);
-
-/// Calls `work`, and says of the engine what it says of a plugin.
-void in_words_of_engine(const SceneName& scene, const std::function<void()>& work);
 
 /// Lines of people, each with its end; @param h1  [s]
 std::string in_words(const OwnStep& own, const ProbedLimit& found);

@@ -68,8 +68,9 @@ class Server {
   explicit Server(PluginPage& page) : page_(page), stage_(page.stage) {}
 
   void open(const PluginName& plugin) {
+    subject_ = plugin.subject;
     find_entry(plugin);
-    create(plugin.argument);
+    create(plugin);
     greet();
   }
 
@@ -125,20 +126,20 @@ class Server {
       stage_.call.store(PluginCall::none, std::memory_order_relaxed);
       return code;
     } catch (const std::exception& error) {
-      throw Failure{fmt::format("{} of the plugin threw an exception: {}",
-                                plugin_call_names[static_cast<std::size_t>(call)], error.what())};
+      throw Failure{fmt::format("{} of {} threw an exception: {}",
+                                plugin_call_names[static_cast<std::size_t>(call)], subject_, error.what())};
     }
   }
 
   template <class Call>
   void check(PluginCall call, const Call& function) {
     if (const int code = enter(call, function); code != HMAX_OK)
-      throw Failure{fmt::format("{}() of the plugin failed: {}",
-                                plugin_call_names[static_cast<std::size_t>(call)], reason(code))};
+      throw Failure{fmt::format("{}() of {} failed: {}", plugin_call_names[static_cast<std::size_t>(call)],
+                                subject_, reason(code))};
   }
 
   void find_entry(const PluginName& plugin);
-  void create(const std::string& argument);
+  void create(const PluginName& plugin);
   void greet();
   void greet_stepper(std::vector<double>& words, PluginGreeting& greeting);
   void greet_couplings(std::vector<double>& words, PluginGreeting& greeting);
@@ -178,6 +179,7 @@ class Server {
   const hmax_stepper* stepper_ = nullptr;
   const hmax_model* model_ = nullptr;
   void* handle_ = nullptr;
+  std::string subject_;  ///< of what it does: "the plugin"
   bool created_ = false;
   std::size_t n_ = 0;
   std::string part_names_;
@@ -188,7 +190,7 @@ class Server {
 void Server::find_entry(const PluginName& plugin) {
   stage_.call = PluginCall::load;
   void* library = dlopen(plugin.file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!library) throw Failure{fmt::format("the plugin cannot be loaded: {}", dlerror())};
+  if (!library) throw Failure{fmt::format("{} cannot be loaded: {}", subject_, dlerror())};
   using Get = const hmax_plugin*();
   auto* get = reinterpret_cast<Get*>(dlsym(library, "hmax_plugin_get"));
   if (!get)
@@ -196,12 +198,12 @@ void Server::find_entry(const PluginName& plugin) {
                               plugin.file.filename().string())};
   const hmax_plugin* table = get();
   stage_.call = PluginCall::none;
-  if (!table) throw Failure{"hmax_plugin_get() of the plugin returned no table"};
+  if (!table) throw Failure{fmt::format("hmax_plugin_get() of {} returned no table", subject_)};
   version_ = table->version;
   if (version_ < 1 || version_ > HMAX_PLUGIN_VERSION)
     throw Failure{fmt::format(
-        "the plugin has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
-        version_, HMAX_PLUGIN_VERSION)};
+        "{} has version {} of hmax/plugin.h and hmax has {}; compile it with the header of this hmax",
+        subject_, version_, HMAX_PLUGIN_VERSION)};
   std::string names;
   for (std::uint32_t i = 0; i < table->count && !entry_; ++i) {
     const hmax_plugin_entry& entry = table->entries[i];
@@ -211,11 +213,12 @@ void Server::find_entry(const PluginName& plugin) {
   }
   // Where all are of the other kind, who asked says so.
   if (!entry_ && plugin.name.empty() && table->count > 0) entry_ = table->entries;
-  if (!entry_ && names.empty()) throw Failure{"the plugin has no entries"};
-  if (!entry_) throw Failure{fmt::format("the plugin has no entry '{}'; it has {}", plugin.name, names)};
+  if (!entry_ && names.empty()) throw Failure{fmt::format("{} has no entries", subject_)};
+  if (!entry_) throw Failure{fmt::format("{} has no entry '{}'; it has {}", subject_, plugin.name, names)};
   stepper_ = entry_->stepper;
   model_ = entry_->model;
-  if (!stepper_ == !model_) throw Failure{"an entry of the plugin must have either a model or a stepper"};
+  if (!stepper_ == !model_)
+    throw Failure{fmt::format("an entry of {} must have either a model or a stepper", subject_)};
   object_ = stepper_ ? &stepper_->object : &model_->object;
   const bool complete =
       object_->create && object_->dimension &&
@@ -230,15 +233,21 @@ void Server::find_entry(const PluginName& plugin) {
     throw Failure{"a stepper has all of saved_size, save and restore, or none of them"};
 }
 
-void Server::create(const std::string& argument) {
-  check(PluginCall::create, [&] { return object_->create(argument.c_str(), &handle_); });
+void Server::create(const PluginName& plugin) {
+  const int code =
+      enter(PluginCall::create, [&] { return object_->create(plugin.argument.c_str(), &handle_); });
+  if (code != HMAX_OK)
+    throw Failure{plugin.engine_file.empty() ? fmt::format("create() of {} failed: {}",
+                                                     plugin.file.filename().string(), reason(code))
+                                       : fmt::format("{}: {}", plugin.text, reason(code))};
   created_ = true;
   check(PluginCall::dimension, [&] { return object_->dimension(handle_, &n_); });
   if (n_ < 1 || n_ > most_plugin_states)
-    throw Failure{fmt::format("dimension() of the plugin is {}; it must be 1 to {}", n_, most_plugin_states)};
-  if (model_ && model_->force && n_ % 2 != 0)
     throw Failure{
-        fmt::format("dimension() of the plugin is {}; with forces it is twice the number of positions", n_)};
+        fmt::format("dimension() of {} is {}; it must be 1 to {}", subject_, n_, most_plugin_states)};
+  if (model_ && model_->force && n_ % 2 != 0)
+    throw Failure{fmt::format("dimension() of {} is {}; with forces it is twice the number of positions",
+                              subject_, n_)};
 }
 
 void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting) {
@@ -248,11 +257,12 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
   if (stepper_->quaternions) {
     std::size_t count = 0;
     check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, nullptr); });
-    if (count > n_ / 4) throw Failure{fmt::format("the plugin has {} quaternions in {} numbers", count, n_)};
+    if (count > n_ / 4)
+      throw Failure{fmt::format("{} has {} quaternions in {} numbers", subject_, count, n_)};
     std::vector<std::size_t> first(count + 1);
     const std::size_t told = count;
     check(PluginCall::quaternions, [&] { return stepper_->quaternions(handle_, &count, first.data()); });
-    if (count != told) throw Failure{fmt::format("the plugin has {} quaternions, then {}", told, count)};
+    if (count != told) throw Failure{fmt::format("{} has {} quaternions, then {}", subject_, told, count)};
     greeting.quaternions = static_cast<double>(count);
     for (std::size_t i = 0; i < count; ++i) words.push_back(static_cast<double>(first[i]));
   }
@@ -268,7 +278,7 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
   if (stepper_->own_step) {
     check(PluginCall::own_step, [&] { return stepper_->own_step(handle_, &greeting.own_step); });
     if (!(greeting.own_step > 0 && std::isfinite(greeting.own_step)))
-      throw Failure{fmt::format("own_step() of the plugin is {}; it must be positive", greeting.own_step)};
+      throw Failure{fmt::format("own_step() of {} is {}; it must be positive", subject_, greeting.own_step)};
   }
   if (stepper_->parts) greet_parts(words, greeting);
 }
@@ -277,11 +287,11 @@ void Server::greet_parts(std::vector<double>& words, PluginGreeting& greeting) {
   std::size_t count = 0;
   check(PluginCall::parts, [&] { return stepper_->parts(handle_, &count, nullptr); });
   if (count > most_plugin_parts)
-    throw Failure{fmt::format("the plugin has {} parts; it may have {}", count, most_plugin_parts)};
+    throw Failure{fmt::format("{} has {} parts; it may have {}", subject_, count, most_plugin_parts)};
   std::vector<hmax_part> parts(count + 1);
   const std::size_t told = count;
   check(PluginCall::parts, [&] { return stepper_->parts(handle_, &count, parts.data()); });
-  if (count != told) throw Failure{fmt::format("the plugin has {} parts, then {}", told, count)};
+  if (count != told) throw Failure{fmt::format("{} has {} parts, then {}", subject_, told, count)};
   parts.resize(count);
   greeting.parts = static_cast<double>(count);
   const auto add = [&](const char* text, char end) {
@@ -309,8 +319,10 @@ void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greetin
   check(PluginCall::couplings,
         [&] { return stepper_->couplings(handle_, &count, &reach, nullptr, nullptr); });
   if (count > most_plugin_states)
-    throw Failure{fmt::format("the plugin has {} couplings; it may have {}", count, most_plugin_states)};
-  if (reach < 1) throw Failure{"the reach of the couplings of the plugin is 0; a step crosses at least one"};
+    throw Failure{fmt::format("{} has {} couplings; it may have {}", subject_, count, most_plugin_states)};
+  if (reach < 1)
+    throw Failure{
+        fmt::format("the reach of the couplings of {} is 0; a step crosses at least one", subject_)};
   std::vector<std::size_t> group(n_);
   std::vector<std::array<std::size_t, 2>> pairs(count + 1);
   const std::size_t told = count;
@@ -318,11 +330,11 @@ void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greetin
     return stepper_->couplings(handle_, &count, &reach, group.data(),
                                reinterpret_cast<std::size_t(*)[2]>(pairs.data()));
   });
-  if (count != told) throw Failure{fmt::format("the plugin has {} couplings, then {}", told, count)};
+  if (count != told) throw Failure{fmt::format("{} has {} couplings, then {}", subject_, told, count)};
   pairs.resize(count);
   const auto add = [&](std::size_t of) {
     if (of >= n_)
-      throw Failure{fmt::format("a group of the couplings of the plugin is {}; they are below {}", of, n_)};
+      throw Failure{fmt::format("a group of the couplings of {} is {}; they are below {}", subject_, of, n_)};
     words.push_back(static_cast<double>(of));
   };
   greeting.has_couplings = 1;
@@ -368,7 +380,7 @@ void Server::steps(double h, std::uint64_t count) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const int code = enter(PluginCall::step, [&] { return stepper_->step(handle_, h); });
     if (code == HMAX_DIVERGED) throw Diverged{};
-    if (code != HMAX_OK) throw Failure{fmt::format("step({}) of the plugin failed: {}", h, reason(code))};
+    if (code != HMAX_OK) throw Failure{fmt::format("step({}) of {} failed: {}", h, subject_, reason(code))};
   }
 }
 
@@ -427,7 +439,7 @@ std::size_t Server::handle(const PluginRequest& request) {
       return 0;
     }
     default:
-      throw Failure{std::string(plugin_destroyed)};
+      throw Failure{subject_ + std::string(plugin_destroyed)};
   }
 }
 
@@ -490,7 +502,7 @@ std::size_t Server::handle_model(const PluginRequest& request) {
       return matrix(PluginCall::damping, model_->damping, v, force, -1,
                     [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
     default:
-      throw Failure{std::string(plugin_destroyed)};
+      throw Failure{subject_ + std::string(plugin_destroyed)};
   }
 }
 
@@ -531,7 +543,8 @@ void serve_plugin(PluginPage& page, const PluginName& plugin, pid_t parent) {
   } catch (const Failure& failure) {
     server.reply(PluginReply::Kind::failed, 0, failure.text);
   } catch (const std::bad_alloc&) {
-    server.reply(PluginReply::Kind::failed, 0, "the plugin asked for more memory than there is");
+    server.reply(PluginReply::Kind::failed, 0,
+                 fmt::format("{} asked for more memory than there is", plugin.subject));
   }
   // hmax ends this process with all that the plugin has started.
   while (true) pause();

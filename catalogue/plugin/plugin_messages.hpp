@@ -89,7 +89,7 @@ inline constexpr std::size_t greeting_size = sizeof(PluginGreeting) / sizeof(dou
 
 /// Of numbers in shared memory that only a plugin can have put there.
 inline constexpr std::string_view plugin_destroyed =
-    "the plugin destroyed the memory of its process; check the bounds of its arrays";
+    " destroyed the memory of its process; check the bounds of its arrays";
 
 /// States of more numbers are taken for an error of the plugin.
 inline constexpr std::size_t most_plugin_states = 10'000'000;

@@ -28,6 +28,7 @@ class Link {
   }
   [[nodiscard]] const PluginProcess& process() const { return process_; }
   [[nodiscard]] const PluginFacts& facts() const { return process_.facts(); }
+  [[nodiscard]] const PluginName& plugin() const { return process_.plugin(); }
 
  private:
   mutable std::mutex one_at_a_time_;
@@ -46,24 +47,31 @@ VectorXd packed(const VectorXd& q, const VectorXd& v) {
   return y;
 }
 
-/// y' = rhs(t, y).
-class FirstOrder {
+/// y' = rhs(t, y) alone.
+class Rates {
  public:
   using State = VectorXd;
-  using Jacobian = MatrixXd;
-  explicit FirstOrder(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
+  explicit Rates(std::shared_ptr<const Link> link) : link_(std::move(link)) {}
 
   [[nodiscard]] Eigen::Index dim() const { return link_->facts().dim; }
   void rhs(double t, const State& y, State& dydt) const {
     link_->ask(PluginAsk::rhs, t, span_of(y), span_of(dydt));
   }
+
+ protected:
+  std::shared_ptr<const Link> link_;
+};
+
+/// The same with a Jacobian of the plugin.
+class FirstOrder : public Rates {
+ public:
+  using Jacobian = MatrixXd;
+  using Rates::Rates;
+
   void jacobian(double t, const State& y, Jacobian& J) const {
     J.resize(dim(), dim());
     link_->ask(PluginAsk::jacobian, t, span_of(y), span_of(J));
   }
-
- private:
-  std::shared_ptr<const Link> link_;
 };
 
 /// M q'' = force(t, q, v).
@@ -212,21 +220,23 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   plugin.is_model = true;
   const auto link = std::make_shared<const Link>(std::move(plugin), std::move(settings));
   const PluginFacts& facts = link->facts();
+  const std::string& subject = link->plugin().subject;
   if (facts.greeting.is_stepper != 0)
     throw InputError(
-        fmt::format("'{}' of the plugin is a stepper and no model; use `hmax probe` for it", facts.name));
-  if (!facts.y0.allFinite()) throw InputError("the initial state of the plugin is not finite");
+        fmt::format("'{}' of {} is a stepper and no model; use `hmax probe` for it", facts.name, subject));
+  if (!facts.y0.allFinite()) throw InputError(fmt::format("the initial state of {} is not finite", subject));
   if (!(facts.greeting.t_end > 0 && std::isfinite(facts.greeting.t_end)))
-    throw InputError("the end time that start() of the plugin gives is not positive");
+    throw InputError(fmt::format("the end time that start() of {} gives is not positive", subject));
   const bool mechanical = facts.greeting.has_force != 0;
   // Its matrices are dense: half a gigabyte each.
   if (constexpr Eigen::Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
-    throw InputError(fmt::format(
-        "the model of the plugin has {} unknowns, but its matrices are dense, which serves up to {}; "
-        "write its matrices to files and use --matrices",
-        mechanical ? facts.dim / 2 : facts.dim, most));
+    throw InputError(
+        fmt::format("the model of {} has {} unknowns, but its matrices are dense, which serves up to {}; "
+                    "write its matrices to files and use --matrices",
+                    subject, mechanical ? facts.dim / 2 : facts.dim, most));
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
-    throw InputError("mass() of the plugin has numbers that are not positive; leave massless positions out");
+    throw InputError(
+        fmt::format("mass() of {} has numbers that are not positive; leave massless positions out", subject));
   std::vector<std::string> states;
   for (Eigen::Index i = 0; i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
@@ -238,7 +248,9 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
                   .states = states,
                   .y0 = facts.y0,
                   .t_end = facts.greeting.t_end,
-                  .system = mechanical ? AnySystem(SecondOrder(link)) : AnySystem(FirstOrder(link)),
+                  .system = mechanical                         ? AnySystem(SecondOrder(link))
+                            : facts.greeting.has_jacobian != 0 ? AnySystem(FirstOrder(link))
+                                                               : AnySystem(Rates(link)),
                   .runs_elsewhere = true};
   check_repeatable(problem);
   if (facts.dim <= most_compared)

@@ -16,27 +16,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<SceneKind, 2> scene_kinds{
+constexpr std::array<EngineFormat, 2> engine_formats{
     {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true},
-     {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev libpugixml-dev", false}}};
+     {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev", false}}};
 
 /// Which catalogue/scenes reads.
-constexpr std::string_view scenes_of_bodies = ".inp|.scn|.feb";
+constexpr std::string_view read_as_bodies = ".inp|.scn|.feb";
 
 }  // namespace
 
-const SceneKind* scene_kind(const fs::path& file) {
-  const auto* const kind = std::ranges::find(scene_kinds, file.extension().string(), &SceneKind::ending);
-  return kind == scene_kinds.end() ? nullptr : kind;
+const EngineFormat* engine_format(const fs::path& file) {
+  const auto* const kind =
+      std::ranges::find(engine_formats, file.extension().string(), &EngineFormat::ending);
+  return kind == engine_formats.end() ? nullptr : kind;
 }
 
-PluginName parse_scene(const std::string& file) {
+PluginName parse_engine_file(const std::string& file) {
   constexpr const char* known = "a scene of MuJoCo (.xml) or a unit of FMI 2.0 (.fmu)";
   std::error_code ignored;
   if (!fs::exists(file, ignored))
     throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
-  const SceneKind* const kind = scene_kind(file);
-  if (is_listed(fs::path(file).extension().string(), scenes_of_bodies))
+  const EngineFormat* const kind = engine_format(file);
+  if (is_listed(fs::path(file).extension().string(), read_as_bodies))
     throw InputError(
         fmt::format("'{}' is no scene that is probed; `hmax stability predict --scene FILE` takes it", file));
   if (!kind || !fs::is_regular_file(file, ignored))
@@ -47,14 +48,19 @@ PluginName parse_scene(const std::string& file) {
     throw InputError(fmt::format(
         "this hmax has no module for {} files; install the package hmax-engines, or {} and build hmax again",
         kind->ending, kind->packages));
-  return {.file = module, .name = {}, .argument = whole.string(), .text = file, .scene = whole};
+  return {.file = module,
+          .name = {},
+          .argument = whole.string(),
+          .text = file,
+          .engine_file = whole,
+          .subject = std::string(kind->engine)};
 }
 
 PluginName parse_plugin(std::string_view text) {
   PluginName plugin{.file = {}, .name = {}, .argument = {}, .text = std::string(text)};
   std::string file = plugin.text;
   std::error_code ignored;
-  if (scene_kind(file) && fs::exists(file, ignored)) return parse_scene(file);
+  if (engine_format(file) && fs::exists(file, ignored)) return parse_engine_file(file);
   const std::size_t colon = text.find(':');
   if (colon != std::string_view::npos && !fs::exists(file, ignored)) {
     file = text.substr(0, colon);
@@ -74,9 +80,9 @@ PluginName parse_plugin(std::string_view text) {
 
 std::string plugin_digest(const PluginName& plugin) {
   Digest digest;
-  const bool is_scene = !plugin.scene.empty();
-  if (!is_scene) digest.add(plugin.argument);
-  std::ifstream file(is_scene ? plugin.scene : plugin.file, std::ios::binary);
+  const bool of_engine = !plugin.engine_file.empty();
+  if (!of_engine) digest.add(plugin.argument);
+  std::ifstream file(of_engine ? plugin.engine_file : plugin.file, std::ios::binary);
   std::array<char, 65536> bytes{};
   while (file.read(bytes.data(), bytes.size()), file.gcount() > 0)
     digest.add({bytes.data(), static_cast<std::size_t>(file.gcount())});

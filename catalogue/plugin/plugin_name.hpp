@@ -9,16 +9,18 @@
 namespace hmax {
 
 struct PluginName {
-  std::filesystem::path file;        ///< absolute
-  std::string name;                  ///< of the entry; empty: the first that is what the command takes
-  std::string argument;              ///< of create()
-  std::string text;                  ///< as it was typed
-  std::filesystem::path scene = {};  ///< what a module of hmax opens, absolute; empty for libraries of users
-  bool is_model = false;             ///< what the command takes; else a stepper
+  std::filesystem::path file;  ///< absolute
+  std::string name;            ///< of the entry; empty: the first that is what the command takes
+  std::string argument;        ///< of create()
+  std::string text;            ///< as it was typed
+  std::filesystem::path engine_file =
+      {};  ///< what a module of hmax opens, absolute; empty for libraries of users
+  std::string subject = "the plugin";  ///< of what it does, in errors
+  bool is_model = false;               ///< what the command takes; else a stepper
 };
 
 /// Files of other programs, which a module of hmax opens as a plugin.
-struct SceneKind {
+struct EngineFormat {
   std::string_view ending;    ///< of the name of the file
   const char* module;         ///< "hmax_mujoco.so"
   std::string_view engine;    ///< the subject of what it does
@@ -27,11 +29,11 @@ struct SceneKind {
 };
 
 /// By the ending of the name; null where no module opens such files.
-const SceneKind* scene_kind(const std::filesystem::path& file);
+const EngineFormat* engine_format(const std::filesystem::path& file);
 
 /// A scene as a plugin, with its absolute path as the argument.
 /// @throws InputError  where there is no such file, or no module for it
-PluginName parse_scene(const std::string& file);
+PluginName parse_engine_file(const std::string& file);
 
 /// A name of a file that holds a colon is taken whole where such a file exists. A scene is that of a module.
 /// @throws InputError  where there is no such file

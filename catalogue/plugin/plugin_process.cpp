@@ -116,7 +116,7 @@ bool PluginProcess::has_ended() const {
 void PluginProcess::start() {
   memory_.emplace();
   output_.emplace();
-  if (!plugin_.scene.empty()) folder_.emplace();
+  if (!plugin_.engine_file.empty()) folder_.emplace();
   // What is buffered here would be written twice.
   std::fflush(nullptr);
   const pid_t parent = getpid();
@@ -128,7 +128,8 @@ void PluginProcess::start() {
     serve_plugin(page(), plugin_, parent);
   }
   if (child_ < 0)
-    throw InputError(fmt::format("the system has no process for the plugin: {}", std::strerror(errno)));
+    throw InputError(
+        fmt::format("the system has no process for {}: {}", plugin_.subject, std::strerror(errno)));
   // Both do it: whoever comes first.
   setpgid(child_, child_);
   memory_->close_to_further_children();
@@ -163,27 +164,25 @@ void PluginProcess::explain_end() {
   const int status = end();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    throw InputError(fmt::format(
-        "the plugin crashed {} with signal {} ({}); run it in a debugger, or try other step sizes", place,
-        signal, strsignal(signal)));
+    throw InputError(
+        fmt::format("{} crashed {} with signal {} ({}); run it in a debugger, or try other step sizes",
+                    plugin_.subject, place, signal, strsignal(signal)));
   }
-  throw InputError(
-      fmt::format("the plugin ended the process {} with exit code {}; a plugin returns a code instead", place,
-                  WEXITSTATUS(status)));
+  throw InputError(fmt::format("{} ended the process {} with exit code {}; a plugin returns a code instead",
+                               plugin_.subject, place, WEXITSTATUS(status)));
 }
 
 void PluginProcess::explain_hang() {
   const std::string place = where();
   end();
-  throw InputError(fmt::format("the plugin did not return within {} s {}; --timeout gives it longer",
+  throw InputError(fmt::format("{} did not return within {} s {}; --timeout gives it longer", plugin_.subject,
                                to_text(settings_.patience), place));
 }
 
 void PluginProcess::explain_flood() {
   end();
-  throw InputError(
-      fmt::format("the plugin wrote more than {} MB to standard output and standard error; print less",
-                  flood_of_plugin_output / 1'000'000));
+  throw InputError(fmt::format("{} wrote more than {} MB to standard output and standard error; print less",
+                               plugin_.subject, flood_of_plugin_output / 1'000'000));
 }
 
 void PluginProcess::bound_processes() {
@@ -193,13 +192,13 @@ void PluginProcess::bound_processes() {
   if (!has_more_descendants(child_, most_processes)) return;
   end();
   throw InputError(
-      fmt::format("the plugin has more than {} processes; start fewer, and wait for those that have ended",
-                  most_processes));
+      fmt::format("{} has more than {} processes; start fewer, and wait for those that have ended",
+                  plugin_.subject, most_processes));
 }
 
 void PluginProcess::explain_destruction() {
   end();
-  throw InputError(std::string(plugin_destroyed));
+  throw InputError(plugin_.subject + std::string(plugin_destroyed));
 }
 
 void PluginProcess::await() {
@@ -254,7 +253,7 @@ std::string PluginProcess::text_of(const PluginReply& reply) {
 }
 
 bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in, std::span<double> out) {
-  if (!memory_) throw InputError("the plugin has ended; start the command again");
+  if (!memory_) throw InputError(fmt::format("{} has ended; start the command again", plugin_.subject));
   // Whatever goes wrong ends the child.
   try {
     page().request = request;
@@ -262,7 +261,8 @@ bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in
     page().asked.store(++asked_);
     const PluginReply answer = reply();
     if (answer.kind == PluginReply::Kind::diverged) return false;
-    if (answer.numbers != out.size()) throw InputError("the plugin returned a wrong count of numbers");
+    if (answer.numbers != out.size())
+      throw InputError(fmt::format("{} returned a wrong count of numbers", plugin_.subject));
     std::copy_n(page().numbers.begin(), out.size(), out.begin());
     return true;
   } catch (...) {
@@ -293,7 +293,8 @@ void PluginProcess::read_parts(std::string text, const double* numbers) {
 void PluginProcess::greet() {
   const PluginReply answer = reply();
   const std::string text = text_of(answer);
-  if (answer.numbers < greeting_size) throw InputError("the plugin did not say what it is");
+  if (answer.numbers < greeting_size)
+    throw InputError(fmt::format("{} did not say what it is", plugin_.subject));
   std::memcpy(static_cast<void*>(&facts_.greeting), page().numbers.data(), sizeof facts_.greeting);
   const PluginGreeting& said = facts_.greeting;
   // What a plugin that writes beyond its arrays has destroyed is not read as something else.
@@ -314,7 +315,7 @@ void PluginProcess::greet() {
   for (int i = 0; i < static_cast<int>(said.quaternions); ++i, ++at) {
     const double first = *at;
     if (!is_count(first, 0, said.dimension - 4))
-      throw InputError("a quaternion of the plugin lies outside of its state");
+      throw InputError(fmt::format("a quaternion of {} lies outside of its state", plugin_.subject));
     facts_.quaternions.push_back(static_cast<Eigen::Index>(first));
   }
   const auto vector = [&at](Eigen::Index n) {
@@ -325,7 +326,7 @@ void PluginProcess::greet() {
   if (said.has_scales != 0) {
     facts_.scales = vector(facts_.dim);
     if (!facts_.scales.allFinite() || facts_.scales.minCoeff() <= 0)
-      throw InputError("scales() of the plugin has numbers that are not positive");
+      throw InputError(fmt::format("scales() of {} has numbers that are not positive", plugin_.subject));
   }
   const auto index = [&] {
     const double group = *at++;
