@@ -110,12 +110,8 @@ hmax_optional(MuJoCo HMAX_HAVE_MUJOCO "${mujoco_version}" libmujoco-dev "scenes 
 if(PkgConfig_FOUND)
   pkg_check_modules(HMAX_MINIZIP QUIET IMPORTED_TARGET minizip)
 endif()
-find_package(pugixml QUIET)
-set(HMAX_HAVE_FMI OFF)
-if(HMAX_MINIZIP_FOUND AND pugixml_FOUND)
-  set(HMAX_HAVE_FMI ON)
-endif()
-hmax_optional("minizip and pugixml" HMAX_HAVE_FMI "${HMAX_MINIZIP_VERSION}, ${pugixml_VERSION}" "libminizip-dev libpugixml-dev"
+set(HMAX_HAVE_FMI ${HMAX_MINIZIP_FOUND})
+hmax_optional(minizip HMAX_HAVE_FMI "${HMAX_MINIZIP_VERSION}" libminizip-dev
               "units of FMI 2.0: hmax probe unit.fmu")
 
 # Of no Debian package: that of Debian 12 knows no C++20. Where nvcc is not, or fails with this compiler, nothing is said.

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <minizip/unzip.h>
-#include <pugixml.hpp>
 #include <string_view>
 #include <sys/stat.h>
+
+#include "problems/mesh/files/scenes/xml_file.hpp"
 
 namespace hmax::fmi {
 namespace {
@@ -72,47 +74,82 @@ void unpack(const std::string& from, const fs::path& folder) {
   if (code != UNZ_END_OF_LIST_OF_FILE) require_whole(code);
 }
 
-/// A number of an attribute; `otherwise` where it is missing.
-template <class Number>
-Number number_of(const pugi::xml_attribute& attribute, Number otherwise) {
-  if (!attribute) return otherwise;
-  const std::string_view text = attribute.value();
-  Number number{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size())
-    throw Failure{"modelDescription.xml has " + std::string(attribute.name()) + "='" + std::string(text) +
-                  "', which is no number" + again};
-  return number;
-}
+/// The parts of modelDescription.xml.
+class Description {
+ public:
+  explicit Description(const std::string& bytes)
+      : file_("modelDescription.xml", bytes, "fmiModelDescription") {}
 
-using Variables = std::vector<pugi::xml_node>;
+  [[nodiscard]] const XmlPart& root() const { return file_.parts().front(); }
+  /// All parts of this type in another one; none where that is null.
+  [[nodiscard]] std::vector<const XmlPart*> all(const XmlPart* parent, std::string_view type) const {
+    std::vector<const XmlPart*> found;
+    if (!parent) return found;
+    // What is in a part stands right behind it.
+    const std::vector<XmlPart>& parts = file_.parts();
+    const auto own = static_cast<std::size_t>(parent - parts.data());
+    for (std::size_t i = own + 1; i < parts.size() && parts[i].node >= own; ++i)
+      if (parts[i].node == own && parts[i].type == type) found.push_back(&parts[i]);
+    return found;
+  }
+  [[nodiscard]] const XmlPart* first(const XmlPart* parent, std::string_view type) const {
+    const std::vector<const XmlPart*> found = all(parent, type);
+    return found.empty() ? nullptr : found.front();
+  }
+  [[nodiscard]] static std::string text(const XmlPart* part, std::string_view attribute) {
+    return part ? unescaped(part->tag.attribute(attribute)) : std::string();
+  }
+  /// `otherwise` where it is missing.
+  template <class Number>
+  [[nodiscard]] Number number(const XmlPart* part, std::string_view attribute, Number otherwise) const {
+    const std::string word = text(part, attribute);
+    if (word.empty()) return otherwise;
+    Number number{};
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size())
+      fail(*part, std::string(attribute) + "='" + word + "' is no number");
+    return number;
+  }
+  [[noreturn]] void fail(const XmlPart& part, const std::string& what) const {
+    file_.fail(part, what + again);
+  }
 
-/// The variable that an attribute names by its place in the list, from 1.
-pugi::xml_node variable(const Variables& all, const pugi::xml_attribute& place) {
-  const auto i = number_of(place, 0U);
-  if (i < 1 || i > all.size())
-    throw Failure{"modelDescription.xml has no variable '" + std::string(place.value()) +
-                  "' under ModelStructure" + again};
-  return all[i - 1];
-}
+ private:
+  XmlFile file_;
+};
 
-std::vector<UnitFile::State> states_of(const pugi::xml_node& root) {
-  const auto listed = root.child("ModelVariables").children("ScalarVariable");
-  const Variables all(listed.begin(), listed.end());
+std::vector<UnitFile::State> states_of(const Description& description) {
+  const XmlPart& root = description.root();
+  const auto listed = description.all(description.first(&root, "ModelVariables"), "ScalarVariable");
+  const XmlPart* const structure = description.first(&root, "ModelStructure");
+  // The variable that an attribute names by its place in the list, from 1.
+  const auto variable = [&](const XmlPart& part, std::string_view attribute) {
+    const auto i = description.number(&part, attribute, 0U);
+    if (i < 1 || i > listed.size())
+      description.fail(part, "there is no variable '" + description.text(&part, attribute) + "'");
+    return listed[i - 1];
+  };
   std::vector<UnitFile::State> states;
-  for (const pugi::xml_node& each : root.child("ModelStructure").child("Derivatives").children("Unknown")) {
-    const pugi::xml_node rate = variable(all, each.attribute("index"));
-    const pugi::xml_node state = variable(all, rate.child("Real").attribute("derivative"));
-    const std::string_view initial = state.attribute("initial").value();
-    states.push_back({.name = state.attribute("name").value(),
-                      .reference = number_of(state.attribute("valueReference"), 0U),
+  for (const XmlPart* each : description.all(description.first(structure, "Derivatives"), "Unknown")) {
+    const XmlPart* const rate = description.first(variable(*each, "index"), "Real");
+    if (!rate) description.fail(*each, "the derivative is of no variable of type Real");
+    const XmlPart* const state = variable(*rate, "derivative");
+    const std::string initial = description.text(state, "initial");
+    const XmlPart* const real = description.first(state, "Real");
+    states.push_back({.name = description.text(state, "name"),
+                      .reference = description.number(state, "valueReference", 0U),
                       .has_start = initial == "exact" || initial == "approx" ||
-                                   (initial.empty() && state.child("Real").attribute("start"))});
+                                   (initial.empty() && real && real->has("start"))});
   }
   if (states.empty())
     throw Failure{
         "it lists no continuous states (ModelStructure, Derivatives); export it with them, or for model exchange"};
   return states;
+}
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace
@@ -122,26 +159,26 @@ UnitFile open_unit(const std::string& file) {
   if (!mkdtemp(name.data())) throw Failure{"no folder can be made for its files; set TMPDIR"};
   UnitFile unit{.folder = name, .guid = {}, .offers = {}, .states = {}};
   unpack(file, unit.folder);
-  const fs::path description = unit.folder / "modelDescription.xml";
-  if (!fs::exists(description)) throw Failure{std::string("it has no modelDescription.xml") + again};
-  pugi::xml_document document;
-  if (const pugi::xml_parse_result read = document.load_file(description.c_str()); !read)
-    throw Failure{std::string("modelDescription.xml cannot be read: ") + read.description() + again};
-  const pugi::xml_node root = document.child("fmiModelDescription");
-  if (const std::string version = root.attribute("fmiVersion").value(); !version.starts_with("2."))
+  const fs::path file_of_description = unit.folder / "modelDescription.xml";
+  if (!fs::exists(file_of_description)) throw Failure{std::string("it has no modelDescription.xml") + again};
+  const std::string bytes = bytes_of(file_of_description);
+  const Description read(bytes);
+  const XmlPart& root = read.root();
+  if (const std::string version = read.text(&root, "fmiVersion"); !version.starts_with("2."))
     throw Failure{"it is of version '" + version + "' of FMI; export it for 2.0"};
-  unit.guid = root.attribute("guid").value();
+  unit.guid = read.text(&root, "guid");
   for (const auto& [offer, type] :
        {std::pair(&unit.offers[0], "ModelExchange"), {&unit.offers[1], "CoSimulation"}}) {
-    const pugi::xml_node node = root.child(type);
-    *offer = {.identifier = node.attribute("modelIdentifier").value(),
-              .needs_tool = node.attribute("needsExecutionTool").as_bool()};
+    const XmlPart* const part = read.first(&root, type);
+    const std::string needs_tool = read.text(part, "needsExecutionTool");
+    *offer = {.identifier = read.text(part, "modelIdentifier"),
+              .needs_tool = needs_tool == "true" || needs_tool == "1"};
   }
-  unit.states = states_of(root);
-  const pugi::xml_node experiment = root.child("DefaultExperiment");
-  unit.start = number_of(experiment.attribute("startTime"), 0.0);
-  unit.end = number_of(experiment.attribute("stopTime"), unit.start + 1);
-  unit.step = number_of(experiment.attribute("stepSize"), 0.0);
+  unit.states = states_of(read);
+  const XmlPart* const experiment = read.first(&root, "DefaultExperiment");
+  unit.start = read.number(experiment, "startTime", 0.0);
+  unit.end = read.number(experiment, "stopTime", unit.start + 1);
+  unit.step = read.number(experiment, "stepSize", 0.0);
   if (!std::isfinite(unit.start) || !(unit.end > unit.start) || !(unit.step >= 0) ||
       !std::isfinite(unit.step))
     throw Failure{std::string("its DefaultExperiment has an end before its start, or a negative step") +

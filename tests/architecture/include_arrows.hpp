@@ -60,7 +60,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^(petsc|slepc)", "^addons/petsc/"},
     {"^mpi", "^addons/"},
     {"^mujoco/", "^(addons/mujoco/|scripts/engines/|tests/python/mujoco_package)"},
-    {"^(minizip/|pugixml)", "^addons/fmi/"},
+    {"^minizip/", "^addons/fmi/"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^(bench|limits)/micro/"},
     {"^toml", "\\.cpp$"},

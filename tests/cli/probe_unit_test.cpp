@@ -46,7 +46,7 @@ class ProbeUnit : public testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(module_file("hmax_fmi.so")))
-      GTEST_SKIP() << "this build has no module for FMI: libminizip-dev or libpugixml-dev was missing";
+      GTEST_SKIP() << "this build has no module for FMI: libminizip-dev was missing";
     ASSERT_EQ(
         shell_.line("mkdir -p binaries/linux64 tmp && cp '" TESTED_UNIT "' binaries/linux64/tested_unit.so")
             .exit_code,

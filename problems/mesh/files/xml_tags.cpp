@@ -70,6 +70,12 @@ std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std
       from = end + 3;
       continue;
     }
+    if (whole.substr(begin).starts_with("<![CDATA[")) {
+      const std::size_t end = whole.find("]]>", begin);
+      if (end == std::string_view::npos) cut_off(begin);
+      from = end + 3;
+      continue;
+    }
     const std::size_t end = end_of_tag(whole, begin);
     if (end == std::string_view::npos) cut_off(begin);
     from = end + 1;
