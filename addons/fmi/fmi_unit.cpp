@@ -90,6 +90,7 @@ int start(void* handle, double* y0, double* t_end) {
   *t_end = of(handle).file().end - of(handle).file().start;
   return get_state(handle, y0);
 }
+const char* state_name(void* handle, std::size_t i) { return of(handle).file().states[i].name.c_str(); }
 /// Beyond where the unit can be evaluated, nothing is a number.
 int rhs(void* handle, double t, const double* y, double* dydt) {
   return guarded([&] {
@@ -121,7 +122,8 @@ const hmax_model model{.object = {create_model, destroy, error_text, dimension},
                        .mass = nullptr,
                        .force = nullptr,
                        .stiffness = nullptr,
-                       .damping = nullptr};
+                       .damping = nullptr,
+                       .state_name = state_name};
 hmax_plugin_entry entries[2]{
     {.name = name, .note = "", .model = nullptr, .stepper = &stepper},
     {.name = name, .note = "FMI 2.0, model exchange", .model = &model, .stepper = nullptr}};

@@ -125,6 +125,8 @@ typedef struct hmax_model {
   int (*force)(void* handle, double t, const double* q, const double* v, double* f);     /* m numbers */
   int (*stiffness)(void* handle, double t, const double* q, const double* v, double* K); /* optional: m x m, -d force / d q */
   int (*damping)(void* handle, double t, const double* q, const double* v, double* C);   /* optional: m x m, -d force / d v */
+
+  const char* (*state_name)(void* handle, size_t i); /* optional, since version 3: of number i of a state of up to 10,000 */
 } hmax_model;
 
 /* Exactly one of model and stepper is not NULL. */

@@ -145,6 +145,8 @@ class Server {
   void greet_couplings(std::vector<double>& words, PluginGreeting& greeting);
   void greet_parts(std::vector<double>& words, PluginGreeting& greeting);
   void greet_model(std::vector<double>& words, PluginGreeting& greeting);
+  void greet_states(std::vector<double>& words, PluginGreeting& greeting);
+  void add_name(const char* text, char end);
 
   std::size_t handle(const PluginRequest& request);
   std::size_t handle_model(const PluginRequest& request);
@@ -238,8 +240,8 @@ void Server::create(const PluginName& plugin) {
       enter(PluginCall::create, [&] { return object_->create(plugin.argument.c_str(), &handle_); });
   if (code != HMAX_OK)
     throw Failure{plugin.engine_file.empty() ? fmt::format("create() of {} failed: {}",
-                                                     plugin.file.filename().string(), reason(code))
-                                       : fmt::format("{}: {}", plugin.text, reason(code))};
+                                                           plugin.file.filename().string(), reason(code))
+                                             : fmt::format("{}: {}", plugin.text, reason(code))};
   created_ = true;
   check(PluginCall::dimension, [&] { return object_->dimension(handle_, &n_); });
   if (n_ < 1 || n_ > most_plugin_states)
@@ -283,6 +285,20 @@ void Server::greet_stepper(std::vector<double>& words, PluginGreeting& greeting)
   if (stepper_->parts) greet_parts(words, greeting);
 }
 
+void Server::add_name(const char* text, char end) {
+  std::string line = text ? text : "";
+  if (line.size() > most_part_characters) {
+    std::size_t whole = 0;  // characters of UTF-8
+    for (std::size_t next = 0; next <= most_part_characters;
+         next += std::max<std::size_t>(1, utf8_character(std::string_view(line).substr(next))))
+      whole = next;
+    line.resize(whole);
+  }
+  std::ranges::replace_if(
+      line, [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
+  part_names_ += line + end;
+}
+
 void Server::greet_parts(std::vector<double>& words, PluginGreeting& greeting) {
   std::size_t count = 0;
   check(PluginCall::parts, [&] { return stepper_->parts(handle_, &count, nullptr); });
@@ -294,23 +310,10 @@ void Server::greet_parts(std::vector<double>& words, PluginGreeting& greeting) {
   if (count != told) throw Failure{fmt::format("{} has {} parts, then {}", subject_, told, count)};
   parts.resize(count);
   greeting.parts = static_cast<double>(count);
-  const auto add = [&](const char* text, char end) {
-    std::string line = text ? text : "";
-    if (line.size() > most_part_characters) {
-      std::size_t whole = 0;  // characters of UTF-8
-      for (std::size_t next = 0; next <= most_part_characters;
-           next += std::max<std::size_t>(1, utf8_character(std::string_view(line).substr(next))))
-        whole = next;
-      line.resize(whole);
-    }
-    std::ranges::replace_if(
-        line, [](char letter) { return letter == '\n' || letter == '\t'; }, ' ');
-    part_names_ += line + end;
-  };
   for (const hmax_part& part : parts) {
     words.insert(words.end(), {part.stiffness, part.damping});
-    add(part.kind, '\t');
-    add(part.name, '\n');
+    add_name(part.kind, '\t');
+    add_name(part.name, '\n');
   }
 }
 
@@ -347,12 +350,25 @@ void Server::greet_couplings(std::vector<double>& words, PluginGreeting& greetin
   }
 }
 
+/// The states of a model are its parts.
+void Server::greet_states(std::vector<double>& words, PluginGreeting& greeting) {
+  greeting.parts = static_cast<double>(n_);
+  words.insert(words.end(), 2 * n_, 0.0);
+  for (std::size_t i = 0; i < n_; ++i) {
+    const char* name = nullptr;
+    enter(PluginCall::state_name, [&] { return name = model_->state_name(handle_, i), HMAX_OK; });
+    add_name("state", '\t');
+    add_name(name, '\n');
+  }
+}
+
 void Server::greet_model(std::vector<double>& words, PluginGreeting& greeting) {
   greeting.has_rhs = model_->rhs != nullptr;
   greeting.has_force = model_->force != nullptr;
   greeting.has_jacobian = model_->jacobian != nullptr;
   greeting.has_stiffness = model_->force && model_->stiffness;
   greeting.has_damping = model_->force && model_->damping;
+  if (version_ >= 3 && model_->state_name && n_ <= most_plugin_parts) greet_states(words, greeting);
   out_.resize(n_ * sizeof(double));
   check(PluginCall::start, [&] { return model_->start(handle_, out_.numbers(), &greeting.t_end); });
   words.insert(words.end(), out_.numbers(), out_.numbers() + n_);

@@ -33,14 +33,15 @@ enum class PluginCall : std::uint32_t {
   couplings,
   own_step,
   parts,
-  scale_part
+  scale_part,
+  state_name
 };
 
-inline constexpr std::array<std::string_view, 24> plugin_call_names{
-    "between calls", "loading",    "create",    "dimension", "get_state",   "set_state",
-    "step",          "saved_size", "save",      "restore",   "quaternions", "scales",
-    "start",         "rhs",        "jacobian",  "mass",      "force",       "stiffness",
-    "damping",       "destroy",    "couplings", "own_step",  "parts",       "scale_part"};
+inline constexpr std::array<std::string_view, 25> plugin_call_names{
+    "between calls", "loading", "create",     "dimension",   "get_state", "set_state", "step",
+    "saved_size",    "save",    "restore",    "quaternions", "scales",    "start",     "rhs",
+    "jacobian",      "mass",    "force",      "stiffness",   "damping",   "destroy",   "couplings",
+    "own_step",      "parts",   "scale_part", "state_name"};
 
 enum class PluginAsk : std::uint32_t {
   state,       ///< -> y
@@ -76,7 +77,8 @@ struct PluginReply {
 
 /// The first reply begins with these numbers; the quaternions, and where they are there the scales, the
 /// groups and pairs of couplings, stiffness and damping of each part, or y0 and the mass of a model, follow.
-/// Behind them are name and note, and a line `KIND<tab>NAME` for each part.
+/// Behind them are name and note, and a line `KIND<tab>NAME` for each part. The parts of a model are its
+/// states, where it names them.
 struct PluginGreeting {
   double is_stepper = 0, dimension = 0, single_precision = 0, has_save = 0, quaternions = 0, has_scales = 0;
   double has_rhs = 0, has_force = 0, t_end = 0;

@@ -238,7 +238,8 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
     throw InputError(
         fmt::format("mass() of {} has numbers that are not positive; leave massless positions out", subject));
   std::vector<std::string> states;
-  for (Eigen::Index i = 0; i < facts.dim; ++i)
+  for (const ScenePart& state : facts.parts) states.push_back(state.name);
+  for (Eigen::Index i = std::ssize(states); i < facts.dim; ++i)
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
   Problem problem{.id = fmt::format("{}#{}", facts.name, digest),

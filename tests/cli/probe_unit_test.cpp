@@ -136,6 +136,12 @@ TEST_F(ProbeUnit, EquationsAreAModelForEveryMethod) {
   EXPECT_NEAR(rows[0]["h_max"].get<double>(), 0.002, 1e-9);
   EXPECT_NEAR(rows[1]["h_max"].get<double>(), 2.785293563e-3, 1e-9);
   EXPECT_TRUE(says(rows[0]["problem"].get<std::string>(), "tested_unit#"));
+  const Told words = hmax("stability predict --plugin unit.fmu --methods rk4 --along none");
+  EXPECT_TRUE(says(words.out, "Jacobian central differences"));
+  // The states have the names of the unit.
+  EXPECT_TRUE(says(hmax("run --plugin unit.fmu --method rk4 --h 1e-4 --t-end 1e-3 --output run.csv").out +
+                       read_text(shell_ / "run.csv"),
+                   "t,x"));
   // Time begins where the experiment does: x' = -1000 x + t from t = 3.
   pack({.guid = "forced", .experiment = "startTime=\"3\" stopTime=\"5\""});
   const nlohmann::json run = hmax("run --plugin unit.fmu --method rk4 --h 1e-3 --json").json();
@@ -183,7 +189,7 @@ TEST_F(ProbeUnit, RefusesDamagedFiles) {
   write_text(shell_ / "binaries/linux64/tested_unit.so", "no library");
   expect_refused(probe({.guid = "decay"}), "its library cannot be loaded");
   pack({.guid = "decay\"<"});
-  expect_refused(hmax("probe unit.fmu"), "modelDescription.xml cannot be read");
+  expect_refused(hmax("probe unit.fmu"), "modelDescription.xml, line 2: ");
   write_text(shell_ / "unit.fmu", "no archive");
   expect_refused(hmax("probe unit.fmu"), "the archive (zip) is damaged or none");
   write_text(shell_ / "unit.fmu", "");

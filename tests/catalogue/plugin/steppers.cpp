@@ -483,6 +483,7 @@ const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one},
                         nullptr,
                         nullptr,
                         nullptr,
+                        nullptr,
                         nullptr};
 
 /// Three pendulums q'' = -sin q - 0.1 v |v|, which refuse arrays that are not aligned as plugin.h promises.
@@ -504,6 +505,7 @@ const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six},
                            mass_of_pendulums,
                            force_of_pendulums,
                            nullptr,
+                           nullptr,
                            nullptr};
 
 /// The same with a stiffness, right or of the other sign by the argument.
@@ -520,6 +522,7 @@ const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six},
                                  mass_of_pendulums,
                                  force_of_pendulums,
                                  stiffness_of_pendulums,
+                                 nullptr,
                                  nullptr};
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
