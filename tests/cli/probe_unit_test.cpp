@@ -141,7 +141,7 @@ TEST_F(ProbeUnit, EquationsAreAModelForEveryMethod) {
   // The states have the names of the unit.
   EXPECT_TRUE(says(hmax("run --plugin unit.fmu --method rk4 --h 1e-4 --t-end 1e-3 --output run.csv").out +
                        read_text(shell_ / "run.csv"),
-                   "t,x"));
+                   "t [s],x"));
   // Time begins where the experiment does: x' = -1000 x + t from t = 3.
   pack({.guid = "forced", .experiment = "startTime=\"3\" stopTime=\"5\""});
   const nlohmann::json run = hmax("run --plugin unit.fmu --method rk4 --h 1e-3 --json").json();
