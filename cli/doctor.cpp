@@ -109,6 +109,7 @@ std::vector<Module> modules() {
     return part != parts.end() && !part->version.empty();
   };
   if (is_there("MuJoCo")) add("hmax_mujoco", "scenes of MuJoCo", "hmax_plugin_get");
+  if (is_there("Bullet")) add("hmax_bullet", "scenes of Bullet", "hmax_plugin_get");
   if (is_there("minizip")) add("hmax_fmi", "units of FMI 2.0", "hmax_plugin_get");
   if (is_build_tree() && is_there("pybind11")) {
     const std::filesystem::path folder = program_prefix() / "python";

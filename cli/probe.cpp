@@ -33,6 +33,7 @@ using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
   std::string scene, keyframe, plugin, example, stiffness;
+  ProblemChoice body;  ///< of a scene of Bullet
   std::optional<double> h0, h1, motion, timeout, time_limit;
   bool no_runs = false;
 };
@@ -216,14 +217,19 @@ ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>&
 Question question_of(const ProbeOptions& options) {
   if (options.plugin.empty() == options.scene.empty())
     throw InputError(
-        "give a scene of MuJoCo (model.xml), a unit of FMI 2.0 (unit.fmu), the library of your stepper with --plugin "
-        "FILE.so, or --example FOLDER to begin with one");
+        "give a scene of MuJoCo (model.xml), a robot (robot.urdf) or a body (body.vtk) for Bullet, a unit of FMI 2.0 "
+        "(unit.fmu), the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
   if (options.h0 && options.h1) sizes_of(options, {});  // refused before anything is opened
-  Question question{
-      .scene = {options.scene, options.keyframe, !options.motion}, .plugin = {}, .settings = {}};
+  Question question{.scene = {options.scene, options.keyframe, !options.motion, options.body},
+                    .plugin = {},
+                    .settings = {}};
   if (options.scene.empty()) {
     if (!options.keyframe.empty())
       throw InputError("--keyframe is one of a scene; give it in ARGUMENT of --plugin");
+    const MeshOptions& body = options.body.body;
+    if (!body.unit.empty() || !body.model.empty() || !body.supports.empty() ||
+        !options.body.material.empty() || !options.body.set.empty())
+      throw InputError("--unit, --model, --material, --set and --support are of a scene; remove them");
     question.plugin = parse_plugin(options.plugin);
     if (!options.stiffness.empty() && options.motion)
       throw InputError("--stiffness is asked of a state of rest; remove --motion");
@@ -288,22 +294,43 @@ void probe(const ProbeOptions& options, Console& console) {
   print(options, answer_of(options, question, console), console);
 }
 
+/// What a scene of Bullet takes beside its file.
+void add_body(CLI::App& command, ProblemChoice& body) {
+  const HelpGroup group(command, "Bullet");
+  add_repeated(
+      command, "--support", body.body.supports,
+      "Points of a body that are fixed, as `hmax stability predict --help` has them; or the base of a robot, by "
+      "its name; nothing by default",
+      "SET");
+  add_text(command, "--unit", body.body.unit, "Unit of the mesh of a body: m, cm, mm or a number of metres",
+           "UNIT");
+  add_text(command, "--model", body.body.model,
+           "Force of a body: fem_neo_hookean or fem_corotational; fem_neo_hookean by default", "ID");
+  add_text(command, "--material", body.material, "Material of a body, an id of `hmax list materials`", "ID");
+  add_repeated(command, "--set", body.set, "Change a parameter of a body: E, nu, rho, mass, beta, g, ...",
+               "NAME=VALUE");
+}
+
 }  // namespace
 
 void add_probe(CLI::App& app, Console& console) {
   CLI::App& command = add_command(
       app, console, "probe", "Find the largest stable step of a scene, or of your own step function",
       {"hmax probe model.xml --keyframe home", "hmax probe --example probe_example",
+       "hmax probe robot.urdf --support base_link",
+       "hmax probe body.vtk --unit m --set E=20000 --support 'z<0.01'",
        "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
        "hmax probe --plugin ./engine.so:bar:E=5000 --h0 1e-4 --h1 0.01 --stiffness E",
        "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
   const auto options = std::make_shared<ProbeOptions>();
   add_text(
       command, "scene", options->scene,
-      "A scene of MuJoCo, or a unit of FMI 2.0 (unit.fmu); h0 and h1 are a hundredth and a hundred times its timestep",
+      "A scene of MuJoCo, a robot.urdf or a body.vtk for Bullet, or a unit of FMI 2.0 (unit.fmu); h0 and h1 are a "
+      "hundredth and a hundred times its timestep",
       "model.xml");
   add_text(command, "--keyframe", options->keyframe,
            "The scene settles from this keyframe, or begins --motion there", "NAME|NUMBER");
+  add_body(command, options->body);
   add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
            "FILE.so[:NAME[:ARGUMENT]]");
   add_number(command, "--h0", options->h0, "The smallest step size [s]");

@@ -1,12 +1,14 @@
 #include "cli/scene.hpp"
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "problems/tissue/bullet_body.hpp"
 
 namespace hmax {
 namespace {
@@ -39,18 +41,58 @@ std::string in_words(const LimitOwner& owner, double h) {
   return text;
 }
 
+void refuse_options(const SceneName& scene, EngineStart start) {
+  const MeshOptions& mesh = scene.body.body;
+  const auto refuse = [](bool given, const char* option, const char* whose) {
+    if (given) throw InputError(fmt::format("{} is one of {}; remove it", option, whose));
+  };
+  refuse(start != EngineStart::keyframe && !scene.keyframe.empty(), "--keyframe", "a scene of MuJoCo");
+  if (start == EngineStart::body) return;
+  refuse(start != EngineStart::base && !mesh.supports.empty(), "--support",
+         "a robot or a soft body of Bullet");
+  for (const auto& [given, option] : {std::pair(!mesh.unit.empty(), "--unit"),
+                                      {!mesh.model.empty(), "--model"},
+                                      {!scene.body.material.empty(), "--material"},
+                                      {!scene.body.set.empty(), "--set"}})
+    refuse(given, option, "a soft body of Bullet (body.vtk)");
+}
+
+/// The body as Bullet's own loadSoftBody makes it, unless the user says otherwise: nothing is fixed and
+/// nothing pulls, every point has the same mass, and its force is the neo-Hookean one.
+std::string text_of_body(const SceneName& scene) {
+  ProblemChoice choice = scene.body;
+  choice.body.mesh = scene.file;
+  if (choice.body.model.empty()) choice.body.model = "fem_neo_hookean";
+  ProblemSettings settings = choice.settings();
+  settings.parameters.insert(settings.parameters.begin(), {{"support", 0}, {"g", 0}, {"equal_masses", 1}});
+  const Problem made = make_problem(choice.id(), settings);
+  try {
+    return bullet_text(*made.body);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
 }  // namespace
 
 PluginName plugin_of(const SceneName& scene) {
   if (scene.file.find('\n') != scene.file.npos || scene.keyframe.find('\n') != scene.keyframe.npos)
     throw InputError("a name of the scene has a line break; rename it");
   PluginName plugin = parse_engine_file(scene.file);
-  if (!engine_format(scene.file)->settles) {
-    if (!scene.keyframe.empty()) throw InputError("--keyframe is one of a scene of MuJoCo; remove it");
-    return plugin;
+  const EngineStart start = engine_format(scene.file)->start;
+  refuse_options(scene, start);
+  if (start == EngineStart::keyframe) {
+    if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;
+    if (!scene.settles) plugin.argument += "\n";
+  } else if (start != EngineStart::own) {
+    const std::vector<std::string>& supports = scene.body.body.supports;
+    if (start == EngineStart::base && supports.size() > 1)
+      throw InputError("--support is given twice, and a robot has one base; remove one");
+    plugin.argument += fmt::format("\n{}\n{}", scene.settles ? "rest" : "start",
+                                   start == EngineStart::body ? text_of_body(scene)
+                                   : supports.empty()         ? std::string()
+                                                              : supports.front());
   }
-  if (!scene.keyframe.empty() || !scene.settles) plugin.argument += "\n" + scene.keyframe;
-  if (!scene.settles) plugin.argument += "\n";
   return plugin;
 }
 

@@ -114,6 +114,27 @@ set(HMAX_HAVE_FMI ${HMAX_MINIZIP_FOUND})
 hmax_optional(minizip HMAX_HAVE_FMI "${HMAX_MINIZIP_VERSION}" libminizip-dev
               "units of FMI 2.0: hmax probe unit.fmu")
 
+# In double precision, as PyBullet has it; of floats differences tell less.
+find_path(HMAX_BULLET_INCLUDE btBulletDynamicsCommon.h PATH_SUFFIXES bullet)
+set(HMAX_BULLET "")
+set(HMAX_HAVE_BULLET OFF)
+if(HMAX_BULLET_INCLUDE)
+  set(HMAX_HAVE_BULLET ON)
+endif()
+foreach(part BulletSoftBody BulletDynamics BulletCollision LinearMath)
+  find_library(HMAX_${part} ${part}-float64)
+  if(HMAX_${part})
+    list(APPEND HMAX_BULLET "${HMAX_${part}}")
+  else()
+    set(HMAX_HAVE_BULLET OFF)
+  endif()
+endforeach()
+if(HMAX_HAVE_BULLET)
+  file(STRINGS "${HMAX_BULLET_INCLUDE}/LinearMath/btScalar.h" bullet_version REGEX "define BT_BULLET_VERSION +[0-9]+")
+  string(REGEX REPLACE ".*BT_BULLET_VERSION +([0-9]+)([0-9][0-9]).*" "\\1.\\2" bullet_version "${bullet_version}")
+endif()
+hmax_optional(Bullet HMAX_HAVE_BULLET "${bullet_version}" libbullet-dev "robots and soft bodies: hmax probe robot.urdf, body.vtk")
+
 # Of no Debian package: that of Debian 12 knows no C++20. Where nvcc is not, or fails with this compiler, nothing is said.
 find_program(HMAX_NVCC nvcc HINTS ENV CUDA_HOME PATHS /usr/local/cuda PATH_SUFFIXES bin)
 set(HMAX_CUDA_ARCHITECTURES 80 90 CACHE STRING "The architectures of GPUs that the module for them is compiled for")

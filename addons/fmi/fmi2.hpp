@@ -6,12 +6,11 @@
 #include <dlfcn.h>
 #include <string>
 
+#include "addons/stepper.hpp"
+
 namespace hmax::fmi {
 
-/// A sentence for the user, of the file.
-struct Failure {
-  std::string text;
-};
+using engines::Failure;
 
 enum class Status : int { ok, warning, discard, error, fatal, pending };
 enum class Type : int { model_exchange, co_simulation };

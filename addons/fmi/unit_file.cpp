@@ -83,18 +83,10 @@ class Description {
   [[nodiscard]] const XmlPart& root() const { return file_.parts().front(); }
   /// All parts of this type in another one; none where that is null.
   [[nodiscard]] std::vector<const XmlPart*> all(const XmlPart* parent, std::string_view type) const {
-    std::vector<const XmlPart*> found;
-    if (!parent) return found;
-    // What is in a part stands right behind it.
-    const std::vector<XmlPart>& parts = file_.parts();
-    const auto own = static_cast<std::size_t>(parent - parts.data());
-    for (std::size_t i = own + 1; i < parts.size() && parts[i].node >= own; ++i)
-      if (parts[i].node == own && parts[i].type == type) found.push_back(&parts[i]);
-    return found;
+    return parent ? file_.all(*parent, type) : std::vector<const XmlPart*>();
   }
   [[nodiscard]] const XmlPart* first(const XmlPart* parent, std::string_view type) const {
-    const std::vector<const XmlPart*> found = all(parent, type);
-    return found.empty() ? nullptr : found.front();
+    return parent ? file_.first(*parent, type) : nullptr;
   }
   [[nodiscard]] static std::string text(const XmlPart* part, std::string_view attribute) {
     return part ? unescaped(part->tag.attribute(attribute)) : std::string();

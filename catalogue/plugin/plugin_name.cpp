@@ -16,9 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<EngineFormat, 2> engine_formats{
-    {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true},
-     {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev", false}}};
+constexpr std::array<EngineFormat, 4> engine_formats{
+    {{".xml", "hmax_mujoco.so", "MuJoCo", "libmujoco-dev", true, EngineStart::keyframe},
+     {".fmu", "hmax_fmi.so", "the unit", "libminizip-dev", false},
+     {".urdf", "hmax_bullet.so", "Bullet", "libbullet-dev", true, EngineStart::base},
+     {".vtk|.vtu|.msh", "hmax_bullet.so", "Bullet", "libbullet-dev", true, EngineStart::body}}};
 
 /// Which catalogue/scenes reads.
 constexpr std::string_view read_as_bodies = ".inp|.scn|.feb";
@@ -26,13 +28,15 @@ constexpr std::string_view read_as_bodies = ".inp|.scn|.feb";
 }  // namespace
 
 const EngineFormat* engine_format(const fs::path& file) {
-  const auto* const kind =
-      std::ranges::find(engine_formats, file.extension().string(), &EngineFormat::ending);
+  const std::string ending = file.extension().string();
+  const auto* const kind = std::ranges::find_if(
+      engine_formats, [&](const EngineFormat& each) { return is_listed(ending, each.endings); });
   return kind == engine_formats.end() ? nullptr : kind;
 }
 
 PluginName parse_engine_file(const std::string& file) {
-  constexpr const char* known = "a scene of MuJoCo (.xml) or a unit of FMI 2.0 (.fmu)";
+  constexpr const char* known =
+      "a scene of MuJoCo (.xml), a robot (.urdf) or a body (.vtk) for Bullet, or a unit of FMI 2.0 (.fmu)";
   std::error_code ignored;
   if (!fs::exists(file, ignored))
     throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
@@ -47,7 +51,7 @@ PluginName parse_engine_file(const std::string& file) {
   if (!fs::exists(module, ignored))
     throw InputError(fmt::format(
         "this hmax has no module for {} files; install the package hmax-engines, or {} and build hmax again",
-        kind->ending, kind->packages));
+        fs::path(file).extension().string(), kind->packages));
   return {.file = module,
           .name = {},
           .argument = whole.string(),

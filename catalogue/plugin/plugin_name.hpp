@@ -19,13 +19,22 @@ struct PluginName {
   bool is_model = false;               ///< what the command takes; else a stepper
 };
 
+/// What users choose beside such a file.
+enum class EngineStart {
+  own,       ///< nothing
+  keyframe,  ///< where it begins
+  base,      ///< whether the base of a robot is fixed
+  body       ///< all that makes a body of a mesh
+};
+
 /// Files of other programs, which a module of hmax opens as a plugin.
 struct EngineFormat {
-  std::string_view ending;    ///< of the name of the file
+  std::string_view endings;   ///< of the names of the files, as of is_listed()
   const char* module;         ///< "hmax_mujoco.so"
   std::string_view engine;    ///< the subject of what it does
   std::string_view packages;  ///< of Debian, that the module is built with
-  bool settles;               ///< from its start or from a keyframe, before it is probed
+  bool settles;               ///< before it is probed
+  EngineStart start = EngineStart::own;
 };
 
 /// By the ending of the name; null where no module opens such files.

@@ -1,4 +1,6 @@
-"""Writes the scenes of MuJoCo whose bodies are points of a lattice: lattices.py FOLDER makes net.xml and cloth.xml there."""
+"""Writes the scenes whose bodies are points of a lattice: lattices.py FOLDER makes net.xml and cloth.xml of MuJoCo, and gel.vtk,
+arch.vtk and pad.vtk of Bullet there."""
+import math
 import pathlib
 import sys
 
@@ -34,5 +36,38 @@ SCENES = {
                    [(DIAGONAL, (1, -1)), (TENDON, (1, 0)), (TENDON, (0, 1)), (DIAGONAL, (1, 1))]),
 }
 
+# Six tetrahedra of a cube around its diagonal, by the corners (x, y, z) that a path along its edges visits.
+PATHS = [((1, 0, 0), (1, 1, 0)), ((0, 1, 0), (1, 1, 0)), ((0, 1, 0), (0, 1, 1)), ((0, 0, 1), (0, 1, 1)), ((0, 0, 1), (1, 0, 1)),
+         ((1, 0, 0), (1, 0, 1))]
+
+
+def body(cells, place):
+    """A block of cubes in tetrahedra, whose points are at place(i, j, k); VTK."""
+    counts = [cell + 1 for cell in cells]
+    number = {point: n for n, point in enumerate((i, j, k) for i in range(counts[0]) for j in range(counts[1])
+                                                 for k in range(counts[2]))}
+    tetrahedra = []
+    for i in range(cells[0]):
+        for j in range(cells[1]):
+            for k in range(cells[2]):
+                for n, path in enumerate(PATHS):
+                    corners = [number[i + a, j + b, k + c] for a, b, c in ((0, 0, 0), *path, (1, 1, 1))]
+                    tetrahedra.append(corners if n % 2 == 0 else [corners[0], corners[2], corners[1], corners[3]])
+    lines = ["# vtk DataFile Version 2.0", "body", "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(number)} double"]
+    lines += [" ".join(f"{x:.9g}" for x in place(*point)) for point in number]
+    lines += [f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}", *("4 " + " ".join(map(str, each)) for each in tetrahedra)]
+    return "\n".join([*lines, f"CELL_TYPES {len(tetrahedra)}", *["10"] * len(tetrahedra), ""])
+
+
+def arch(i, j, k):
+    """Half a ring that stands on z = 0."""
+    angle, radius = math.pi * i / 16, 0.05 + 0.01 * k
+    return -radius * math.cos(angle), 0.012 * j, radius * math.sin(angle)
+
+
+folder = pathlib.Path(sys.argv[1])
+(folder / "gel.vtk").write_text(body((3, 2, 2), lambda i, j, k: (0.02 * i, 0.015 * j + 0.002 * i, 0.01 * k)))
+(folder / "arch.vtk").write_text(body((16, 3, 2), arch))
+(folder / "pad.vtk").write_text(body((4, 3, 2), lambda i, j, k: (0.012 * i + 0.001 * k, 0.011 * j, 0.009 * k + 0.0008 * k * (i - 2) ** 2)))
 for name, text in SCENES.items():
-    (pathlib.Path(sys.argv[1]) / f"{name}.xml").write_text(text)
+    (folder / f"{name}.xml").write_text(text)

@@ -61,6 +61,7 @@ inline const std::vector<ForeignRule> foreign_rules{
     {"^mpi", "^addons/"},
     {"^mujoco/", "^(addons/mujoco/|scripts/engines/|tests/python/mujoco_package)"},
     {"^minizip/", "^addons/fmi/"},
+    {"^(Bullet|LinearMath/|btBullet)", "^(addons/bullet/|scripts/engines/)"},
     {"^boost/numeric/odeint", "^(integrators/odeint/|bench/micro/|bench/timing/formula_reference|tests/)"},
     {"^benchmark/", "^(bench|limits)/micro/"},
     {"^toml", "\\.cpp$"},

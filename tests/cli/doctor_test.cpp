@@ -15,8 +15,8 @@ TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
   const Json report = shell.hmax("doctor --json").json();
   for (const char* key : {"version", "compiler", "libraries", "optional", "missing", "fingerprint"})
     EXPECT_TRUE(report.contains(key)) << key;
-  EXPECT_EQ(report.at("optional").size(), 15U)
-      << "Boost, SUNDIALS, Spectra, METIS, Google Benchmark, SLEPc, OpenMPI, MuJoCo, minizip, zlib, lz4, lzma, gnuplot, pybind11, musl";
+  EXPECT_EQ(report.at("optional").size(), 16U)
+      << "Boost, SUNDIALS, Spectra, METIS, Google Benchmark, SLEPc, OpenMPI, MuJoCo, minizip, Bullet, zlib, lz4, lzma, gnuplot, pybind11, musl";
   std::size_t missing = 0;
   for (const Json& part : report.at("optional")) {
     EXPECT_NE(part.at("debian_package"), "");
@@ -83,7 +83,7 @@ TEST(Doctor, NamesModulesThatAreNotBuiltAndTheCommandThatBuildsThem) {
   EXPECT_TRUE(says(built.out, "--target hmax_"));
 }
 
-/// The modules of MPI, PETSc, MuJoCo and FMI come with the program wherever their libraries are.
+/// The modules of MPI, PETSc, MuJoCo, Bullet and FMI come with the program wherever their libraries are.
 TEST(Doctor, FindsTheModulesThatAreBuiltWithTheProgram) {
   const Json report = Shell().hmax("doctor --json").json();
   EXPECT_TRUE(report.at("modules_broken").empty()) << report.at("modules_broken");
@@ -91,6 +91,7 @@ TEST(Doctor, FindsTheModulesThatAreBuiltWithTheProgram) {
     for (const auto& [library, module] : {std::pair{"OpenMPI", "hmax_mpi"},
                                           {"SLEPc", "hmax_petsc"},
                                           {"MuJoCo", "hmax_mujoco"},
+                                          {"Bullet", "hmax_bullet"},
                                           {"minizip", "hmax_fmi"}})
       if (part.at("name") == library && part.at("present")) {
         EXPECT_EQ(std::ranges::count(report.at("modules"), Json(module)), 1) << module;
@@ -107,7 +108,8 @@ TEST(Doctor, OpensEachModuleBeforeItSaysThatNothingIsMissing) {
       shell.line("mkdir -p tree/bin tree/python/hmax " + modules + " && cp '" HMAX_PROGRAM "' tree/bin/hmax")
           .exit_code,
       0);
-  for (const char* file : {"hmax_mpi.so", "hmax_petsc.so", "hmax_mujoco.so", "hmax_fmi.so", "hmax_cuda.so"})
+  for (const char* file :
+       {"hmax_mpi.so", "hmax_petsc.so", "hmax_mujoco.so", "hmax_bullet.so", "hmax_fmi.so", "hmax_cuda.so"})
     write_text(shell / (modules + "/" + file), "no module");
   write_text(shell / "tree/python/hmax/_core.so", "no module");
   write_text(shell / "tree/python/hmax/__init__.py", "from . import _core\n");

@@ -56,6 +56,26 @@ XmlFile::XmlFile(const std::string& name, std::string_view bytes, std::string_vi
                "; the file is cut off, so copy or export it again");
 }
 
+std::vector<const XmlPart*> XmlFile::within(const XmlPart& part) const {
+  std::vector<const XmlPart*> found;
+  // What is in a part stands right behind it.
+  const auto own = static_cast<std::size_t>(&part - parts_.data());
+  for (std::size_t i = own + 1; i < parts_.size() && parts_[i].node >= own; ++i)
+    if (parts_[i].node == own) found.push_back(&parts_[i]);
+  return found;
+}
+
+std::vector<const XmlPart*> XmlFile::all(const XmlPart& part, std::string_view type) const {
+  std::vector<const XmlPart*> found = within(part);
+  std::erase_if(found, [&](const XmlPart* each) { return each->type != type; });
+  return found;
+}
+
+const XmlPart* XmlFile::first(const XmlPart& part, std::string_view type) const {
+  const std::vector<const XmlPart*> found = all(part, type);
+  return found.empty() ? nullptr : found.front();
+}
+
 MeshText XmlFile::values(const XmlPart& part, std::string_view text) const {
   MeshText values(name(), text);
   values.about(part.place);

@@ -36,6 +36,12 @@ class XmlFile {
   [[nodiscard]] const XmlPart* parent(const XmlPart& part) const {
     return part.node ? &parts_[*part.node] : nullptr;
   }
+  /// The parts in a part, but not those in them.
+  [[nodiscard]] std::vector<const XmlPart*> within(const XmlPart& part) const;
+  /// Those of a type.
+  [[nodiscard]] std::vector<const XmlPart*> all(const XmlPart& part, std::string_view type) const;
+  /// Null where there is none.
+  [[nodiscard]] const XmlPart* first(const XmlPart& part, std::string_view type) const;
   /// A text of a part, to be read word by word.
   [[nodiscard]] MeshText values(const XmlPart& part, std::string_view text) const;
   /// Finite numbers of an attribute. @throws std::invalid_argument  naming the line
