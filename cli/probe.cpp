@@ -76,11 +76,14 @@ std::string table_of(const ProbedLimit& found, const Console& console) {
 
 /// What the growing motion is like from step to step.
 std::string critical_in_words(const ProbedLimit& found) {
-  if (!found.critical || !std::isfinite(std::abs(found.critical->multiplier))) return "";
-  std::string text = motion_in_words(found.critical->multiplier) + " grows";
+  if (!found.critical) return "";
+  std::string text;
+  if (std::isfinite(std::abs(found.critical->multiplier)))
+    text = ": " + motion_in_words(found.critical->multiplier) + " grows";
   if (!found.moving.empty())
-    text += fmt::format("; numbers {} of the state move most", fmt::join(found.moving, ", "));
-  return ": " + text;
+    text += fmt::format("{} numbers {} of the state move most", text.empty() ? ":" : ";",
+                        fmt::join(found.moving, ", "));
+  return text;
 }
 
 /// Where the number behind NAME= stands in the argument of a plugin: its first character, and how many.

@@ -121,6 +121,12 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
   OwnStep own{.h = *engine.own_step()};
   if (is_judged(found, own.h)) {
     own.stable = own.h <= found.h_max;
+    // At a kink growth comes and goes beyond the first step size that grows.
+    if (found.smoothness == StepSmoothness::kink && !*own.stable) {
+      const Eigen::VectorXd start = engine.state();
+      if (stands(engine, own.h, 1, watch)) own.stable.reset();
+      engine.set_state(start);
+    }
     own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
   }
   if (found.state == ProbedState::motion) return own;

@@ -101,10 +101,10 @@ double StepDerivative::error_along(const VectorXd& v) const {
   return std::max(error_, least);
 }
 
-VectorXd StepDerivative::product(const VectorXd& v) const {
+VectorXd StepDerivative::product(const VectorXd& v, double factor) const {
   const double largest = v.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return VectorXd::Zero(v.size());
-  return largest * difference(v / largest, increment_);
+  return largest * difference(v / largest, factor * increment_);
 }
 
 MatrixXd StepDerivative::matrix(StepPattern& pattern, const std::function<void(double share)>& watch) const {

@@ -39,8 +39,8 @@ class StepDerivative {
   /// disturbances are.
   [[nodiscard]] bool is_linear() const;
 
-  /// J v. @param v  shape (coordinates.size())
-  [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& v) const;
+  /// J v. @param v  shape (coordinates.size()), @param factor  of the increment
+  [[nodiscard]] Eigen::VectorXd product(const Eigen::VectorXd& v, double factor = 1) const;
   /// J, shape (coordinates.size(), coordinates.size()); two steps a column. The pattern is learned from it.
   /// @param watch  called with the share that is done; may throw
   [[nodiscard]] Eigen::MatrixXd matrix(StepPattern& pattern,

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "analysis/foreign_steps/foreign_stepper.hpp"
+#include "analysis/foreign_steps/step_kinks.hpp"
 #include "analysis/foreign_steps/step_shares.hpp"
 #include "analysis/foreign_steps/step_spectrum.hpp"
 
@@ -36,6 +37,8 @@ struct ProbedLimit {
   std::string model;
   Eigen::Index dim = 0;
   ProbedState state = ProbedState::initial;
+  /// Of a step at rest: at a kink `rows` and h_max are those of one_sided_growth(); at a jump h_max is NaN.
+  StepSmoothness smoothness = StepSmoothness::smooth;
   std::vector<StepSpectrum> rows;  ///< by h, with the steps of the bisection
   double h_max = 0;  ///< [s]; infinity without growth up to h1, NaN where steps of h0 grow already
   std::optional<StepSpectrum> critical{};  ///< a step 0.2 % beyond the limit

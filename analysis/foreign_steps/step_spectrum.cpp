@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <vector>
 
 #include <Eigen/LU>
@@ -21,75 +23,92 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// A motion in scaled coordinates as numbers of the state.
-VectorXd on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale,
-                  Index dim) {
-  VectorXd numbers = VectorXd::Zero(dim);
-  for (Index k = 0; k < motion.size(); ++k) {
-    const Index i = coordinates.component(k);
-    numbers[i] = std::max(numbers[i], std::abs(motion[k] * scale[k]));
-  }
-  const double largest = numbers.maxCoeff();
-  return largest > 0 ? VectorXd(numbers / largest) : numbers;
-}
-
 /// How far a multiplier is off, |y^H (D x - J x)| / |y^H x| with differences D in the direction of its own
 /// right eigenvector x: the error of the matrix as this eigenvalue has it, where the norm of that error says
 /// too much.
-double own_error(const StepDerivative& derivative, const MatrixXd& J, const Eigen::VectorXcd& x,
-                 const Eigen::RowVectorXcd& y) {
-  const VectorXd re = x.real(), im = x.imag();
-  Eigen::VectorXcd off = (derivative.product(re) - J * re).cast<Complex>();
-  off += Complex(0, 1) * (derivative.product(im) - J * im).cast<Complex>();
+double own_error(const StepDerivative& derivative, const Eigen::VectorXcd& Jx, const Eigen::VectorXcd& x,
+                 const Eigen::RowVectorXcd& y, double factor = 1) {
+  Eigen::VectorXcd off = derivative.product(x.real(), factor).cast<Complex>() - Jx;
+  if (x.imag().norm() > 0) off += Complex(0, 1) * derivative.product(x.imag(), factor).cast<Complex>();
   return std::abs(Complex(y * off)) / std::abs(Complex(y * x));
 }
 
 /// All eigenvalues with their tolerances.
-void by_eigenvalues(const MatrixXd& J, const StepDerivative& derivative, StepSpectrum& found,
-                    VectorXd& motion) {
-  const double error = derivative.error();
-  const SortedEigenpairs pairs(J);
-  if (pairs.values.empty()) {
+class Multipliers {
+ public:
+  Multipliers(const MatrixXd& J, const StepDerivative& derivative, double creep)
+      : derivative_(derivative), pairs_(J), creep_(creep) {
+    if (!pairs_.values.empty()) left_ = pairs_.vectors.partialPivLu().inverse();
+  }
+
+  void judge(StepSpectrum& found, VectorXd& motion) const;
+
+ private:
+  [[nodiscard]] auto right(std::size_t i) const { return pairs_.vectors.col(static_cast<Index>(i)); }
+  [[nodiscard]] auto left(std::size_t i) const { return left_.row(static_cast<Index>(i)); }
+  [[nodiscard]] double excess(std::size_t i) const { return std::abs(pairs_.values[i]) - 1 - creep_; }
+  [[nodiscard]] double error(std::size_t i, double factor) const {
+    return own_error(derivative_, pairs_.values[i] * right(i), right(i), left(i), factor);
+  }
+  /// What larger and smaller increments make of it: growth that comes with the increment is that of
+  /// differences.
+  [[nodiscard]] double tolerance_by_increments(std::size_t i) const {
+    return 4 * std::min(error(i, 0.3), error(i, 3));
+  }
+  void find_growing(const std::vector<double>& tolerances, StepSpectrum& found) const;
+
+  const StepDerivative& derivative_;
+  SortedEigenpairs pairs_;
+  Eigen::MatrixXcd left_;
+  double creep_;  ///< of a step
+};
+
+void Multipliers::find_growing(const std::vector<double>& tolerances, StepSpectrum& found) const {
+  std::vector<std::size_t> order(tolerances.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto beyond = [&](std::size_t i) { return excess(i) - tolerances[i]; };
+  std::ranges::stable_sort(order, std::greater{}, beyond);
+  found.tolerance = tolerances[order.front()];
+  constexpr std::size_t most = 8;
+  const auto take = [&](std::size_t i, double tolerance) {
+    found.grows = true;
+    found.tolerance = tolerance;
+    found.multiplier = pairs_.values[i];
+  };
+  for (std::size_t k = 0; k < std::min(most, order.size()) && beyond(order[k]) > 0; ++k) {
+    const std::size_t i = order[k];
+    const double tolerance = std::max(tolerances[i], tolerance_by_increments(i));
+    if (excess(i) > tolerance) return take(i, tolerance);
+    found.resolved = false;
+    found.tolerance = std::max(found.tolerance, tolerance);
+  }
+  // Those that seem to grow but for the tolerance, by differences of their own.
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, order.size()) && excess(i) > 0.01; ++i) {
+    const double tolerance = std::max(10 * error(i, 1), tolerance_by_increments(i));
+    if (excess(i) > tolerance) return take(i, tolerance);
+  }
+}
+
+void Multipliers::judge(StepSpectrum& found, VectorXd& motion) const {
+  if (pairs_.values.empty()) {
     found.resolved = false;
     return;
   }
-  const Eigen::MatrixXcd left = pairs.vectors.partialPivLu().inverse();
-  double most = -infinity;
-  std::size_t chosen = 0;
-  for (std::size_t i = 0; i < pairs.values.size(); ++i) {
-    const auto at = static_cast<Index>(i);
-    const double condition = left.row(at).norm() * pairs.vectors.col(at).norm();
-    const double tolerance = multiplier_tolerance(error, condition);
-    const Complex value = pairs.values[i];
+  std::vector<double> tolerances;
+  for (std::size_t i = 0; i < pairs_.values.size(); ++i) {
+    tolerances.push_back(multiplier_tolerance(derivative_.error(), left(i).norm() * right(i).norm()));
+    const Complex value = pairs_.values[i];
     // Of a pair the upper one; a negative number turns about in every step.
     if (value.imag() > 0 || (value.imag() == 0 && value.real() > 0))
       found.motions.push_back({.rate = std::log(value) / found.h,
-                               .error = tolerance / std::abs(value - 1.0),
-                               .shape = pairs.vectors.col(at)});
-    const double excess = std::abs(value) - 1 - tolerance;
-    if (excess > most) {
-      most = excess;
-      chosen = i;
-      found.tolerance = tolerance;
-    }
+                               .error = tolerances[i] / std::abs(value - 1.0),
+                               .shape = right(i)});
   }
-  found.grows = most > 0;
-  // Those that seem to grow but for the tolerance, by differences of their own.
-  for (std::size_t i = 0; !found.grows && i < std::min<std::size_t>(3, pairs.values.size()); ++i) {
-    const auto at = static_cast<Index>(i);
-    const double excess = std::abs(pairs.values[i]) - 1;
-    if (!(excess > 0.01)) break;
-    const double tolerance = 10 * own_error(derivative, J, pairs.vectors.col(at), left.row(at));
-    if (!(excess > tolerance)) continue;
-    found.grows = true;
-    found.tolerance = tolerance;
-    chosen = i;
-  }
-  if (!found.grows) chosen = 0;
-  found.multiplier = pairs.values[chosen];
-  found.spectral_radius = std::abs(pairs.values.front());
-  const Eigen::VectorXcd vector = pairs.vectors.col(static_cast<Index>(chosen));
-  motion = vector.cwiseAbs();
+  found.multiplier = pairs_.values.front();
+  find_growing(tolerances, found);
+  found.spectral_radius = std::abs(pairs_.values.front());
+  const auto at = std::ranges::find(pairs_.values, found.multiplier) - pairs_.values.begin();
+  motion = right(static_cast<std::size_t>(at)).cwiseAbs();
 }
 
 /// The largest multiplier by products.
@@ -108,6 +127,17 @@ void by_products(const LinearOperator& J, Index n, const StepDerivative& derivat
 }
 
 }  // namespace
+
+VectorXd motion_on_state(const VectorXd& motion, const StateCoordinates& coordinates, const VectorXd& scale,
+                         Index dim) {
+  VectorXd numbers = VectorXd::Zero(dim);
+  for (Index k = 0; k < motion.size(); ++k) {
+    const Index i = coordinates.component(k);
+    numbers[i] = std::max(numbers[i], std::abs(motion[k] * scale[k]));
+  }
+  const double largest = numbers.maxCoeff();
+  return largest > 0 ? VectorXd(numbers / largest) : numbers;
+}
 
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
                               const VectorXd& scale, int slot, const VectorXd& y, double h,
@@ -136,7 +166,7 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
             .sparseView(1, n <= settings.eigenvalues_to ? 0 : derivative.error() / static_cast<double>(n));
   if (J && !VectorXd::Map(J->valuePtr(), J->nonZeros()).allFinite()) return broken;
   if (J && n <= settings.eigenvalues_to)
-    by_eigenvalues(*J, derivative, found, motion);
+    Multipliers(*J, derivative, settings.creep * h).judge(found, motion);
   else
     by_products(
         [&](const VectorXd& v) {
@@ -144,7 +174,8 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
           return J ? VectorXd(*J * v) : derivative.product(v);
         },
         n, derivative, found, motion);
-  found.motion = on_state(motion, coordinates, scale, engine.dim());
+  if (found.grows && !(found.spectral_radius > 1 + settings.creep * h)) found.grows = false;
+  found.motion = motion_on_state(motion, coordinates, scale, engine.dim());
   return found;
 }
 

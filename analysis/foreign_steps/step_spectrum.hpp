@@ -19,6 +19,7 @@ struct StepSpectrumSettings {
   Eigen::Index eigenvalues_to = 300;  ///< up to so many coordinates all eigenvalues of the matrix
   Eigen::Index matrix_to = 1000;      ///< up to so many the matrix, and its largest eigenvalue by Arnoldi
                                       ///< iteration; above that products alone, or the matrix by a pattern
+  double creep = 0;                   ///< [1/s]: what grows at most at this rate counts as rest
   std::function<void()> watch = {};   ///< called now and then; may throw
 };
 
@@ -61,6 +62,10 @@ struct StepSpectrum {
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
                               const Eigen::VectorXd& scale, int slot, const Eigen::VectorXd& y, double h,
                               StepPattern& pattern, const StepSpectrumSettings& settings = {});
+
+/// A motion in scaled coordinates as numbers of the state, shape (dim), the largest of them 1.
+Eigen::VectorXd motion_on_state(const Eigen::VectorXd& motion, const StateCoordinates& coordinates,
+                                const Eigen::VectorXd& scale, Eigen::Index dim);
 
 /// Whether what grows at two step sizes is one motion of the model, as one that leaves an unstable state: it
 /// grows at the same rate in time, to a fifth, and is slow beside the steps.

@@ -118,6 +118,7 @@ Json probe_json(const ProbedLimit& found) {
   return {{"model", found.model},
           {"dim", found.dim},
           {"state", name_of(found.state)},
+          {"smoothness", name_of(found.smoothness)},
           {"rows", rows},
           {"h_max", number_or_word(found.h_max)},
           {"moving", found.moving},

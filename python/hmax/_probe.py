@@ -52,7 +52,7 @@ def probe(
     A state of numpy.float32 says that steps are computed in single precision.
 
     Returns the keys of `hmax probe --json`: `h_max` and `observed` [s] (inf: no growth up to h1; None: not found), `gap`, `state`
-    ("equilibrium", "initial" or "motion"), `rows` by h (each with `settles`, `settled_moves` and `modes`), `moving`, `dim`, `steps`, `status`, `contradiction` (h_max and observed cannot
+    ("equilibrium", "initial" or "motion"), `smoothness` of the step there ("smooth", "kink" or "jump"), `rows` by h (each with `settles`, `settled_moves` and `modes`), `moving`, `dim`, `steps`, `status`, `contradiction` (h_max and observed cannot
     both be right; `status` says why). Of `own_step` also: `timestep`, the same; `stable`; `substeps`, the smallest number of equal parts
     that are stable; `settles`; `stiffness_shown` of the slowest mode.
 

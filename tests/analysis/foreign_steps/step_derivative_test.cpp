@@ -5,37 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "analysis/foreign_steps/step_spectrum.hpp"
+#include "tests/analysis/foreign_steps/mapped_stepper.hpp"
 
 namespace hmax {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// y -> map(y, h), in double or rounded to float.
-class Mapped : public ForeignStepper {
- public:
-  using Map = VectorXd (*)(const VectorXd& y, double h);
-  Mapped(Map map, VectorXd y, bool single = false) : map_(map), y_(std::move(y)), single_(single) {}
-  std::string name() const override { return "mapped"; }
-  Eigen::Index dim() const override { return y_.size(); }
-  bool is_single_precision() const override { return single_; }
-  bool has_hidden_state() const override { return false; }
-  VectorXd state() override { return y_; }
-  void set_state(const VectorXd& y) override { y_ = rounded(y); }
-  bool step(double h, std::int64_t count) override {
-    for (; count > 0; --count) y_ = rounded(map_(y_, h));
-    return true;
-  }
-  void save(int) override { saved_ = y_; }
-  void restore(int) override { y_ = saved_; }
-
- private:
-  VectorXd rounded(const VectorXd& y) const { return single_ ? VectorXd(y.cast<float>().cast<double>()) : y; }
-  Map map_;
-  VectorXd y_, saved_;
-  bool single_;
-};
 
 VectorXd curved(const VectorXd& y, double h) {
   return Eigen::Vector2d(y[0] + h * std::sin(40 * y[1]), y[1] - h * std::exp(30 * y[0]));

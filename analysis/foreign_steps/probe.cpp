@@ -1,8 +1,7 @@
-#include "analysis/foreign_steps/step_probe.hpp"
+#include "analysis/foreign_steps/probe.hpp"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,118 +9,17 @@
 
 #include "analysis/dynamics/growth.hpp"
 #include "analysis/foreign_steps/hidden_state.hpp"
-#include "analysis/foreign_steps/observed_steps.hpp"
 #include "analysis/foreign_steps/slow_motions.hpp"
-#include "analysis/foreign_steps/step_derivative.hpp"
-#include "core/dense_solvers.hpp"
+#include "analysis/foreign_steps/step_kinks.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
-namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int home = 0, work = 1, at_rest = 2;
-/// A motion that grows by less than this factor more than at h0 is no growth of the steps.
-const double least_growth = std::log(10.0);
-
-/// ln of the growth that runs show for certain.
-constexpr double seen_growth = 15;
-/// Between h_max and observed, as a share of h_max.
-constexpr double allowed_gap = 0.05, allowed_gap_of_motion = 0.2;
-
-/// What all parts of a probe need.
-class Probe {
- public:
-  Probe(ForeignStepper& engine, const ProbeSettings& settings)
-      : engine_(engine), settings_(settings), coordinates_(engine.dim(), engine.quaternions()) {}
-
-  ProbedLimit run();
-  ProbedLimit compare();
-
- private:
-  void look_at_start();
-  bool only_trembles(double moved);
-  void judge_start();
-  VectorXd balanced(const VectorXd& unbalanced, double h);
-  void choose_scales(double h);
-  void check_smoothness();
-  void find_limit();
-  double distance_of_step(const VectorXd& y, double h);
-  struct Rest {
-    VectorXd y;
-    double left = 0;   ///< how far a step of h moves it, in units of scales
-    double error = 0;  ///< about how far it is from rest
-  };
-  Rest rest_near(VectorXd y, double h, double tolerance);
-  VectorXd rest_at(double h);
-  StepSpectrum spectrum_near(const VectorXd& y, double h);
-  StepSpectrum at(double h);
-  void look_where_it_settles(StepSpectrum& row);
-  StepSpectrum along_motion(double h);
-  void bisect(double low, double high);
-  void explain_growth_at_least();
-  void check_rest_at_limit();
-  void check_pattern();
-  void name_growing_numbers();
-  void find_shares();
-  void observe();
-  bool runs_grow(double h);
-  std::int64_t observed_steps();
-  void bracket(double low, double high);
-  void narrow(double low, double high, double resolution);
-  void compare_with_runs();
-  void observe_beyond_limits();
-  void say_what_is_unresolved();
-  void compare_rests();
-  void say_what_steps_show();
-  /// One of the two limits is wrong.
-  void contradict(const std::string& text) {
-    found_.contradiction = true;
-    found_.status.push_back(text);
-  }
-
-  /// Sizes of numbers at the start.
-  [[nodiscard]] VectorXd plain_scale() const {
-    return coordinates_.scales(engine_.scales().size() > 0 ? engine_.scales() : scales_of(start_));
-  }
-  /// Between two states, in units of scales.
-  [[nodiscard]] double distance(const VectorXd& a, const VectorXd& b) const {
-    return coordinates_.of(a, b).cwiseQuotient(scale_).cwiseAbs().maxCoeff();
-  }
-  [[nodiscard]] double rest_tolerance() const { return is_single() ? 1e-6 : 1e-9; }
-  [[nodiscard]] bool is_single() const { return engine_.is_single_precision(); }
-  void tell(double share, std::string_view detail) const {
-    if (settings_.watch) settings_.watch(share, detail);
-  }
-  [[nodiscard]] std::function<void()> watcher() const {
-    return [this] { tell(share_, detail_); };
-  }
-  [[nodiscard]] GrowthRun growth_run(double h) const;
-  [[nodiscard]] std::int64_t steps_of_motion(double h) const {
-    return std::max<std::int64_t>(1, std::llround(*settings_.motion / h));
-  }
-
-  ForeignStepper& engine_;
-  const ProbeSettings& settings_;
-  StateCoordinates coordinates_;
-  VectorXd start_, scale_;
-  VectorXd rest_;  // at the step size that was last looked at
-  VectorXd settled_;
-  std::vector<StepMotion> slow_;  // of h0
-  bool compares_ = false;
-  StepPattern pattern_;
-  ProbedLimit found_;
-  double base_growth_ = 0, base_run_ = nan;
-  bool is_linear_ = true;
-  double share_ = 0;
-  std::string detail_ = "steps";
-};
-
-void Probe::look_at_start() {
+void StepProbe::look_at_start() {
   start_ = engine_.state();
   if (!start_.allFinite()) {
     Index bad = 0;
@@ -147,18 +45,21 @@ void Probe::look_at_start() {
 }
 
 /// Whether a hundred steps go hardly farther than one: what a solver leaves, or the end of an oscillation.
-bool Probe::only_trembles(double moved) {
+bool StepProbe::only_trembles(double moved) {
   if (moved > (is_single() ? 1e-2 : 1e-6)) return false;
   const VectorXd later = engine_.after(home, start_, settings_.h0, 100);
   return later.allFinite() && distance(start_, later) <= 3 * moved;
 }
 
-void Probe::judge_start() {
+void StepProbe::judge_start() {
   if (settings_.motion) return;
   const VectorXd next = engine_.after(home, start_, settings_.h0, 1);
   const double moved = distance(start_, next);
   found_.state = ProbedState::equilibrium;
   if (moved <= (is_single() ? 1e-5 : 1e-9) || only_trembles(moved)) return;
+  // Rounding of what nothing but small numbers balances.
+  constexpr double rounding = 1e-12;
+  if (coordinates_.of(start_, next).cwiseQuotient(plain_scale()).cwiseAbs().maxCoeff() <= rounding) return;
   // Engines whose solvers end early rest elsewhere at each step size, perhaps near.
   rest_ = rest_at(settings_.h0);
   const VectorXd away = coordinates_.of(start_, rest_).cwiseQuotient(plain_scale());
@@ -175,7 +76,7 @@ void Probe::judge_start() {
 
 /// The same scales in balance: of like size in positions and velocities, from what a step of size h makes of
 /// them.
-VectorXd Probe::balanced(const VectorXd& unbalanced, double h) {
+VectorXd StepProbe::balanced(const VectorXd& unbalanced, double h) {
   StepDerivative derivative(engine_, coordinates_, unbalanced, home, start_, h);
   if (!derivative.is_finite() || !std::isfinite(derivative.error())) return unbalanced;
   const VectorXd factors =
@@ -197,7 +98,7 @@ VectorXd Probe::balanced(const VectorXd& unbalanced, double h) {
   return (scale / *middle).cwiseMax(0.01 * size);
 }
 
-void Probe::choose_scales(double h) {
+void StepProbe::choose_scales(double h) {
   const VectorXd unbalanced = plain_scale();
   const VectorXd before = scale_;
   scale_ = balanced(unbalanced, h);
@@ -219,9 +120,9 @@ void Probe::choose_scales(double h) {
   }
 }
 
-/// Whether a step near the limit has a derivative that tells what it does.
-void Probe::check_smoothness() {
-  if (found_.state == ProbedState::motion) return;
+/// Whether differences near the limit tell what a step does.
+void StepProbe::check_smoothness() {
+  if (found_.state == ProbedState::motion || found_.smoothness != StepSmoothness::smooth) return;
   const double h = std::isfinite(found_.h_max) ? 0.9 * found_.h_max : settings_.h0;
   const StepDerivative derivative(engine_, coordinates_, scale_, home, rest_, h);
   if (!derivative.is_finite()) return;
@@ -229,13 +130,121 @@ void Probe::check_smoothness() {
     found_.status.push_back("differences of the step at two increments differ by " +
                             rounded_text(derivative.error(), 2) +
                             ": the step is not smooth at this state, as at a contact that opens");
-  else if (!(is_linear_ = derivative.is_linear()))
+  else if (is_single() && !derivative.is_linear())
     found_.status.push_back(
         "the changes of two small disturbances do not add up: the step is not smooth at this state, as with "
         "impulses that are bounded; h_max says nothing, trust observed");
 }
 
-StepSpectrum Probe::along_motion(double h) {
+/// The part of the scene whose numbers change the kink most, in steps of middle size: large ones soften
+/// constraints whatever their numbers are.
+std::string StepProbe::part_of_kink(const StepKink& kink) {
+  const double h = std::sqrt(settings_.h0 * settings_.h1);
+  const VectorXd y = rest_at(h);
+  const auto size = [&] {
+    return kink_along(engine_, coordinates_, scale_, home, y, h, kink.direction, 1e-5);
+  };
+  const std::vector<ScenePart> parts = engine_.parts();
+  const double whole = size();
+  double most = 1e-4 * whole;
+  std::string place;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    watcher()();
+    engine_.scale_part(i, 1.02, 1.01);
+    const double change = std::abs(size() - whole);
+    engine_.scale_part(i, 1, 1);
+    if (!(change > most)) continue;
+    most = change;
+    place = " (" + parts[i].kind + " " + parts[i].name + ")";
+  }
+  return place;
+}
+
+void StepProbe::say_where_kink_is(const StepKink& kink) {
+  found_.status.push_back(
+      kink.kind == StepSmoothness::jump
+          ? "the step jumps at this state, as with contacts that come and go: no derivative tells what it "
+            "does, and no limit is predicted; observed has runs that are disturbed by 1e-4 of its scale"
+          : "the state is at a kink of the step, where number " + std::to_string(kink.number) +
+                " of the state changes" + part_of_kink(kink) +
+                ", as with a contact or a limit that just touches, or a muscle at rest: h_max is where "
+                "one-sided differences grow first; beyond it growth may come and go");
+}
+
+/// In double: whether a step of h has a derivative at rest.
+bool StepProbe::looks_at_kinks(double h) {
+  if (found_.state == ProbedState::motion || is_single() || found_.smoothness != StepSmoothness::smooth)
+    return false;
+  detail_ = "kinks";
+  rest_ = rest_at(h);
+  const StepKink kink = kink_of_step(engine_, coordinates_, scale_, home, rest_, h, watcher());
+  found_.smoothness = kink.kind;
+  if (kink.kind == StepSmoothness::smooth) return false;
+  say_where_kink_is(kink);
+  return true;
+}
+
+StepSpectrum StepProbe::across_kink(double h) {
+  const OneSidedGrowth growth = one_sided_growth(engine_, coordinates_, scale_, home, rest_, h, watcher());
+  return {.h = h,
+          .spectral_radius = std::exp(growth.rate),
+          .multiplier = {nan, nan},
+          .grows = growth.grows,
+          .motion = motion_on_state(growth.motion, coordinates_, scale_, engine_.dim())};
+}
+
+bool StepProbe::hides_growth(const StepSpectrum& row) const {
+  return row.h <= found_.h_max && !row.grows && !row.resolved && row.spectral_radius > 1.05;
+}
+
+/// Windows of growth begin at about one step size: those below the one that was found, in strides of 1 %.
+void StepProbe::look_for_earlier_growth() {
+  constexpr double share = 0.7, stride = 1.01;
+  bool found = std::isfinite(found_.h_max);
+  for (int search = 0; found && search < 20; ++search) {
+    found = false;
+    const double end = 0.999 * found_.h_max;
+    double low = std::max(settings_.h0, share * end);
+    for (double h = stride * low; h < end && !found; low = h, h *= stride)
+      if (at(h).grows) {
+        bisect(low, h);
+        found = true;
+      }
+  }
+}
+
+/// A matrix of central differences is that of no side of a kink. What grows may have nothing to do with it,
+/// as in a scene with a muscle at rest: then both limits are the same, and the matrix tells what grows.
+void StepProbe::judge_across_kink() {
+  if (found_.state == ProbedState::motion || is_single()) return;
+  const double by_matrix = found_.h_max;
+  looks_at_kinks(std::isfinite(by_matrix) ? 0.9 * by_matrix
+                 : std::isnan(by_matrix)  ? settings_.h0
+                                          : settings_.h1);
+  if (std::isinf(by_matrix)) looks_at_kinks(settings_.h0);
+  // What differences at two increments make to be of another size is no derivative.
+  if (found_.smoothness == StepSmoothness::smooth &&
+      std::ranges::any_of(found_.rows, [&](const StepSpectrum& row) { return hides_growth(row); })) {
+    found_.smoothness = StepSmoothness::jump;
+    say_where_kink_is({.kind = StepSmoothness::jump});
+  }
+  if (found_.smoothness == StepSmoothness::smooth) return;
+  const std::optional<StepSpectrum> critical = found_.critical;
+  forget_limit();
+  if (found_.smoothness == StepSmoothness::jump) {
+    at(settings_.h0);
+    found_.critical.reset();
+    return;
+  }
+  find_limit();
+  look_for_earlier_growth();
+  if (critical && std::abs(found_.h_max / by_matrix - 1) < 0.005) {
+    found_.h_max = by_matrix;
+    found_.critical = critical;
+  }
+}
+
+StepSpectrum StepProbe::along_motion(double h) {
   const std::int64_t steps = steps_of_motion(h);
   const double increment = is_single() ? 1e-3 : 1e-6;
   const double growth =
@@ -252,72 +261,44 @@ StepSpectrum Probe::along_motion(double h) {
   return row;
 }
 
-/// How far a step of size h moves y, in units of scales.
-double Probe::distance_of_step(const VectorXd& y, double h) {
-  const VectorXd next = engine_.after(home, y, h, 1);
-  return next.allFinite() ? distance(y, next) : infinity;
-}
-
-/// y = S(y) by Newton's method, (I - J) x = S(y) - y, of least norm where motions are free.
-Probe::Rest Probe::rest_near(VectorXd y, double h, double tolerance) {
-  const Index n = coordinates_.size();
-  Rest rest{.y = std::move(y)};
-  rest.left = rest.error = distance_of_step(rest.y, h);
-  for (int k = 0; k < 10 && rest.left > tolerance && std::isfinite(rest.left); ++k) {
-    StepDerivative derivative(engine_, coordinates_, scale_, home, rest.y, h);
-    const VectorXd step = coordinates_.of(rest.y, derivative.next()).cwiseQuotient(scale_);
-    const std::optional<Eigen::SparseMatrix<double>> grouped =
-        pattern_.pays() ? derivative.grouped_matrix(pattern_) : std::nullopt;
-    const Eigen::MatrixXd J = grouped ? Eigen::MatrixXd(*grouped) : derivative.matrix(pattern_);
-    rest.error = infinity;
-    if (!J.allFinite()) break;
-    const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n) - J;
-    const double threshold = std::max(1e-12, derivative.error() / A.norm());
-    const VectorXd x = minimum_norm_solution(A, step, threshold);
-    rest.error = x.cwiseAbs().maxCoeff();
-    const VectorXd tried = coordinates_.at(rest.y, x.cwiseProduct(scale_));
-    const double now = distance_of_step(tried, h);
-    if (!(now < 0.5 * rest.left)) break;
-    rest = {.y = tried, .left = now, .error = rest.error * now / rest.left};
-  }
-  return rest;
-}
-
 /// Engines that make constraints softer at large steps rest elsewhere there: from the last rest.
-VectorXd Probe::rest_at(double h) {
+VectorXd StepProbe::rest_at(double h) {
   if (found_.state != ProbedState::equilibrium || coordinates_.size() > settings_.spectrum.eigenvalues_to ||
       distance_of_step(rest_, h) <= (is_single() ? 1e-3 : 1e-8))
     return rest_;
-  const Rest found = rest_near(rest_, h, rest_tolerance());
+  const StepRest found = rest_near(rest_, h, rest_tolerance());
   return found.left <= 1e3 * rest_tolerance() ? found.y : rest_;
 }
 
-StepSpectrum Probe::spectrum_near(const VectorXd& y, double h) {
+StepSpectrum StepProbe::spectrum_near(const VectorXd& y, double h) {
   return spectrum_of_step(engine_, coordinates_, scale_, home, y, h, pattern_,
                           {.eigenvalues_to = settings_.spectrum.eigenvalues_to,
                            .matrix_to = settings_.spectrum.matrix_to,
+                           .creep = creep_,
                            .watch = watcher()});
 }
 
 /// Slow motions go a small share of their way in a step, so that what a step moves tells little of how far
 /// away the rest is.
-void Probe::look_where_it_settles(StepSpectrum& row) {
+void StepProbe::look_where_it_settles(StepSpectrum& row) {
   if (found_.state == ProbedState::motion || coordinates_.size() > settings_.spectrum.eigenvalues_to) return;
   row.settles = false;
-  const bool at_rest = found_.state == ProbedState::equilibrium;
-  if (row.grows && at_rest && !compares_) return;
-  const Rest found = rest_near(settled_, row.h, 1e-3 * rest_tolerance());
+  const bool rests = found_.state == ProbedState::equilibrium;
+  if (row.grows && rests && !compares_) return;
+  const StepRest found = rest_near(settled_, row.h, 1e-3 * rest_tolerance());
   if (!(found.error <= (is_single() ? 1e-2 : 1e-4))) return;
   row.settled = settled_ = found.y;
-  StepSpectrum near = at_rest ? row : spectrum_near(found.y, row.h);
+  StepSpectrum near = rests ? row : spectrum_near(found.y, row.h);
   row.settles = !near.grows;
   if (slow_.empty()) slow_ = slowest_motions(near.motions, scale_, 3);
   if (*row.settles || compares_) row.modes = continued_motions(slow_, near.motions, scale_);
 }
 
-StepSpectrum Probe::at(double h) {
+StepSpectrum StepProbe::at(double h) {
   if (found_.state == ProbedState::equilibrium) rest_ = rest_at(h);
-  StepSpectrum row = found_.state == ProbedState::motion ? along_motion(h) : spectrum_near(rest_, h);
+  StepSpectrum row = found_.state == ProbedState::motion         ? along_motion(h)
+                     : found_.smoothness == StepSmoothness::kink ? across_kink(h)
+                                                                 : spectrum_near(rest_, h);
   look_where_it_settles(row);
   row.motions.clear();
   found_.rows.push_back(row);
@@ -326,13 +307,15 @@ StepSpectrum Probe::at(double h) {
   return row;
 }
 
-void Probe::bisect(double low, double high) {
-  while (high - low > settings_.resolution * high) {
+void StepProbe::bisect(double low, double high) {
+  const bool at_kink = found_.smoothness == StepSmoothness::kink;
+  while (high - low > (at_kink ? 10 : 1) * settings_.resolution * high) {
     const double middle = (low + high) / 2;
     (at(middle).grows ? high : low) = middle;
     share_ = std::min(0.6, share_ + 0.02);
   }
   found_.h_max = (low + high) / 2;
+  if (at_kink) return;
   // So close to the limit the motion that grows is hardly told from others.
   const StepSpectrum beyond = at(std::min(1.002 * found_.h_max, settings_.h1));
   if (beyond.grows) found_.critical = beyond;
@@ -340,29 +323,72 @@ void Probe::bisect(double low, double high) {
   if (found_.state == ProbedState::motion ||
       !is_growth_of_model(beyond, spectrum_near(rest_, 1.3 * beyond.h)))
     return;
+  const double rate = std::log(beyond.spectral_radius) / beyond.h;
+  if (creeps(rate)) return;
   found_.h_max = nan;
   found_.status.push_back("motions grow at the same rate at every step size that shows it, " +
-                          rounded_text(std::log(beyond.spectral_radius) / beyond.h, 2) +
-                          " 1/s: the model itself is unstable at this state");
+                          rounded_text(rate, 2) + " 1/s: the model itself is unstable at this state");
+}
+
+/// A growth of the model that the longest runs hardly show is a creep, as of bodies on soft contacts: what
+/// the steps add to it is sought. The time is that of 20,000 steps between h0 and h1.
+bool StepProbe::creeps(double rate) {
+  const double time = 20'000 * std::sqrt(settings_.h0 * settings_.h1);
+  if (!(rate * time < std::log(4.0)) || creep_ > 0) return false;
+  creep_ = 2 * rate;
+  restart_ = true;
+  found_.status.push_back("the model itself creeps at this state: a motion grows by " +
+                          rounded_text(rate, 2) + " 1/s at every step size, which runs of " +
+                          rounded_text(time, 2) + " s do not show; it does not count as growth");
+  return true;
 }
 
 /// Whether what grows at h0 grows in the model: at half the step half as much a step.
-void Probe::explain_growth_at_least() {
+void StepProbe::explain_growth_at_least() {
   found_.h_max = nan;
   const StepSpectrum row = found_.rows.front();
   if (found_.state == ProbedState::motion || !std::isfinite(row.spectral_radius)) {
     found_.status.push_back("steps of h0 cannot be done; take a smaller h0");
     return;
   }
+  if (found_.smoothness == StepSmoothness::kink) {
+    found_.status.push_back("motions grow at h0 already; take a smaller h0");
+    return;
+  }
   const double of_half = at(settings_.h0 / 2).spectral_radius - 1, of_whole = row.spectral_radius - 1;
+  const bool of_model = std::abs(2 * of_half - of_whole) < 0.2 * of_whole;
+  if (of_model && creeps(of_whole / settings_.h0)) return;
   found_.status.push_back(
-      std::abs(2 * of_half - of_whole) < 0.2 * of_whole
+      of_model
           ? "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state"
           : "motions grow at h0 already; take a smaller h0");
 }
 
-void Probe::find_limit() {
-  const int count = settings_.h1 > settings_.h0 ? std::max(2, settings_.rows) : 1;
+/// All but the last remark.
+void StepProbe::forget_limit() {
+  remarks_.push_back(found_.status.back());
+  found_.status = remarks_;
+  found_.rows.clear();
+  found_.critical.reset();
+  found_.h_max = nan;
+  rest_ = settled_ = start_;
+}
+
+/// A limit with what creeps left aside, and across a kink.
+void StepProbe::search() {
+  remarks_ = found_.status;
+  find_limit();
+  if (restart_) {
+    forget_limit();
+    find_limit();
+  }
+  judge_across_kink();
+}
+
+void StepProbe::find_limit() {
+  // At a kink growth comes and goes.
+  const int rows = (found_.smoothness == StepSmoothness::kink ? 12 : 1) * settings_.rows,
+            count = settings_.h1 > settings_.h0 ? std::max(2, rows) : 1;
   double low = 0;
   for (int i = 0; i < count; ++i) {
     const double part = count > 1 ? static_cast<double>(i) / (count - 1) : 0;
@@ -385,7 +411,7 @@ void Probe::find_limit() {
 }
 
 /// Whether what was probed is at rest at the limit, and where that is.
-void Probe::check_rest_at_limit() {
+void StepProbe::check_rest_at_limit() {
   if (found_.state != ProbedState::equilibrium || std::isnan(found_.h_max)) return;
   const double h = std::min(0.99 * found_.h_max, settings_.h1);
   const double off = distance_of_step(start_, h);
@@ -406,7 +432,7 @@ void Probe::check_rest_at_limit() {
                                          "; h_max is that of the state of rest at small steps"));
 }
 
-void Probe::check_pattern() {
+void StepProbe::check_pattern() {
   if (!pattern_.undeclared()) return;
   const auto [row, column] = *pattern_.undeclared();
   found_.status.push_back("the declared pattern of the step is wrong and not used: number " +
@@ -417,7 +443,7 @@ void Probe::check_pattern() {
                           "; declare these couplings, or a longer reach");
 }
 
-void Probe::name_growing_numbers() {
+void StepProbe::name_growing_numbers() {
   if (!found_.critical || !(found_.critical->motion.maxCoeff() > 0)) return;
   const VectorXd& motion = found_.critical->motion;
   std::vector<Index> order(static_cast<std::size_t>(motion.size()));
@@ -428,7 +454,7 @@ void Probe::name_growing_numbers() {
     if (found_.moving.size() < 4 && motion[i] > 0.1) found_.moving.push_back(i);
 }
 
-void Probe::find_shares() {
+void StepProbe::find_shares() {
   if (engine_.parts().empty() || found_.state == ProbedState::motion || !std::isfinite(found_.h_max) ||
       !std::isfinite(std::abs(found_.critical->multiplier)) ||
       coordinates_.size() > settings_.spectrum.matrix_to)
@@ -438,158 +464,7 @@ void Probe::find_shares() {
                                   *found_.critical, watcher());
 }
 
-GrowthRun Probe::growth_run(double h) const {
-  // As far as the step is linear, and above its rounding.
-  const double increment = found_.rows.front().increment,
-               amplitude =
-                   is_single() ? std::clamp(increment / 5, 3e-5, 1e-3) : std::clamp(increment, 1e-7, 1e-6);
-  GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
-                .amplitude = amplitude,
-                .bound = is_single() ? 100 * amplitude : 1e5 * amplitude,
-                .most = is_single() ? 30.0 : 1e4,
-                .follow = found_.state != ProbedState::equilibrium || rest_ != start_,
-                .watch = watcher()};
-  return run;
-}
-
-bool Probe::runs_grow(double h) {
-  share_ = std::min(0.99, share_ + 0.02);
-  detail_ = "runs with h = " + rounded_text(h, 5) + " s";
-  if (found_.state != ProbedState::motion)
-    return run_grows(engine_, coordinates_, scale_, at_rest, h, growth_run(h));
-  const auto growth = [&](double size) {
-    return growth_of_run(engine_, coordinates_, scale_, home, size, growth_run(size));
-  };
-  if (std::isnan(base_run_)) base_run_ = std::max(0.0, growth(settings_.h0));
-  const double here = growth(h);
-  return !std::isfinite(here) || here > 1.5 * base_run_ + least_growth;
-}
-
-/// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.
-std::int64_t Probe::observed_steps() {
-  constexpr double most = 2e6;
-  using Clock = std::chrono::steady_clock;
-  engine_.restore(home);
-  const auto begin = Clock::now();
-  engine_.step(settings_.h0, 50);
-  const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
-  constexpr double least = 400;
-  const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
-  if (!is_linear_ || !std::isfinite(found_.h_max))
-    return static_cast<std::int64_t>(std::min(affordable, 20000.0));
-  const double rate = std::log(found_.critical->spectral_radius);
-  return std::llround(std::clamp(rate > 0 ? 10 / rate : infinity, least, affordable));
-}
-
-void Probe::narrow(double low, double high, double resolution) {
-  while (high - low > resolution * high) {
-    const double middle = (low + high) / 2;
-    (runs_grow(middle) ? high : low) = middle;
-  }
-  found_.observed = (low + high) / 2;
-}
-
-/// From a little on both sides of h_max away from it.
-void Probe::bracket(double low, double high) {
-  for (double away = 0.004; runs_grow(low); away *= 2) {
-    high = low;
-    low = found_.h_max * (1 - away);
-    if (low < settings_.h0 / 2) {
-      found_.observed = nan;
-      return contradict("runs grow at h0 already, though no multiplier does; take a smaller h0");
-    }
-  }
-  for (double away = 0.004; !runs_grow(high); away *= 2) {
-    if (high >= settings_.h1) {
-      found_.observed = infinity;
-      return;
-    }
-    low = high;
-    high = std::min(settings_.h1, found_.h_max * (1 + away));
-  }
-  narrow(low, high, settings_.resolution);
-}
-
-/// Where multipliers grow at h0 already, or nowhere.
-void Probe::observe_beyond_limits() {
-  if (std::isinf(found_.h_max)) {
-    found_.observed = infinity;
-    if (!runs_grow(settings_.h1)) return;
-    found_.observed = nan;
-    if (!runs_grow(settings_.h0)) narrow(settings_.h0, settings_.h1, 0.01);
-    return contradict("multipliers and runs contradict each other: runs of " + std::to_string(found_.steps) +
-                      " steps grow from " +
-                      rounded_text(std::isnan(found_.observed) ? settings_.h0 : found_.observed, 3) +
-                      " s on, though no multiplier does; use steps below that");
-  }
-  if (found_.state == ProbedState::motion || !std::isfinite(found_.rows.front().spectral_radius)) return;
-  const double rate = std::log(found_.rows.front().spectral_radius);
-  if (rate * static_cast<double>(found_.steps) > seen_growth && !runs_grow(settings_.h0))
-    contradict("multipliers and runs contradict each other: a multiplier grows by " + rounded_text(rate, 2) +
-               " a step of h0, and runs of " + std::to_string(found_.steps) + " steps do not grow");
-}
-
-/// Whether h_max and observed can both be true.
-void Probe::compare_with_runs() {
-  if (!std::isfinite(found_.h_max) || std::isnan(found_.observed)) return;
-  const double shown = std::min(found_.observed, settings_.h1), gap = shown / found_.h_max - 1;
-  const bool is_motion = found_.state == ProbedState::motion;
-  if (std::abs(gap) <= 0.005) return;
-  const std::string runs = is_motion ? "runs" : "runs of " + std::to_string(found_.steps) + " steps";
-  if (gap > 0 && !is_motion) {
-    const double rate = std::log(at((found_.h_max + shown) / 2).spectral_radius);
-    if (rate * static_cast<double>(found_.steps) < seen_growth) {
-      found_.contradiction = gap > allowed_gap;
-      found_.status.push_back("undecided between " + rounded_text(found_.h_max, 4) + " s and " +
-                              rounded_text(shown, 4) + " s: a multiplier grows by " + rounded_text(rate, 2) +
-                              " a step between them, which " + runs + " do not show; use the smaller one");
-      return;
-    }
-  }
-  if (std::abs(gap) <= (is_motion ? allowed_gap_of_motion : allowed_gap)) return;
-  contradict("multipliers and runs contradict each other: growth begins at " + rounded_text(found_.h_max, 4) +
-             " s by multipliers, " +
-             (std::isinf(found_.observed) ? "and not up to " + rounded_text(shown, 4)
-                                          : "and at " + rounded_text(shown, 4)) +
-             " s by " + runs + "; use the smaller one");
-}
-
-void Probe::observe() {
-  found_.observed = found_.gap = nan;
-  if (!settings_.observe) return;
-  share_ = std::max(share_, 0.6);
-  detail_ = "runs";
-  found_.steps = found_.state == ProbedState::motion ? 0 : observed_steps();
-  engine_.restore(home);
-  if (rest_ != start_) engine_.set_state(rest_);
-  engine_.save(at_rest);
-  if (!std::isfinite(found_.h_max)) return observe_beyond_limits();
-  bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max));
-  found_.gap = (found_.observed - found_.h_max) / found_.h_max;
-  if (!std::isfinite(found_.gap)) found_.gap = nan;
-  compare_with_runs();
-}
-
-/// Multipliers may hide slow growth among others of modulus 1; where runs agree with h_max there is none to
-/// speak of.
-void Probe::say_what_is_unresolved() {
-  const bool agree = std::isinf(found_.h_max) ? std::isinf(found_.observed) : std::abs(found_.gap) < 0.01;
-  if (agree || std::isnan(found_.h_max)) return;
-  double first = infinity, unseen = 0;
-  for (const StepSpectrum& row : found_.rows) {
-    if (row.resolved) continue;
-    first = std::min(first, row.h);
-    unseen = std::max(unseen, row.tolerance);
-  }
-  if (std::isinf(first)) return;
-  found_.status.push_back("undecided between " + rounded_text(first, 3) + " s and " +
-                          rounded_text(std::min(found_.h_max, settings_.h1), 3) +
-                          " s: many multipliers have modulus 1, and growth of less than " +
-                          rounded_text(unseen, 2) + " a step is not seen among them" +
-                          (settings_.observe ? "" : "; let the engine run"));
-}
-
-void Probe::compare_rests() {
+void StepProbe::compare_rests() {
   std::ranges::sort(found_.rows, {}, &StepSpectrum::h);
   const VectorXd first = found_.rows.front().settled;
   for (StepSpectrum& row : found_.rows) {
@@ -600,7 +475,7 @@ void Probe::compare_rests() {
 }
 
 /// What steps of h1 make of the slowest motion and of the state of rest, where nothing grows up to there.
-void Probe::say_what_steps_show() {
+void StepProbe::say_what_steps_show() {
   if (!std::isinf(found_.h_max)) return;
   const StepSpectrum& last = found_.rows.back();
   std::string text = "no growth up to h1 = " + rounded_text(last.h, 4) + " s";
@@ -620,11 +495,11 @@ void Probe::say_what_steps_show() {
   found_.status.push_back(text);
 }
 
-ProbedLimit Probe::run() {
+ProbedLimit StepProbe::run() {
   found_.model = engine_.name();
   found_.dim = engine_.dim();
   look_at_start();
-  find_limit();
+  search();
   check_rest_at_limit();
   check_smoothness();
   check_pattern();
@@ -638,7 +513,7 @@ ProbedLimit Probe::run() {
   return found_;
 }
 
-ProbedLimit Probe::compare() {
+ProbedLimit StepProbe::compare() {
   compares_ = true;
   found_.model = engine_.name();
   found_.dim = engine_.dim();
@@ -648,6 +523,7 @@ ProbedLimit Probe::compare() {
   const std::vector<std::string> remarks = found_.status;
   judge_start();
   found_.status = remarks;  // where the state goes is looked for
+  looks_at_kinks(settings_.h1);
   at(settings_.h0);
   const StepSpectrum row = at(settings_.h1);
   if (row.grows) found_.status.push_back(motion_in_words(row.multiplier) + " grows");
@@ -658,6 +534,8 @@ ProbedLimit Probe::compare() {
   compare_rests();
   return found_;
 }
+
+namespace {
 
 /// @throws InputError  for step sizes that make no sense, and for more numbers than `most`
 void check_question(const ForeignStepper& engine, const ProbeSettings& settings, Index most) {
@@ -682,12 +560,12 @@ std::string_view name_of(ProbedState state) {
 
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings) {
   check_question(engine, settings, most_probed_numbers);
-  return Probe(engine, settings).run();
+  return StepProbe(engine, settings).run();
 }
 
 ProbedLimit compare_steps(ForeignStepper& engine, const ProbeSettings& settings) {
   check_question(engine, settings, settings.spectrum.eigenvalues_to);
-  return Probe(engine, settings).compare();
+  return StepProbe(engine, settings).compare();
 }
 
 }  // namespace hmax

@@ -1,0 +1,137 @@
+/// Limits of steps that have no derivative at rest, and of models that creep, against their formulas.
+#include "analysis/foreign_steps/step_kinks.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "analysis/foreign_steps/step_probe.hpp"
+#include "tests/analysis/foreign_steps/mapped_stepper.hpp"
+#include "tests/says.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::VectorXd;
+
+std::string status_of(const ProbedLimit& found) {
+  std::string all;
+  for (const std::string& remark : found.status) all += remark + "; ";
+  return all;
+}
+
+/// Explicit Euler of x' = -x / T with another T on each side, as of a muscle, and an oscillator beside it.
+VectorXd relaxing(const VectorXd& y, double h) {
+  const double v = y[2] - h * 100 * y[1];
+  return Eigen::Vector3d(y[0] - h * y[0] / (y[0] < 0 ? 0.005 : 0.08), y[1] + h * v, v);
+}
+
+TEST(StepKinks, TwoTimeConstantsHaveTheLimitOfTheirRunsAndNotThatOfTheirMean) {
+  Mapped engine(relaxing, VectorXd::Zero(3));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.19});
+  EXPECT_EQ(found.smoothness, StepSmoothness::kink);
+  // To and fro: (h / 0.005 - 1) (h / 0.08 - 1) = 1.
+  EXPECT_NEAR(found.h_max, 0.085, 2e-4);
+  EXPECT_NEAR(found.observed, 0.085, 2e-4);
+  EXPECT_FALSE(found.contradiction) << status_of(found);
+  EXPECT_TRUE(says(status_of(found), "at a kink of the step, where number 0 of the state changes"));
+}
+
+/// The same with a stiffer oscillator.
+VectorXd relaxing_beside_a_spring(const VectorXd& y, double h) {
+  const double v = y[2] - h * 1e4 * y[1];
+  return Eigen::Vector3d(y[0] - h * y[0] / (y[0] < 0 ? 0.005 : 0.08), y[1] + h * v, v);
+}
+
+TEST(StepKinks, WhatGrowsBesideAKinkIsTold) {
+  // The mean of both sides would grow from 0.0188 s on, the oscillator at 2 / 100.
+  Mapped engine(relaxing_beside_a_spring, VectorXd::Zero(3));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.019});
+  EXPECT_EQ(found.smoothness, StepSmoothness::kink);
+  EXPECT_TRUE(std::isinf(found.h_max)) << found.h_max << status_of(found);
+  const ProbedLimit longer = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
+  EXPECT_NEAR(longer.h_max, 0.02, 4e-5);
+}
+
+/// A ball that bounces on a stiff floor at rest height: another stiffness on each side.
+VectorXd touching(const VectorXd& y, double h) {
+  const double v = (1 - 0.2 * h) * y[1] - h * (y[0] < 0 ? 1e4 : 100) * y[0];
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, AreSeenAlsoWhereDifferencesAreExact) {
+  Mapped engine(touching, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
+  EXPECT_EQ(found.smoothness, StepSmoothness::kink);
+  // Not below the limit of the stiff side alone.
+  EXPECT_GT(found.h_max, 0.003);
+  EXPECT_LT(found.h_max, 2 / std::sqrt((1e4 + 100) / 2));
+  EXPECT_LT(std::abs(found.gap), 0.05) << status_of(found);
+}
+
+/// Smooth, and strongly curved.
+VectorXd curving(const VectorXd& y, double h) {
+  const double v = y[1] - h * (100 * y[0] + 400 * y[0] * y[0]);
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, CurvatureIsNone) {
+  Mapped engine(curving, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1});
+  EXPECT_EQ(found.smoothness, StepSmoothness::smooth);
+  EXPECT_NEAR(found.h_max, 0.2, 1e-4);
+}
+
+/// A force that is there beyond a distance of 1e-5.
+VectorXd jumping(const VectorXd& y, double h) {
+  const double jump = y[0] + y[1] > 1e-5 ? 1e-3 : 0;
+  const double v = (1 - h) * y[1] - h * (100 * y[0] + jump);
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, AtAJumpNoLimitIsPredicted) {
+  Mapped engine(jumping, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1});
+  EXPECT_EQ(found.smoothness, StepSmoothness::jump);
+  EXPECT_TRUE(std::isnan(found.h_max));
+  EXPECT_FALSE(found.contradiction);
+  EXPECT_TRUE(says(status_of(found), "no limit is predicted")) << status_of(found);
+}
+
+/// An oscillator, and exact growth at a rate.
+template <int hundredths>
+VectorXd creeping(const VectorXd& y, double h) {
+  const double v = y[1] - h * 100 * y[0];
+  return Eigen::Vector3d(y[0] + h * v, v, std::exp(1e-2 * hundredths * h) * y[2]);
+}
+
+TEST(StepProbe, AModelThatCreepsIsNotUnstable) {
+  Mapped slow(creeping<1>, VectorXd::Zero(3)), fast(creeping<500>, VectorXd::Zero(3));
+  // sqrt(h0 h1) = 0.005: a run of 100 s shows e^(0.01 * 100).
+  const ProbedLimit creeps = probe_steps(slow, {.h0 = 5e-5, .h1 = 0.5});
+  EXPECT_NEAR(creeps.h_max, 0.2, 1e-4) << status_of(creeps);
+  EXPECT_TRUE(says(status_of(creeps), "the model itself creeps at this state: a motion grows by 0.01 1/s"))
+      << status_of(creeps);
+  const ProbedLimit unstable = probe_steps(fast, {.h0 = 5e-5, .h1 = 0.5});
+  EXPECT_TRUE(std::isnan(unstable.h_max));
+  EXPECT_TRUE(says(status_of(unstable), "the model itself is unstable"));
+}
+
+/// A constraint that is softer at longer steps, with a stop that no derivative at the start knows of.
+VectorXd sinking(const VectorXd& y, double h) {
+  const double T = std::max(0.02, 2 * h), x = y[0] < -0.01 ? 0.9 * y[0] : y[0] * (0.1 + 80 * std::abs(y[0]));
+  const double v = (1 - 2 * h / (T + 2 * h)) * (y[1] - h * (x / (T * T) + 9.81));
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepProbe, StatesOfRestThatAreFarFromThatOfSmallStepsAreFoundByRunning) {
+  Mapped engine(sinking, Eigen::Vector2d(-0.00589, 0));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.2});
+  EXPECT_EQ(found.state, ProbedState::equilibrium);
+  EXPECT_FALSE(found.contradiction) << status_of(found);
+  // x = 9.81 T^2 / 0.9 at the end.
+  EXPECT_NEAR(found.rows.back().settled[0], -9.81 * 0.16 / 0.9, 1e-6) << status_of(found);
+}
+
+}  // namespace
+}  // namespace hmax
