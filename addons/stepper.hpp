@@ -44,6 +44,7 @@ int guarded(const Calls& calls) {
 /// The functions of hmax_stepper by those of Engine, of which some are optional:
 ///   dim(), state(double*), set_state(const double*), bool step(double h), double own_step();
 ///   saved_size() [numbers], save(double*), restore(const double*); quaternions(), the first index of each;
+///   scales(double*);
 ///   parts(), scale_part(i, stiffness, damping).
 template <class Engine>
 struct StepperCalls {
@@ -80,6 +81,9 @@ struct StepperCalls {
     if (first) std::ranges::copy(all, first);
     return HMAX_OK;
   }
+  static int scales(void* handle, double* scale) {
+    return guarded([&] { return of(handle).scales(scale), true; });
+  }
   static int parts(void* handle, std::size_t* count, hmax_part* to) {
     const std::vector<NamedPart>& all = of(handle).parts();
     *count = all.size();
@@ -104,6 +108,7 @@ struct StepperCalls {
       all.restore = restore;
     }
     if constexpr (requires(Engine & engine) { engine.quaternions(); }) all.quaternions = quaternions;
+    if constexpr (requires(Engine & engine, double* scale) { engine.scales(scale); }) all.scales = scales;
     if constexpr (requires(Engine & engine) { engine.parts(); }) {
       all.parts = parts;
       all.scale_part = scale_part;

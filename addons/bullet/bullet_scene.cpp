@@ -7,33 +7,44 @@
 #include <vector>
 
 #include "addons/bullet/scene.hpp"
-#include "addons/settle.hpp"
 #include "addons/stepper.hpp"
+#include "analysis/foreign_steps/settling.hpp"
 
 namespace hmax::bullet {
 namespace {
 
 std::array<char, 200> note{};
 
-/// What engines::comes_to_rest() needs.
-struct Relaxation {
-  bool step(double h) { return scene.relax(h); }
-  double speed() { return scene.speed(); }
-  double kinetic_energy() { return scene.kinetic_energy(); }
-  void stop() { scene.stop(); }
+/// Its steps without dampers, where it stands still whenever the kinetic energy has passed a peak: dampers of
+/// robots are often too strong for steps of 1/240 s, or slow.
+class Relaxation final : public SettlingScene {
+ public:
+  explicit Relaxation(Scene& scene) : scene_(scene), begin_(scene.dim()) { scene.state(begin_.data()); }
 
-  Scene& scene;
+  [[nodiscard]] double timestep() const override { return Scene::own_step() / 10; }
+  void damp(double) override {}
+  bool step(double h) override {
+    if (!scene_.relax(h)) return false;
+    const double now = scene_.kinetic_energy();
+    if (now < energy_) scene_.stop();
+    energy_ = now < energy_ ? 0 : now;
+    return true;
+  }
+  [[nodiscard]] double speed() const override { return scene_.speed(); }
+  void begin_again() override { scene_.set_state(begin_.data()); }
+
+ private:
+  Scene& scene_;
+  std::vector<double> begin_;
+  double energy_ = 0;
 };
 
-/// By relaxation alone: dampers of robots are often too strong for steps of 1/240 s, or slow.
 /// @returns what becomes of the scene
 const char* settle(Scene& scene) {
-  std::vector<double> begin(scene.dim());
-  scene.state(begin.data());
-  Relaxation relaxation{scene};
-  if (!scene.has_weight() || engines::comes_to_rest(relaxation, Scene::own_step(), true)) return "";
-  scene.set_state(begin.data());
-  return ", which does not come to rest";
+  Relaxation relaxation(scene);
+  if (!scene.has_weight() || comes_to_rest(relaxation, relaxation.timestep())) return "";
+  relaxation.begin_again();
+  return in_words(Settled::not_at_all);
 }
 
 /// FILE, "start" where it stays as it is there, and the base of a robot or the text of a body: lines, the

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "addons/mujoco/scene_parts.hpp"
-#include "addons/settle.hpp"
 #include "addons/stepper.hpp"
+#include "analysis/foreign_steps/settling.hpp"
 
 namespace hmax::mujoco {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using engines::Failure;
 
 std::string error;
-char note[120];
+char note[200];
 std::jmp_buf at_error;
 
 /// MuJoCo ends the process with an error, unless this function does not return.
@@ -98,6 +98,16 @@ struct Scene {
         first.push_back(static_cast<std::size_t>(m->jnt_qposadr[j] + (m->jnt_type[j] == mjJNT_FREE ? 3 : 0)));
     return first;
   }
+  /// Lengths as large as the bodies, angles and all others as 1: those of the start may be zero but for
+  /// rounding.
+  void scales(double* scale) const {
+    std::fill_n(scale, dim(), 1.0);
+    for (int j = 0; j < m->njnt; ++j) {
+      const int count = m->jnt_type[j] == mjJNT_FREE ? 3 : m->jnt_type[j] == mjJNT_SLIDE ? 1 : 0;
+      std::fill_n(scale + m->jnt_qposadr[j], count, m->stat.meansize);
+      std::fill_n(scale + m->nq + m->jnt_dofadr[j], count, m->stat.meansize);
+    }
+  }
   [[nodiscard]] const std::vector<engines::NamedPart>& parts() const { return named; }
   void scale_part(std::size_t part, double stiffness, double damping) const {
     scale(m, original, own.at(part), stiffness, damping);
@@ -148,37 +158,31 @@ int number_of_keyframe(const mjModel* m, const std::string& name) {
   throw Failure{reason};
 }
 
-/// What engines::settle() needs.
-struct Settling {
-  bool step(double h) {
-    m->opt.timestep = h;
-    mj_step(m, d);
-    return !has_diverged();
-  }
-  [[nodiscard]] bool has_diverged() const { return resets(d) > resets(begin); }
-  [[nodiscard]] double speed() const {
-    double fastest = 0;
-    for (int k = 0; k < m->nv; ++k) fastest = std::max(fastest, std::abs(d->qvel[k]));
-    return fastest;
-  }
-  [[nodiscard]] double kinetic_energy() const { return d->energy[1]; }
-  void stop() { std::fill_n(d->qvel, m->nv, 0.0); }
-  void begin_again() { mj_copyData(d, m, begin); }
+class Settling final : public SettlingScene {
+ public:
+  explicit Settling(const Scene& scene) : scene_(scene), resets_(resets(scene.d)) {}
 
-  mjModel* m;
-  mjData* d;
-  const mjData* begin;
+  [[nodiscard]] double timestep() const override { return scene_.original->opt.timestep; }
+  void damp(double rate) override {
+    for (int k = 0; k < scene_.m->nv; ++k)
+      scene_.m->dof_damping[k] = scene_.original->dof_damping[k] + rate * scene_.m->dof_M0[k];
+  }
+  bool step(double h) override {
+    scene_.m->opt.timestep = h;
+    mj_step(scene_.m, scene_.d);
+    return resets(scene_.d) == resets_;
+  }
+  [[nodiscard]] double speed() const override {
+    double most = 0;
+    for (int k = 0; k < scene_.m->nv; ++k) most = std::max(most, std::abs(scene_.d->qvel[k]));
+    return most;
+  }
+  void begin_again() override { mj_copyData(scene_.d, scene_.m, scene_.begin); }
+
+ private:
+  const Scene& scene_;
+  int resets_;
 };
-
-/// @returns what becomes of the scene
-const char* settle(mjModel* m, mjData* d, const mjData* begin) {
-  const mjOption given = m->opt;
-  m->opt.enableflags |= mjENBL_ENERGY;
-  Settling scene{m, d, begin};
-  const char* const outcome = engines::settle(scene, given.timestep);
-  m->opt = given;
-  return outcome;
-}
 
 std::unique_ptr<Scene> scene_of(const Argument& argument) {
   auto scene = std::make_unique<Scene>();
@@ -193,17 +197,19 @@ std::unique_ptr<Scene> scene_of(const Argument& argument) {
   scene->own = parts_of(scene->m, engines::most_parts);
   for (const Part& part : scene->own)
     scene->named.push_back({text_of(part.kind), part.name, part.stiffness, part.damping});
-  const char* outcome = "";
+  Settled outcome = Settled::by_own_steps;
   guarded([&] {
     scene->original = mj_copyModel(nullptr, scene->m);
     scene->d = mj_makeData(scene->m);
     if (keyframe >= 0) mj_resetDataKeyframe(scene->m, scene->d, keyframe);
     scene->begin = mj_copyData(nullptr, scene->m, scene->d);
-    if (argument.settles) outcome = settle(scene->m, scene->d, scene->begin);
+    Settling settling(*scene);
+    if (argument.settles) outcome = settle(settling);
+    scene->m->opt.timestep = scene->original->opt.timestep;
   });
   static constexpr std::array<const char*, 3> integrators{"Euler", "RK4", "implicit"};
   std::snprintf(note, sizeof note, "MuJoCo %s, %s%s", mj_versionString(),
-                integrators.at(static_cast<std::size_t>(scene->m->opt.integrator)), outcome);
+                integrators.at(static_cast<std::size_t>(scene->m->opt.integrator)), in_words(outcome));
   return scene;
 }
 

@@ -48,19 +48,98 @@ int object_type(Kind kind) {
       return mjOBJ_EQUALITY;
     case Kind::contact:
       return mjOBJ_GEOM;
+    case Kind::pair:
+      return mjOBJ_PAIR;
     default:
       return mjOBJ_UNKNOWN;
   }
 }
 
-std::string name_of(const mjModel* m, int type, int id) {
-  const char* name = type == mjOBJ_UNKNOWN ? nullptr : mj_id2name(m, type, id);
-  if (name && *name) return name;
-  std::string text = "number " + std::to_string(id);
-  const int body = type == mjOBJ_JOINT ? m->jnt_bodyid[id] : type == mjOBJ_GEOM ? m->geom_bodyid[id] : 0;
-  if (const char* owner = mj_id2name(m, mjOBJ_BODY, body); body > 0 && owner && *owner)
-    text += " of body " + std::string(owner);
-  return text;
+std::string body(const mjModel* m, int id) {
+  if (id == 0) return "the world";
+  const char* name = mj_id2name(m, mjOBJ_BODY, id);
+  return name && *name ? "body " + std::string(name) : "body " + std::to_string(id);
+}
+
+/// Its name, or the number that MuJoCo gives it, from 0.
+std::string called(const mjModel* m, int type, int id) {
+  const char* name = mj_id2name(m, type, id);
+  return name && *name ? std::string(name) : std::to_string(id);
+}
+
+std::string joint(const mjModel* m, int id) {
+  static constexpr std::array<const char*, 4> types{"free", "ball", "slide", "hinge"};
+  return std::string(types.at(static_cast<std::size_t>(m->jnt_type[id]))) + " joint of " +
+         body(m, m->jnt_bodyid[id]);
+}
+
+std::string geom(const mjModel* m, int id) {
+  static constexpr std::array<const char*, 8> types{"plane",     "height field", "sphere", "capsule",
+                                                    "ellipsoid", "cylinder",     "box",    "mesh"};
+  const auto type = static_cast<std::size_t>(m->geom_type[id]);
+  return (type < types.size() ? types[type] : "geom") + std::string(" of ") + body(m, m->geom_bodyid[id]);
+}
+
+std::string tendon(const mjModel* m, int id) {
+  const int first = m->tendon_adr[id], of = m->wrap_objid[first];
+  return m->wrap_type[first] == mjWRAP_JOINT ? "fixed to joint " + called(m, mjOBJ_JOINT, of)
+                                             : "through site " + called(m, mjOBJ_SITE, of);
+}
+
+std::string actuator(const mjModel* m, int id) {
+  const int of = m->actuator_trnid[2 * id];
+  switch (m->actuator_trntype[id]) {
+    case mjTRN_JOINT:
+    case mjTRN_JOINTINPARENT:
+      return "on joint " + called(m, mjOBJ_JOINT, of);
+    case mjTRN_TENDON:
+      return "on tendon " + called(m, mjOBJ_TENDON, of);
+    case mjTRN_BODY:
+      return "on " + body(m, of);
+    default:
+      return "on site " + called(m, mjOBJ_SITE, of);
+  }
+}
+
+std::string equality(const mjModel* m, int id) {
+  const int one = m->eq_obj1id[id], other = m->eq_obj2id[id];
+  switch (m->eq_type[id]) {
+    case mjEQ_CONNECT:
+    case mjEQ_WELD:
+      return (m->eq_type[id] == mjEQ_WELD ? "weld of " : "connect of ") + body(m, one) + " and " +
+             body(m, other);
+    case mjEQ_JOINT:
+      return "of joint " + called(m, mjOBJ_JOINT, one);
+    case mjEQ_TENDON:
+      return "of tendon " + called(m, mjOBJ_TENDON, one);
+    default:
+      return "constraint";
+  }
+}
+
+/// Of what has no name.
+std::string description(const mjModel* m, Kind kind, int id) {
+  switch (object_type(kind)) {
+    case mjOBJ_JOINT:
+      return joint(m, id);
+    case mjOBJ_TENDON:
+      return tendon(m, id);
+    case mjOBJ_ACTUATOR:
+      return actuator(m, id);
+    case mjOBJ_EQUALITY:
+      return equality(m, id);
+    case mjOBJ_GEOM:
+      return geom(m, id);
+    default:
+      return "of " + geom(m, m->pair_geom1[id]) + " and " + geom(m, m->pair_geom2[id]);
+  }
+}
+
+/// As in the file, or the number from 0 and what it belongs to.
+std::string name_of(const mjModel* m, Kind kind, int id) {
+  if (kind == Kind::gravity || kind == Kind::viscosity) return "of the scene";
+  const char* name = mj_id2name(m, object_type(kind), id);
+  return name && *name ? std::string(name) : std::to_string(id) + " (" + description(m, kind, id) + ")";
 }
 
 bool is_muscle(const mjModel* m, int i) { return m->actuator_gaintype[i] == mjGAIN_MUSCLE; }
@@ -113,7 +192,7 @@ class Parts {
     if (parts_.size() == most_ || (numbers.stiffness == 0 && numbers.damping == 0)) return;
     parts_.push_back({.kind = kind,
                       .id = id,
-                      .name = name_of(m_, object_type(kind), id),
+                      .name = name_of(m_, kind, id),
                       .stiffness = numbers.stiffness,
                       .damping = numbers.damping});
   }

@@ -27,7 +27,7 @@ struct Part {
   };
   Kind kind = Kind::joint;
   int id = 0;
-  std::string name;  ///< as in the file; its number where it has none
+  std::string name;  ///< as in the file; its number from 0 and what it belongs to where it has none
   double stiffness = 0, damping = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "analysis/foreign_steps/own_step.hpp"
+#include "analysis/foreign_steps/settling.hpp"
 #include "limits/documents/method_json.hpp"
 #include "python/bindings/calls.hpp"
 #include "python/bindings/groups.hpp"
@@ -125,11 +126,36 @@ py::object probe(const py::object& step, const py::object& save, const py::objec
   }));
 }
 
+class PythonScene final : public SettlingScene {
+ public:
+  PythonScene(double timestep, py::object step, py::object speed, py::object damp, py::object begin_again)
+      : timestep_(timestep),
+        step_(std::move(step)),
+        speed_(std::move(speed)),
+        damp_(std::move(damp)),
+        begin_again_(std::move(begin_again)) {}
+
+  [[nodiscard]] double timestep() const override { return timestep_; }
+  void damp(double rate) override { damp_(rate); }
+  bool step(double h) override { return step_(h).cast<bool>(); }
+  [[nodiscard]] double speed() const override { return speed_().cast<double>(); }
+  void begin_again() override { begin_again_(); }
+
+ private:
+  double timestep_;
+  py::object step_, speed_, damp_, begin_again_;
+};
+
 }  // namespace
 
 void add_probe(py::module_& module) {
   module.def("probe", &probe);
   module.def("compare", &compare);
+  module.def("settle", [](double timestep, py::object step, py::object speed, py::object damp,
+                          py::object begin_again) {
+    PythonScene scene(timestep, std::move(step), std::move(speed), std::move(damp), std::move(begin_again));
+    return in_words(settle(scene));
+  });
 }
 
 }  // namespace hmax::python

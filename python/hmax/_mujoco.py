@@ -4,6 +4,7 @@ from typing import Any, List, Optional
 
 import numpy as np
 
+from . import _core
 from ._answer import Answer
 from ._arguments import number
 from ._probe import probe
@@ -15,7 +16,7 @@ def check(
     """Whether a scene of the Python package mujoco is stable at its timestep, and its largest stable step.
 
     The package itself steps, with the integrator, the controls and the contacts of the scene, by its public calls, which were tried with
-    MuJoCo 2.2.2. The scene settles first: up to 60 s and 100,000 of its own steps, or of a tenth of them; where it does not come to rest, the limit is that of where it begins.
+    MuJoCo 2.2.2. The scene settles first, as that of `hmax probe model.xml` does; where it does not come to rest, the limit is that of where it begins.
     `hmax probe model.xml` tells also which part of a file owns the limit.
 
     Parameters
@@ -63,6 +64,7 @@ def check(
             motion=motion,
             verify=verify,
             quaternions=scene.quaternions(),
+            scales=scene.scales(),
             name="MuJoCo " + mujoco.mj_versionString(),
             own_step=timestep,
         )
@@ -109,36 +111,41 @@ class _Scene:
         joints = zip(self._model.jnt_type, self._model.jnt_qposadr)
         return [int(first) + (3 if kind == free else 0) for kind, first in joints if kind in (free, ball)]
 
+    def scales(self) -> Any:
+        """Lengths as large as the bodies, angles and all others as 1."""
+        model = self._model
+        scale = np.ones(model.nq + model.nv + model.na)
+        counts = {int(self._mujoco.mjtJoint.mjJNT_FREE): 3, int(self._mujoco.mjtJoint.mjJNT_SLIDE): 1}
+        for kind, position, velocity in zip(model.jnt_type, model.jnt_qposadr, model.jnt_dofadr):
+            count = counts.get(int(kind), 0)
+            scale[position : position + count] = scale[model.nq + velocity : model.nq + velocity + count] = model.stat.meansize
+        return scale
+
     def settle(self) -> Any:
-        """Where the timestep brings the scene to rest; where it does not, where a tenth of it does; else the state of the beginning."""
-        begin, kept, h = self.state(), self.save(), float(self._model.opt.timestep)
-        for relaxed, size in ((False, h), (True, h / 10)):
-            y = self._rest(begin, size, relaxed)
-            if y is not None:
-                return y
-            self.restore(kept)
-        return begin
+        """The state of rest that the timestep brings the scene to, as `hmax probe model.xml` finds it; else that of the beginning."""
+        model, data = self._model, self._data
+        damping = model.dof_damping.copy()
 
-    def _rest(self, y: Any, h: float, relaxed: bool) -> Any:
-        """The state after up to 60 s, or as soon as nothing moves; None where something still does.
+        def step(h: float) -> bool:
+            model.opt.timestep = h
+            self._mujoco.mj_step(model, data)
+            return self._resets() == before
 
-        relaxed : velocities are set to zero when they have passed a peak, which ends at rest without damping, too
-        """
-        fastest = speed = square = 0.0
-        resting = 0
-        for _ in range(min(100_000, int(60 / h))):
-            y = self.step(y, h)
-            if not np.isfinite(y).all():
-                return None
-            velocity = y[self._model.nq : self._model.nq + self._model.nv]
-            speed, before, square = float(np.abs(velocity).max()), square, float(velocity @ velocity)
-            fastest = max(fastest, speed)
-            resting = resting + 1 if speed <= 1e-14 * fastest else 0
-            if resting == 100:
-                break
-            if relaxed and square < before:
-                velocity[:] = square = 0.0
-        return y if speed <= 1e-4 * fastest else None
+        def damp(rate: float) -> None:
+            model.dof_damping[:] = damping + rate * model.dof_M0
+
+        before = self._resets()
+        try:
+            _core.settle(
+                float(model.opt.timestep),
+                step,
+                lambda: float(np.abs(data.qvel).max()),
+                damp,
+                lambda: self._mujoco.mj_copyData(data, model, self._begin),
+            )
+        finally:
+            damp(0)
+        return self.state()
 
     def _resets(self) -> int:
         kinds = self._mujoco.mjtWarning

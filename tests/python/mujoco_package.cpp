@@ -45,6 +45,14 @@ void add_array(py::class_<Data>& data, const char* name, Number* mjData::*number
   });
 }
 
+template <class Number>
+void add_array(py::class_<Model>& model, const char* name, Number* mjModel::*numbers, int mjModel::*count) {
+  model.def_property_readonly(name, [=](py::object self) {
+    const mjModel* m = self.cast<const Model&>().m;
+    return view(self, m->*numbers, m->*count);
+  });
+}
+
 }  // namespace
 
 PYBIND11_MODULE(mujoco, module) {
@@ -58,22 +66,22 @@ PYBIND11_MODULE(mujoco, module) {
     };
   });
   py::class_<mjOption>(module, "MjOption").def_readwrite("timestep", &mjOption::timestep);
+  py::class_<mjStatistic>(module, "MjStatistic").def_readonly("meansize", &mjStatistic::meansize);
   py::class_<mjWarningStat>(module, "MjWarningStat").def_readonly("number", &mjWarningStat::number);
-  py::class_<Model>(module, "MjModel")
-      .def_static("from_xml_path", [](const std::string& file) { return std::make_unique<Model>(file); })
+  auto model = py::class_<Model>(module, "MjModel");
+  model.def_static("from_xml_path", [](const std::string& file) { return std::make_unique<Model>(file); })
       .def_property_readonly(
           "opt", [](Model& of) { return &of.m->opt; }, py::return_value_policy::reference_internal)
+      .def_property_readonly(
+          "stat", [](Model& of) { return &of.m->stat; }, py::return_value_policy::reference_internal)
       .def_property_readonly("nq", [](const Model& of) { return of.m->nq; })
       .def_property_readonly("nv", [](const Model& of) { return of.m->nv; })
-      .def_property_readonly("jnt_type",
-                             [](py::object self) {
-                               const mjModel* m = self.cast<const Model&>().m;
-                               return view(self, m->jnt_type, m->njnt);
-                             })
-      .def_property_readonly("jnt_qposadr", [](py::object self) {
-        const mjModel* m = self.cast<const Model&>().m;
-        return view(self, m->jnt_qposadr, m->njnt);
-      });
+      .def_property_readonly("na", [](const Model& of) { return of.m->na; });
+  add_array(model, "jnt_type", &mjModel::jnt_type, &mjModel::njnt);
+  add_array(model, "jnt_qposadr", &mjModel::jnt_qposadr, &mjModel::njnt);
+  add_array(model, "jnt_dofadr", &mjModel::jnt_dofadr, &mjModel::njnt);
+  add_array(model, "dof_damping", &mjModel::dof_damping, &mjModel::nv);
+  add_array(model, "dof_M0", &mjModel::dof_M0, &mjModel::nv);
   auto data =
       py::class_<Data>(module, "MjData")
           .def(py::init<const Model&>(), py::keep_alive<1, 2>())
@@ -89,7 +97,10 @@ PYBIND11_MODULE(mujoco, module) {
   add_array(data, "act", &mjData::act, &mjModel::na);
   add_array(data, "ctrl", &mjData::ctrl, &mjModel::nu);
   add_array(data, "qacc_warmstart", &mjData::qacc_warmstart, &mjModel::nv);
-  py::enum_<mjtJoint>(module, "mjtJoint").value("mjJNT_FREE", mjJNT_FREE).value("mjJNT_BALL", mjJNT_BALL);
+  py::enum_<mjtJoint>(module, "mjtJoint")
+      .value("mjJNT_FREE", mjJNT_FREE)
+      .value("mjJNT_BALL", mjJNT_BALL)
+      .value("mjJNT_SLIDE", mjJNT_SLIDE);
   py::enum_<mjtWarning>(module, "mjtWarning")
       .value("mjWARN_BADQPOS", mjWARN_BADQPOS)
       .value("mjWARN_BADQVEL", mjWARN_BADQVEL)

@@ -16,6 +16,12 @@ HINGE = """<mujoco><option timestep="{h}" gravity="0 0 0"/><worldbody><body>
 <joint name="hinge" type="hinge" axis="0 1 0" stiffness="{k}"/><inertial pos="0 0 0" mass="1" diaginertia="1 {J} 1"/>
 </body></worldbody></mujoco>"""
 
+# (h / 0.005 - 1) (h / 0.08 - 1) = 1 at h = 0.085
+MUSCLE = """<mujoco><worldbody><site name="a" pos="0.05 0 1"/><body pos="0 0 1"><joint axis="0 1 0" damping="0.05"/>
+<geom type="capsule" fromto="0 0 0 0 0 -.3" size=".02" mass="1"/><site name="b" pos="0.02 0 -.1"/></body></worldbody>
+<tendon><spatial name="t"><site site="a"/><site site="b"/></spatial></tendon>
+<actuator><muscle tendon="t" force="200" ctrllimited="true" ctrlrange="0 1"/></actuator></mujoco>"""
+
 
 def scene(tmp_path, text):
     file = tmp_path / "scene.xml"
@@ -45,6 +51,24 @@ def test_scenes_have_the_limit_of_the_program(program, name):
         pytest.skip(told.stderr)
     found = hmax.check(mujoco.MjModel.from_xml_path(file), verify=False)
     assert found.h_max == pytest.approx(json.loads(told.stdout)["h_max"], rel=1e-3)
+
+
+ROLLING = """<mujoco><worldbody><geom type="plane" size="9 9 0.1"/><geom size="0.2" pos="0 0 0.1"/>
+<body pos="0.05 0 1"><freejoint/><geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+def test_what_falls_and_rolls_without_end_is_brought_to_rest_and_the_model_is_left_as_it_was(tmp_path):
+    model = scene(tmp_path, ROLLING)
+    found = hmax.check(model, verify=False)
+    assert (found.state, found.h_max, found.stable) == ("equilibrium", np.inf, True)
+    assert not model.dof_damping.any()
+
+
+def test_a_muscle_at_rest_is_judged_at_its_kink(tmp_path):
+    found = hmax.check(scene(tmp_path, MUSCLE), h0=1e-3)
+    assert found.smoothness == "kink"
+    assert found.h_max == pytest.approx(0.085, rel=3e-3)
+    assert found.gap == pytest.approx(0, abs=5e-3)
 
 
 def test_data_gives_the_beginning_and_its_controls_and_stays_as_it_is(tmp_path):
