@@ -57,7 +57,9 @@ int start(void* handle, double* y0, double* t_end) {
   *t_end = Calls::of(handle).file().end - Calls::of(handle).file().start;
   return Calls::state(handle, y0);
 }
-const char* state_name(void* handle, std::size_t i) { return of(handle).file().states[i].name.c_str(); }
+const char* state_name(void* handle, std::size_t i) {
+  return Calls::of(handle).file().states[i].name.c_str();
+}
 /// Beyond where the unit can be evaluated, nothing is a number.
 int rhs(void* handle, double t, const double* y, double* dydt) {
   return guarded([&] {
