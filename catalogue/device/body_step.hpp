@@ -9,8 +9,7 @@
 #include <cstdint>
 
 #include "core/instructions/device_code.hpp"
-#include "problems/tissue/forces/green_pull.hpp"
-#include "problems/tissue/forces/spring_pull.hpp"
+#include "problems/tissue/forces/element_pull.hpp"
 
 namespace hmax {
 

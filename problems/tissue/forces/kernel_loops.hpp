@@ -15,9 +15,8 @@
 ///   add(p, row), subtract(p, row)  to four numbers in memory, aligned
 #pragma once
 
-#include "problems/tissue/forces/green_pull.hpp"
+#include "problems/tissue/forces/element_pull.hpp"
 #include "problems/tissue/forces/kernels.hpp"
-#include "problems/tissue/forces/spring_pull.hpp"
 
 namespace hmax::kernel_loops {
 

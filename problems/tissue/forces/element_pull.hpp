@@ -1,6 +1,6 @@
-/// The forces of St. Venant-Kirchhoff tetrahedra: the one source of processors and devices.
+/// The forces of St. Venant-Kirchhoff tetrahedra and of springs: the one source of processors and devices.
 ///
-/// `Lanes` has `V`, a register of tetrahedra side by side or one number, load(p) of it, and splat(s), a
+/// `Lanes` has `V`, a register of elements side by side or one number, load(p) of it, and splat(s), a
 /// register of one number; kernel_loops.hpp says why it is of an unnamed namespace.
 #pragma once
 
@@ -57,6 +57,19 @@ HMAX_DEVICE inline void green_pull(const V (*U)[3], const V (*g)[3], const doubl
       P[i][j] = F[i][0] * S[symmetric(0, j)] + F[i][1] * S[symmetric(1, j)] + F[i][2] * S[symmetric(2, j)];
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+}
+
+/// T / l = k L (s + b s^3) / l as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d leads from the
+/// near to the far end. Points that coincide have d = 0 and meet no force. `Lanes` has root(v), too.
+/// @param length_inverse, tension  where 1 / L [1/m] and k L [N] stand, for Lanes::load()
+template <class Lanes, bool cubic, class V>
+HMAX_DEVICE inline V spring_pull(const double* length_inverse, const double* tension, V b, const V* d) {
+  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(1e-300));
+  const V per_length = Lanes::load(length_inverse);
+  const V pull = Lanes::load(tension) * (per_length - one / now);
+  if constexpr (!cubic) return pull;
+  const V s = now * per_length - one;
+  return pull * (one + b * (s * s));
 }
 
 }  // namespace hmax::kernel_loops
