@@ -67,6 +67,22 @@ TYPED_TEST(DenseOutput, HasItsLocalOrder) {
   EXPECT_LT(std::abs(observed - expected), 0.1L) << observed;
 }
 
+TYPED_TEST(DenseOutput, ReproducesPolynomialsOfItsOrder) {
+  // y' = 3 t^2 needs a method of order 3; y' = 4 t^3 would show a cubic.
+  const int degree = std::min(TypeParam::order, interpolant_order<TypeParam>());
+  const auto system = system_of<LongPlane>(
+      [=](Real t, const LongPlane&, LongPlane& dydt) { dydt << degree * std::pow(t, degree - 1), 0; });
+  Rk<TypeParam, LongPlane> stepper;
+  const LongPlane y(0, 0);
+  LongPlane y_new, between;
+  stepper.init(system, 0, y);
+  stepper.attempt(system, 0, y, 1, y_new);
+  for (const Real theta : {0.2L, 0.5L, 0.7L}) {
+    stepper.interpolate(system, 0, 1, y, y_new, theta, between);
+    EXPECT_LT(std::abs(between[0] - std::pow(theta, degree)), 1e-13L);
+  }
+}
+
 template <class Method>
 struct DynamicDenseOutput : testing::Test {};
 TYPED_TEST_SUITE(DynamicDenseOutput, OneOfEachKind, MethodId);
