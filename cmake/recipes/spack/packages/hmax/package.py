@@ -24,7 +24,6 @@ class Hmax(CMakePackage):
     depends_on("cmark-gfm")
     depends_on("cli11@2:")
     depends_on("metis")
-    depends_on("spectra@1:")
     depends_on("zlib-api")
     depends_on("lz4")
     depends_on("xz")
