@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-std::string status_of(const ProbedLimit& found) {
+std::string remarks_of(const ProbedLimit& found) {
   std::string all;
   for (const std::string& remark : found.status) all += remark + "; ";
   return all;
@@ -33,8 +33,8 @@ TEST(StepKinks, TwoTimeConstantsHaveTheLimitOfTheirRunsAndNotThatOfTheirMean) {
   // To and fro: (h / 0.005 - 1) (h / 0.08 - 1) = 1.
   EXPECT_NEAR(found.h_max, 0.085, 2e-4);
   EXPECT_NEAR(found.observed, 0.085, 2e-4);
-  EXPECT_FALSE(found.contradiction) << status_of(found);
-  EXPECT_TRUE(says(status_of(found), "at a kink of the step, where number 0 of the state changes"));
+  EXPECT_FALSE(found.contradiction) << remarks_of(found);
+  EXPECT_TRUE(says(remarks_of(found), "at a kink of the step, where number 0 of the state changes"));
 }
 
 /// The same with a stiffer oscillator.
@@ -48,7 +48,7 @@ TEST(StepKinks, WhatGrowsBesideAKinkIsTold) {
   Mapped engine(relaxing_beside_a_spring, VectorXd::Zero(3));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.019});
   EXPECT_EQ(found.smoothness, StepSmoothness::kink);
-  EXPECT_TRUE(std::isinf(found.h_max)) << found.h_max << status_of(found);
+  EXPECT_TRUE(std::isinf(found.h_max)) << found.h_max << remarks_of(found);
   const ProbedLimit longer = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
   EXPECT_NEAR(longer.h_max, 0.02, 4e-5);
 }
@@ -66,7 +66,7 @@ TEST(StepKinks, AreSeenAlsoWhereDifferencesAreExact) {
   // Not below the limit of the stiff side alone.
   EXPECT_GT(found.h_max, 0.003);
   EXPECT_LT(found.h_max, 2 / std::sqrt((1e4 + 100) / 2));
-  EXPECT_LT(std::abs(found.gap), 0.05) << status_of(found);
+  EXPECT_LT(std::abs(found.gap), 0.05) << remarks_of(found);
 }
 
 /// Smooth, and strongly curved.
@@ -95,7 +95,7 @@ TEST(StepKinks, AtAJumpNoLimitIsPredicted) {
   EXPECT_EQ(found.smoothness, StepSmoothness::jump);
   EXPECT_TRUE(std::isnan(found.h_max));
   EXPECT_FALSE(found.contradiction);
-  EXPECT_TRUE(says(status_of(found), "no limit is predicted")) << status_of(found);
+  EXPECT_TRUE(says(remarks_of(found), "no limit is predicted")) << remarks_of(found);
 }
 
 /// An oscillator, and exact growth at a rate.
@@ -109,12 +109,12 @@ TEST(StepProbe, AModelThatCreepsIsNotUnstable) {
   Mapped slow(creeping<1>, VectorXd::Zero(3)), fast(creeping<500>, VectorXd::Zero(3));
   // sqrt(h0 h1) = 0.005: a run of 100 s shows e^(0.01 * 100).
   const ProbedLimit creeps = probe_steps(slow, {.h0 = 5e-5, .h1 = 0.5});
-  EXPECT_NEAR(creeps.h_max, 0.2, 1e-4) << status_of(creeps);
-  EXPECT_TRUE(says(status_of(creeps), "the model itself creeps at this state: a motion grows by 0.01 1/s"))
-      << status_of(creeps);
+  EXPECT_NEAR(creeps.h_max, 0.2, 1e-4) << remarks_of(creeps);
+  EXPECT_TRUE(says(remarks_of(creeps), "the model itself creeps at this state: a motion grows by 0.01 1/s"))
+      << remarks_of(creeps);
   const ProbedLimit unstable = probe_steps(fast, {.h0 = 5e-5, .h1 = 0.5});
   EXPECT_TRUE(std::isnan(unstable.h_max));
-  EXPECT_TRUE(says(status_of(unstable), "the model itself is unstable"));
+  EXPECT_TRUE(says(remarks_of(unstable), "the model itself is unstable"));
 }
 
 /// A constraint that is softer at longer steps, with a stop that no derivative at the start knows of.
@@ -128,9 +128,9 @@ TEST(StepProbe, StatesOfRestThatAreFarFromThatOfSmallStepsAreFoundByRunning) {
   Mapped engine(sinking, Eigen::Vector2d(-0.00589, 0));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.2});
   EXPECT_EQ(found.state, ProbedState::equilibrium);
-  EXPECT_FALSE(found.contradiction) << status_of(found);
+  EXPECT_FALSE(found.contradiction) << remarks_of(found);
   // x = 9.81 T^2 / 0.9 at the end.
-  EXPECT_NEAR(found.rows.back().settled[0], -9.81 * 0.16 / 0.9, 1e-6) << status_of(found);
+  EXPECT_NEAR(found.rows.back().settled[0], -9.81 * 0.16 / 0.9, 1e-6) << remarks_of(found);
 }
 
 }  // namespace
