@@ -101,10 +101,11 @@ std::pair<bool, double> growth_of_iteration(const std::function<double()>& logar
     while (sums.size() < end && std::abs(sum) < decided) sums.push_back(sum += logarithm());
     if (!std::isfinite(sum)) return {sum > 0, sum};
     const std::size_t n = sums.size();
+    if (std::abs(sum) >= decided) return {sum > 0, sum / static_cast<double>(n)};
     more = largest(3 * n / 4, n) - largest(n / 4, n / 2);
     const bool grows = more > (end == longest ? sure / 2 : std::log(4.0));
     const double rate = 2 * more / static_cast<double>(n);
-    if (std::abs(sum) >= decided || !grows || end == longest) return {sum > -decided && grows, rate};
+    if (!grows || end == longest) return {grows, rate};
   }
 }
 

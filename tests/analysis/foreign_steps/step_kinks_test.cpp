@@ -69,6 +69,12 @@ TEST(StepKinks, AreSeenAlsoWhereDifferencesAreExact) {
   EXPECT_LT(std::abs(found.gap), 0.05) << remarks_of(found);
 }
 
+TEST(StepKinks, GrowthOfAHundredTimesAStepIsGrowth) {
+  Mapped engine(touching, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 0.1, .h1 = 0.2});
+  EXPECT_TRUE(says(remarks_of(found), "motions grow at h0 already")) << remarks_of(found);
+}
+
 /// Smooth, and strongly curved.
 VectorXd curving(const VectorXd& y, double h) {
   const double v = y[1] - h * (100 * y[0] + 400 * y[0] * y[0]);
