@@ -46,7 +46,7 @@ class Scene {
 /// @throws engines::Failure
 std::unique_ptr<Scene> multibody(const std::string& file, const std::string& base);
 
-/// A body as a btSoftBody. @param text  of problems/tissue/bullet_scene.hpp
+/// A body as a btSoftBody. @param text  of problems/tissue/bullet_body.hpp
 std::unique_ptr<Scene> soft_body(const std::string& text);
 
 }  // namespace hmax::bullet

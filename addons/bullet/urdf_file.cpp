@@ -135,8 +135,9 @@ Urdf::Joint Reader::joint(const XmlPart& part) const {
   if (joint.type != Urdf::Type::fixed && joint.axis.fuzzyZero())
     file_.fail(part, "the axis of joint '" + joint.name + "' has no length; correct it");
   const XmlPart* const limit = file_.first(part, "limit");
-  // Bullet limits a continuous joint too where the file does.
-  if (limit) joint.lower = number(limit, "lower", 0), joint.upper = number(limit, "upper", -1);
+  // Bullet's importer limits no continuous joint.
+  if (limit && type != "continuous")
+    joint.lower = number(limit, "lower", 0), joint.upper = number(limit, "upper", -1);
   joint.damping = number(file_.first(part, "dynamics"), "damping", 0);
   return joint;
 }

@@ -179,6 +179,15 @@ TEST_F(ProbeBullet, TheNeoHookeanForceIsSofterThanItsNumbers) {
   EXPECT_LT(std::abs(free["gap"].get<double>()), 5e-3);
 }
 
+TEST_F(ProbeBullet, ContinuousJointsHaveNoLimits) {
+  const auto limit = [&](const std::string& more) {
+    return found(robot(world + link("a", 1, "0 0 -0.1") +
+                       joint("j", "continuous", "world", "a", "<dynamics damping=\"5\"/>" + more)))["h_max"];
+  };
+  EXPECT_TRUE(limit("").is_number());
+  EXPECT_EQ(limit("<limit lower=\"0\" upper=\"0\"/>"), limit(""));
+}
+
 TEST_F(ProbeBullet, RefusesWhatItDoesNotUnderstandByItsLine) {
   const std::string good = joint("j", "continuous", "world", "a", "");
   const auto refused = [&](const std::string& parts, const std::string& why) {
