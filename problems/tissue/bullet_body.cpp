@@ -22,6 +22,7 @@ void check(const TissueSettings& settings) {
           "has one material", "give all regions the same");
   require(settings.skin.kind == SkinSettings::Kind::none && first.fibre_young == 0,
           "has no skin and no fibres", "leave them out");
+  require(settings.mass_step == 0, "has no mass scaling", "leave mass_step out");
   require(settings.tools.empty() && settings.forces.empty(), "has no load but gravity", "leave it out");
   require(
       settings.elastic_supports.empty() &&
