@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cstdint>
+#include <utility>
 
 namespace hmax {
 
@@ -11,11 +14,41 @@ std::string_view XmlTag::attribute(std::string_view wanted, std::string_view oth
   return otherwise;
 }
 
+namespace {
+
+/// The character of "&#N;" or "&#xH;" at the begin of the text, in UTF-8, and how long that is; else nothing.
+std::pair<std::string, std::size_t> numbered_character(std::string_view text) {
+  const std::size_t end = text.find(';');
+  if (!text.starts_with("&#") || end == std::string_view::npos) return {};
+  const bool is_hex = text.substr(2, 1) == "x";
+  const char *const from = text.data() + (is_hex ? 3 : 2), *const to = text.data() + end;
+  std::uint32_t code = 0;
+  const auto [last, error] = std::from_chars(from, to, code, is_hex ? 16 : 10);
+  if (error != std::errc() || last != to || code == 0 || code > 0x10FFFF) return {};
+  std::string bytes;
+  if (code < 0x80) {
+    bytes += static_cast<char>(code);
+  } else {
+    const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+    constexpr std::array<unsigned, 4> first{0, 0xC0, 0xE0, 0xF0};
+    bytes += static_cast<char>(first[static_cast<std::size_t>(more)] | code >> (6 * more));
+    for (int k = more - 1; k >= 0; --k) bytes += static_cast<char>(0x80U | (code >> (6 * k) & 0x3FU));
+  }
+  return {bytes, end + 1};
+}
+
+}  // namespace
+
 std::string unescaped(std::string_view text) {
   constexpr std::array<std::pair<std::string_view, char>, 5> entities{
       {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}}};
   std::string result;
   while (!text.empty()) {
+    if (const auto [bytes, length] = numbered_character(text); length > 0) {
+      result += bytes;
+      text.remove_prefix(length);
+      continue;
+    }
     const auto known =
         std::ranges::find_if(entities, [&](const auto& entity) { return text.starts_with(entity.first); });
     result += known == entities.end() ? text.front() : known->second;

@@ -21,7 +21,7 @@ struct XmlTag {
   [[nodiscard]] std::string_view attribute(std::string_view name, std::string_view otherwise = "") const;
 };
 
-/// A text with &amp; and the like as the characters that they stand for.
+/// A text with &amp;, &#123; and the like as the characters that they stand for, in UTF-8.
 std::string unescaped(std::string_view text);
 
 /// Where the text goes on behind blanks, comments and declarations at `from`.
