@@ -32,7 +32,7 @@ foreach(part BOOST=libboost-dev SUNDIALS=libsundials-dev METIS=libmetis-dev ZLIB
 endforeach()
 hmax_deb(development libhmax-dev libdevel "Libraries and headers of hmax" ${needed})
 hmax_deb(modules hmax-modules science "Modules of hmax for MPI, PETSc and SLEPc" "hmax (= ${PROJECT_VERSION})")
-hmax_deb(engines hmax-engines science "Modules of hmax for MuJoCo, Bullet and FMI" "hmax (= ${PROJECT_VERSION})")
+hmax_deb(engines hmax-engines science "Modules of hmax for MuJoCo, Bullet, FMI and GPUs" "hmax (= ${PROJECT_VERSION})")
 list(APPEND CPACK_COMPONENTS_ALL ${module_components})
 if(TARGET hmax_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
