@@ -203,7 +203,9 @@ std::unique_ptr<Scene> scene_of(const Argument& argument) {
     scene->d = mj_makeData(scene->m);
     if (keyframe >= 0) mj_resetDataKeyframe(scene->m, scene->d, keyframe);
     scene->begin = mj_copyData(nullptr, scene->m, scene->d);
-    Settling settling(*scene);
+  });
+  Settling settling(*scene);
+  guarded([&] {
     if (argument.settles) outcome = settle(settling);
     scene->m->opt.timestep = scene->original->opt.timestep;
   });
