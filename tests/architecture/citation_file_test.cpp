@@ -55,9 +55,9 @@ TEST(Recipes, HaveTheVersionOfTheProjectAndWhatItsBuildAsksFor) {
   const std::string folder = "cmake/recipes/";
   const struct {
     std::string file, version;
-  } recipes[] = {{folder + "vcpkg/hmax/vcpkg.json", R"("version": "([0-9.]+)")"},
+  } recipes[] = {{folder + "vcpkg/hmax/vcpkg.json", R"re("version": "([0-9.]+)")re"},
                  {folder + "spack/packages/hmax/package.py", R"re(\n    version\("([0-9.]+)"\))re"},
-                 {folder + "conda/recipe.yaml", R"(\n  version: "([0-9.]+)")"}};
+                 {folder + "conda/recipe.yaml", R"re(\n  version: "([0-9.]+)")re"}};
   const std::string build = read_text(source_dir() / "cmake/dependencies.cmake");
   // GoogleTest, which is asked for within an if, is not part of a package.
   const std::regex required(R"re(\nhmax_require\(([A-Za-z]+))re");
