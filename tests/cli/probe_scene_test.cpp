@@ -157,7 +157,7 @@ TEST_F(ProbeScene, RefusesWhatIsNoScene) {
   expect_refused(probe(scene, "--plugin a.so"), "give a scene of MuJoCo");
   expect_refused(probe(scene, "--stiffness k"), "--stiffness is asked of a --plugin");
   expect_refused(shell_.hmax("stability predict --plugin model.xml --methods rk4"),
-                 "'mujoco' of the plugin is a stepper and no model");
+                 "'mujoco' of MuJoCo is a stepper and no model");
   expect_refused(shell_.hmax("probe --plugin model.xml --keyframe a --h0 1 --h1 2"),
                  "--keyframe is one of a scene");
 }

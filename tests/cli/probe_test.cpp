@@ -60,7 +60,7 @@ TEST(ProbeCommand, WhatHasNoLimitIsUnbounded) {
 }
 
 TEST(ProbeCommand, LimitsAndRunsThatContradictEachOtherAreANegativeAnswer) {
-  const Told told = probe(tested + ":bounded --h0 1e-3 --h1 1 --json");
+  const Told told = probe(tested + ":stiffening --h0 1e-3 --h1 1 --json");
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_EQ(told.json()["contradiction"], true);
   EXPECT_TRUE(says(told.json()["status"].get<std::string>(), "multipliers and runs contradict each other"));

@@ -139,9 +139,7 @@ TEST_F(ProbeUnit, EquationsAreAModelForEveryMethod) {
   const Told words = hmax("stability predict --plugin unit.fmu --methods rk4 --along none");
   EXPECT_TRUE(says(words.out, "Jacobian central differences"));
   // The states have the names of the unit.
-  EXPECT_TRUE(says(hmax("run --plugin unit.fmu --method rk4 --h 1e-4 --t-end 1e-3 --output run.csv").out +
-                       read_text(shell_ / "run.csv"),
-                   "t [s],x"));
+  EXPECT_TRUE(says(hmax("run --plugin unit.fmu --method rk4 --h 1e-4 --t-end 1e-3").out, "\n  x   0.36787"));
   // Time begins where the experiment does: x' = -1000 x + t from t = 3.
   pack({.guid = "forced", .experiment = "startTime=\"3\" stopTime=\"5\""});
   const nlohmann::json run = hmax("run --plugin unit.fmu --method rk4 --h 1e-3 --json").json();
