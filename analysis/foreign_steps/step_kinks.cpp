@@ -118,7 +118,8 @@ std::string_view name_of(StepSmoothness smoothness) {
 
 StepKink kink_of_step(ForeignStepper& engine, const StateCoordinates& coordinates, const VectorXd& scale,
                       int slot, const VectorXd& y, double h, const std::function<void()>& watch) {
-  constexpr Index most = 300;
+  // Of more numbers one by one this would cost more than their derivative.
+  constexpr Index most = 60;
   const Index n = coordinates.size();
   const StepDerivative derivative(engine, coordinates, scale, slot, y, h);
   StepKink found;
