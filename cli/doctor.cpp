@@ -135,17 +135,18 @@ std::string modules_for_people(const Console& console) {
               : "; install the packages hmax-modules and hmax-engines, or hmax from a build that has them\n");
 }
 
-/// The card, or why there is none; nothing where there is no module that could use it.
-struct Card {
-  std::optional<DeviceFacts> facts;
-  std::string problem;
-};
-Card card() {
-  if (!has_gpu_module() || !why_not_opened("hmax_cuda.so", make_device_symbol).empty()) return {};
+/// Whether there is a module that could use a card.
+bool has_module_for_cards() {
+  return has_gpu_module() && why_not_opened("hmax_cuda.so", make_device_symbol).empty();
+}
+
+/// The card, where there is one and a module that can use it.
+std::optional<DeviceFacts> card() {
+  if (!has_module_for_cards()) return {};
   try {
-    return {open_gpu()->facts(), {}};
-  } catch (const InputError& error) {
-    return {{}, error.what()};
+    return open_gpu()->facts();
+  } catch (const InputError&) {
+    return {};
   }
 }
 
@@ -158,7 +159,7 @@ Json report() {
     else
       (module.built ? usable : not_built).push_back(module.target);
   }
-  const Card gpu = card();
+  const std::optional<DeviceFacts> gpu = card();
   Json libraries = Json::array(), optional = Json::array(), missing = Json::array();
   for (const Part& part : build.libraries) libraries.push_back(to_json(part));
   for (const Part& part : optional_parts()) {
@@ -178,10 +179,8 @@ Json report() {
           {"modules", usable},
           {"modules_not_built", not_built},
           {"modules_broken", broken},
-          {"gpu", gpu.facts ? Json{{"device", gpu.facts->name},
-                                   {"clock_mhz", gpu.facts->clock_mhz},
-                                   {"driver", gpu.facts->driver}}
-                            : Json()},
+          {"gpu", gpu ? Json{{"device", gpu->name}, {"clock_mhz", gpu->clock_mhz}, {"driver", gpu->driver}}
+                      : Json()},
           {"fingerprint", Json::parse(to_json(fingerprint()))}};
 }
 
@@ -201,10 +200,10 @@ std::string parts_for_people(const Console& console) {
   for (const InstructionSet set : instruction_sets()) sets.push_back(to_string(set));
   std::string text = fmt::format("{}\nInstruction set of the kernels: {}; HMAX_KERNELS chooses of {}\n",
                                  table.text(console), sets.front(), fmt::join(sets, ", "));
-  if (const Card gpu = card(); gpu.facts)
-    text += fmt::format("GPU: {}, {}\n", gpu.facts->name, gpu.facts->driver);
-  else if (!gpu.problem.empty())
-    text += fmt::format("GPU: {}\n", gpu.problem);
+  if (const std::optional<DeviceFacts> gpu = card())
+    text += fmt::format("GPU: {}, {}\n", gpu->name, gpu->driver);
+  else if (has_module_for_cards())
+    text += "GPU: the module for CUDA opens, and finds no card\n";
   const std::string unusable = modules_for_people(console);
   text += unusable;
   if (packages.empty()) return text + (unusable.empty() ? "Nothing is missing.\n" : "");
