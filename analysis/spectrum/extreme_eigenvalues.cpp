@@ -205,9 +205,9 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
   if (!largest) return nearest_stiffnesses(scaled, count, -outside * bound);
   const MassScaledProduct rows = scaled.product();
   if (!scaled.mass.is_diagonal()) {
-    const PencilPairs pairs =
-        largest_pencil_eigenpairs([&](const VectorXd& x, VectorXd& y) { rows.unscaled()(x, y); },
-                                  *scaled.mass.coupled(), count, most_residual, n > most_factored ? 5000 : 1000);
+    const PencilPairs pairs = largest_pencil_eigenpairs(
+        [&](const VectorXd& x, VectorXd& y) { rows.unscaled()(x, y); }, *scaled.mass.coupled(), count,
+        most_residual, n > most_factored ? 5000 : 1000);
     if (pairs.converged || n > most_factored)
       return {.kappa = pairs.values, .shapes = pairs.vectors, .converged = pairs.converged};
     // Just beyond the best value, which bounds the spectrum where every pivot is negative.

@@ -433,8 +433,7 @@ class SofaSceneReader {
                  "springs have neither one stiffness nor that of one Young's modulus, as here; give one "
                  "stiffness");
     builder_.scene.model = "mass_spring";
-    builder_.set_springs(are_same(k) ? std::optional(k[0]) : std::nullopt, (k / of_unit)[0],
-                         (c / k)[0]);
+    builder_.set_springs(are_same(k) ? std::optional(k[0]) : std::nullopt, (k / of_unit)[0], (c / k)[0]);
   }
 
   /// One for all edges of tetrahedra, those of triangles and lines among them.
