@@ -191,7 +191,7 @@ TEST_F(Scenes, IncludeOtherFiles) {
   // Behind an included file lines count on as before.
   EXPECT_TRUE(says(error(replaced(split, "11,20,10,0", "11,20,10,O")), "bar.inp, line 14"));
   EXPECT_EQ(error(split), "");
-  EXPECT_EQ(read_mesh_file(folder / "bar.inp").where(0), "bar.inp, line 22: tetrahedron 1");
+  EXPECT_TRUE(read_mesh_file(folder / "bar.inp").where(0).ends_with("/bar.inp, line 22: tetrahedron 1"));
 }
 
 TEST_F(Scenes, EndWithoutALineBreakWhereNothingCanBeMissing) {
