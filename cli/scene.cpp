@@ -104,6 +104,8 @@ std::string in_words(const OwnStep& own, const ProbedLimit& found) {
                 : "is not judged: no limit was found that holds";
   else if (std::isinf(found.h_max))
     text += "is stable: nothing grows up to h1";
+  else if (!*own.stable && own.h <= found.h_max)
+    text += "grows, in a window of step sizes below h_max";
   else
     text +=
         fmt::format("is {} the limit {} s", *own.stable ? "below" : "above", rounded_text(found.h_max, 4));

@@ -76,6 +76,16 @@ void StepProbe::narrow(double low, double high, double resolution) {
   found_.observed = (low + high) / 2;
 }
 
+/// A step size a little beyond h_max; at a kink, where growth comes in windows, the one that was seen to
+/// grow.
+double StepProbe::beyond_limit() const {
+  double least = infinity;
+  for (const StepSpectrum& row : found_.rows)
+    if (row.grows && row.h > found_.h_max) least = std::min(least, row.h);
+  const double usual = 1.002 * found_.h_max;
+  return found_.smoothness == StepSmoothness::kink ? std::min(least, usual) : usual;
+}
+
 /// From a little on both sides of h_max away from it.
 void StepProbe::bracket(double low, double high) {
   for (double away = 0.004; runs_grow(low); away *= 2) {
@@ -145,7 +155,8 @@ void StepProbe::compare_with_runs() {
   if (gap > 0 && !is_motion) {
     const double rate = std::log(at((found_.h_max + shown) / 2).spectral_radius);
     if (rate * static_cast<double>(found_.steps) < seen_growth) {
-      found_.contradiction = gap > allowed_gap;
+      // At a kink runs may pass a window of slow growth by.
+      found_.contradiction = gap > allowed_gap && found_.smoothness == StepSmoothness::smooth;
       found_.status.push_back("undecided between " + rounded_text(found_.h_max, 4) + " s and " +
                               rounded_text(shown, 4) + " s: a multiplier grows by " + rounded_text(rate, 2) +
                               " a step between them, which " + runs + " do not show; use the smaller one");
@@ -171,7 +182,7 @@ void StepProbe::observe() {
   engine_.save(at_rest);
   if (found_.smoothness == StepSmoothness::jump) return observe_jumping();
   if (!std::isfinite(found_.h_max)) return observe_beyond_limits();
-  bracket(0.998 * found_.h_max, std::min(settings_.h1, 1.002 * found_.h_max));
+  bracket(0.998 * found_.h_max, std::min(settings_.h1, beyond_limit()));
   found_.gap = (found_.observed - found_.h_max) / found_.h_max;
   if (!std::isfinite(found_.gap)) found_.gap = nan;
   compare_with_runs();

@@ -85,6 +85,27 @@ bool is_judged(const ProbedLimit& found, double h) {
          std::ranges::none_of(found.rows, hides_growth);
 }
 
+/// At a kink growth comes in windows of step sizes, of which h_max is one: the own steps and their substeps
+/// are looked at by themselves.
+void judge_at_kink(ForeignStepper& engine, OwnStep& own, const ProbeWatch& watch) {
+  constexpr std::int64_t tried = 20;
+  const Eigen::VectorXd start = engine.state();
+  const auto grows = [&](double h) {
+    const bool stable = stands(engine, h, 1, watch);
+    engine.set_state(start);
+    return !stable;
+  };
+  const bool is_below = *own.stable;
+  if (grows(own.h))
+    own.stable = false;
+  else if (!is_below)
+    own.stable.reset();
+  std::int64_t n = own.stable.value_or(false) ? 1 : std::max<std::int64_t>(2, *own.substeps);
+  const std::int64_t last = n + tried;
+  while (n > 1 && n < last && grows(own.h / static_cast<double>(n))) ++n;
+  own.substeps = n < last ? std::optional(n) : std::nullopt;
+}
+
 }  // namespace
 
 double largest_factor(ForeignStepper& engine, const std::vector<std::size_t>& parts, bool of_damping,
@@ -121,13 +142,8 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
   OwnStep own{.h = *engine.own_step()};
   if (is_judged(found, own.h)) {
     own.stable = own.h <= found.h_max;
-    // At a kink growth comes and goes beyond the first step size that grows.
-    if (found.smoothness == StepSmoothness::kink && !*own.stable) {
-      const Eigen::VectorXd start = engine.state();
-      if (stands(engine, own.h, 1, watch)) own.stable.reset();
-      engine.set_state(start);
-    }
     own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
+    if (found.smoothness == StepSmoothness::kink) judge_at_kink(engine, own, watch);
   }
   if (found.state == ProbedState::motion) return own;
   if (found.dim <= StepSpectrumSettings{}.eigenvalues_to) compare(engine, found.rows.front().h, own, watch);

@@ -28,8 +28,9 @@ struct LimitOwner {
 };
 
 struct OwnStep {
-  double h = 0;                            ///< [s]
-  std::optional<bool> stable{};            ///< h <= h_max; nothing beyond h1, or where growth may hide
+  double h = 0;  ///< [s]
+  /// h <= h_max, at a kink also that steps of h do not grow; nothing beyond h1, or where growth may hide
+  std::optional<bool> stable{};
   std::optional<std::int64_t> substeps{};  ///< the smallest n with stable h / n
   std::optional<bool> settles{};           ///< as StepSpectrum
   /// (omega_shown / omega)^2 of the slowest mode; NaN where it is not known

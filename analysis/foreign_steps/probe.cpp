@@ -167,8 +167,8 @@ void StepProbe::say_where_kink_is(const StepKink& kink) {
             "does, and no limit is predicted; observed has runs that are disturbed by 1e-4 of its scale"
           : "the state is at a kink of the step, where number " + std::to_string(kink.number) +
                 " of the state changes" + part_of_kink(kink) +
-                ", as with a contact or a limit that just touches, or a muscle at rest: h_max is where "
-                "one-sided differences grow first; beyond it growth may come and go");
+                ", as with a contact or a limit that just touches, or a muscle at rest: growth comes in "
+                "windows of step sizes, h_max is the smallest that was found, and narrower ones may be below");
 }
 
 /// In double: whether a step of h has a derivative at rest.

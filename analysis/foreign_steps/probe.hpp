@@ -66,6 +66,7 @@ class StepProbe {
   void observe();
   bool runs_grow(double h);
   std::int64_t observed_steps();
+  [[nodiscard]] double beyond_limit() const;
   void bracket(double low, double high);
   void narrow(double low, double high, double resolution);
   void compare_with_runs();

@@ -23,8 +23,8 @@ struct StepKink {
 };
 
 /// From S(y + e v) + S(y - e v) - 2 S(y) at increments e from 1e-3 to 1e-7, which shrinks like e^2 where S
-/// is smooth, like e at a kink and not at all across a jump: each coordinate of up to 300, for kinks, and
-/// random directions, whose changes must add up also.
+/// is smooth, like e at a kink and not at all across a jump: each coordinate of a state of at most 60, for
+/// kinks, and random directions, whose changes must add up also.
 /// @param y  with the engine's in `slot`
 StepKink kink_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
                       const Eigen::VectorXd& scale, int slot, const Eigen::VectorXd& y, double h,

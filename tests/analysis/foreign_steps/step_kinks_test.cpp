@@ -2,9 +2,12 @@
 #include "analysis/foreign_steps/step_kinks.hpp"
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "analysis/foreign_steps/own_step.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
 #include "tests/analysis/foreign_steps/mapped_stepper.hpp"
 #include "tests/says.hpp"
@@ -21,13 +24,14 @@ std::string remarks_of(const ProbedLimit& found) {
 }
 
 /// Explicit Euler of x' = -x / T with another T on each side, as of a muscle, and an oscillator beside it.
+template <int omega2>
 VectorXd relaxing(const VectorXd& y, double h) {
-  const double v = y[2] - h * 100 * y[1];
+  const double v = y[2] - h * omega2 * y[1];
   return Eigen::Vector3d(y[0] - h * y[0] / (y[0] < 0 ? 0.005 : 0.08), y[1] + h * v, v);
 }
 
 TEST(StepKinks, TwoTimeConstantsHaveTheLimitOfTheirRunsAndNotThatOfTheirMean) {
-  Mapped engine(relaxing, VectorXd::Zero(3));
+  Mapped engine(relaxing<100>, VectorXd::Zero(3));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.19});
   EXPECT_EQ(found.smoothness, StepSmoothness::kink);
   // To and fro: (h / 0.005 - 1) (h / 0.08 - 1) = 1.
@@ -37,15 +41,9 @@ TEST(StepKinks, TwoTimeConstantsHaveTheLimitOfTheirRunsAndNotThatOfTheirMean) {
   EXPECT_TRUE(says(remarks_of(found), "at a kink of the step, where number 0 of the state changes"));
 }
 
-/// The same with a stiffer oscillator.
-VectorXd relaxing_beside_a_spring(const VectorXd& y, double h) {
-  const double v = y[2] - h * 1e4 * y[1];
-  return Eigen::Vector3d(y[0] - h * y[0] / (y[0] < 0 ? 0.005 : 0.08), y[1] + h * v, v);
-}
-
 TEST(StepKinks, WhatGrowsBesideAKinkIsTold) {
   // The mean of both sides would grow from 0.0188 s on, the oscillator at 2 / 100.
-  Mapped engine(relaxing_beside_a_spring, VectorXd::Zero(3));
+  Mapped engine(relaxing<10'000>, VectorXd::Zero(3));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.019});
   EXPECT_EQ(found.smoothness, StepSmoothness::kink);
   EXPECT_TRUE(std::isinf(found.h_max)) << found.h_max << remarks_of(found);
@@ -76,10 +74,38 @@ TEST(StepKinks, AreSeenAlsoWhereDifferencesAreExact) {
   Mapped engine(touching, VectorXd::Zero(2));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
   EXPECT_EQ(found.smoothness, StepSmoothness::kink);
-  // The first window of step sizes that grow; runs may meet a later one.
+  // A window of step sizes that grow, of a tenth of a percent.
   EXPECT_TRUE(touching_grows(1.0004 * found.h_max)) << found.h_max;
   EXPECT_FALSE(touching_grows(0.998 * found.h_max)) << found.h_max;
-  EXPECT_GE(found.observed, 0.999 * found.h_max) << remarks_of(found);
+  EXPECT_NEAR(found.observed, found.h_max, 1e-3 * found.h_max) << remarks_of(found);
+  EXPECT_FALSE(found.contradiction);
+}
+
+/// With a step size of its own.
+class Timed : public Mapped {
+ public:
+  Timed(Map map, VectorXd y, double h) : Mapped(map, std::move(y)), h_(h) {}
+  [[nodiscard]] std::optional<double> own_step() const override { return h_; }
+
+ private:
+  double h_;
+};
+
+TEST(StepKinks, StepsInAWindowBelowTheLimitAreUnstable) {
+  // One of the windows that the strides pass by: 0.008604 s to 0.008613 s.
+  constexpr double inside = 0.008608, below = 0.0075;
+  ASSERT_TRUE(touching_grows(inside));
+  ASSERT_FALSE(touching_grows(below));
+  for (const double h : {inside, below}) {
+    Timed engine(touching, VectorXd::Zero(2), h);
+    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1, .observe = false});
+    ASSERT_GT(found.h_max, inside);
+    const auto own = examine_own_step(engine, found, {});
+    ASSERT_TRUE(own && own->substeps);
+    EXPECT_EQ(own->stable, h == below);
+    EXPECT_FALSE(touching_grows(h / static_cast<double>(*own->substeps)));
+    EXPECT_EQ(*own->substeps > 1, h == inside);
+  }
 }
 
 TEST(StepKinks, GrowthOfAHundredTimesAStepIsGrowth) {
