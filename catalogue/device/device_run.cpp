@@ -1,7 +1,6 @@
 #include "catalogue/device/device_run.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 #include <variant>
 #include <vector>

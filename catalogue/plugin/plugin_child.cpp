@@ -485,37 +485,36 @@ std::size_t Server::handle_model(const PluginRequest& request) {
   const bool of_rates = request.ask == PluginAsk::rhs || request.ask == PluginAsk::jacobian;
   const std::size_t m = of_rates ? n_ : n_ / 2;
   double *const y = received(in_, 0, m), *const v = received(in_velocities_, m, of_rates ? 0 : m);
-  const auto rhs = [&](double* to) {
-    check(PluginCall::rhs, [&] { return model_->rhs(handle_, t, y, to); });
-  };
   const auto force = [&](double* to) {
     check(PluginCall::force, [&] { return model_->force(handle_, t, y, v, to); });
   };
-  const auto matrix = [&](PluginCall call, const auto& given, double* x, const auto& f, double sign,
-                          const auto& own) {
+  // -d force / dx where the plugin has no function of its own.
+  const auto matrix = [&](PluginCall call, const auto& given, double* x, const auto& own) {
     out_.resize(m * m * sizeof(double));
     if (given) {
       check(call, own);
     } else {
-      differentiate(x, m, f);
-      if (sign < 0) std::transform(out_.numbers(), out_.numbers() + m * m, out_.numbers(), std::negate());
+      differentiate(x, m, force);
+      std::transform(out_.numbers(), out_.numbers() + m * m, out_.numbers(), std::negate());
     }
     return m * m;
   };
   out_.resize(m * sizeof(double));
   switch (request.ask) {
     case PluginAsk::rhs:
-      return rhs(out_.numbers()), m;
+      check(PluginCall::rhs, [&] { return model_->rhs(handle_, t, y, out_.numbers()); });
+      return m;
     case PluginAsk::force:
       return force(out_.numbers()), m;
     case PluginAsk::jacobian:
-      return matrix(PluginCall::jacobian, model_->jacobian, y, rhs, 1,
-                    [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
+      out_.resize(m * m * sizeof(double));
+      check(PluginCall::jacobian, [&] { return model_->jacobian(handle_, t, y, out_.numbers()); });
+      return m * m;
     case PluginAsk::stiffness:
-      return matrix(PluginCall::stiffness, model_->stiffness, y, force, -1,
+      return matrix(PluginCall::stiffness, model_->stiffness, y,
                     [&] { return model_->stiffness(handle_, t, y, v, out_.numbers()); });
     case PluginAsk::damping:
-      return matrix(PluginCall::damping, model_->damping, v, force, -1,
+      return matrix(PluginCall::damping, model_->damping, v,
                     [&] { return model_->damping(handle_, t, y, v, out_.numbers()); });
     default:
       throw Failure{subject_ + std::string(plugin_destroyed)};

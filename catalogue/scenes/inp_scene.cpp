@@ -240,10 +240,9 @@ class InpSceneReader {
         continue;
       }
       const auto set = body_.element_sets.find(upper(line.fields[0]));
-      if (line.fields[0].empty()
-              ? false
-              : set == body_.element_sets.end() ||
-                    std::set(set->second.begin(), set->second.end()).size() != body_.mesh.numbers.size()) {
+      if (!line.fields[0].empty() &&
+          (set == body_.element_sets.end() ||
+           std::set(set->second.begin(), set->second.end()).size() != body_.mesh.numbers.size())) {
         refuse(card,
                fmt::format("GRAV is of the set {}, which is not the whole body", in_quotes(line.fields[0])));
         continue;

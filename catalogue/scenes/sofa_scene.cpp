@@ -44,6 +44,10 @@ struct SofaMethod {
   std::string_view method;
   SofaStep::Solver solver;
 };
+
+/// Of numbers in files that should be one number, or in one ratio.
+constexpr double rounding = 1e-9;
+
 constexpr std::array<SofaMethod, 5> sofa_solvers{
     {{"linearly_implicit_euler", SofaStep::Solver::implicit_euler},
      {"newmark", SofaStep::Solver::newmark},
@@ -306,7 +310,6 @@ class SofaSceneReader {
 
   /// One density of each region, of which these masses are.
   void fit_densities(const XmlPart& part, const Eigen::VectorXd& masses) {
-    constexpr double rounding = 1e-9;
     const Eigen::MatrixXd volumes = volumes_of_points();
     if (masses.size() != volumes.rows())
       file_.fail(part, fmt::format("vertexMass has {} numbers for {} points; give one of each", masses.size(),
@@ -408,7 +411,6 @@ class SofaSceneReader {
   /// A spring on every edge, slack at rest, of one stiffness or of one Young's modulus, and one ratio of
   /// damper and stiffness.
   void set_springs() {
-    constexpr double rounding = 1e-9;
     const EdgeTable edges = edge_table(mesh_.mesh);
     const Eigen::Index count = edges.edges.cols();
     Eigen::ArrayXd k = Eigen::ArrayXd::Zero(count), c = k;
@@ -454,7 +456,6 @@ class SofaSceneReader {
 
   /// "point point stiffness damper length" of each.
   void take_listed_springs(const EdgeTable& edges, Eigen::ArrayXd& k, Eigen::ArrayXd& c) {
-    constexpr double rounding = 1e-9;
     const std::vector<double> values = file_.numbers(*springs_, "spring");
     if (values.size() % 5 != 0)
       file_.fail(*springs_,
@@ -510,7 +511,6 @@ class SofaSceneReader {
   /// -c v with c = alpha m at every point.
   void set_velocity_damping() {
     if (!velocity_damping_) return;
-    constexpr double rounding = 1e-9;
     const std::vector<double> c = file_.numbers(*velocity_damping_, "dampingCoefficient");
     const bool fits = std::ssize(c) == 3 * masses_.size();
     const double alpha =

@@ -86,7 +86,7 @@ void keep_methods_of_sofa(const AdviseOptions& options, const Problem& problem,
   std::string refusal;
   std::erase_if(methods, [&](const Method& method) {
     try {
-      (void)sofa_text(*problem.body, sofa_step(method.id, 1));
+      check_sofa_scene(problem.body->settings(), sofa_step(method.id, 1));
       return false;
     } catch (const std::invalid_argument& error) {
       refusal = error.what();

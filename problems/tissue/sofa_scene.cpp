@@ -43,33 +43,6 @@ bool is_explicit(const SofaStep& step) {
   return step.solver != SofaStep::Solver::implicit_euler && step.solver != SofaStep::Solver::newmark;
 }
 
-void check(const TissueSettings& settings, const SofaStep& step) {
-  if (settings.model.is_of_springs())
-    require_none(std::holds_alternative<LinearSpring>(settings.springs.law), "springs that are not linear");
-  else if (settings.model.sofa == SofaField::none)
-    throw std::invalid_argument("SOFA has no force field of the model " + std::string(settings.model.id) +
-                                "; choose another model");
-  require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
-  require_none(settings.tools.empty(), "tools");
-  require_none(std::ranges::all_of(
-                   settings.materials, [](double E) { return E == 0; }, &TissueMaterial::fibre_young),
-               "fibres");
-  for (const PressingForce& force : settings.forces)
-    require_none(force.profile.kind == TimeProfile::Kind::steady, "forces that change with time");
-  for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
-  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
-  for (const TissueMaterial& material : settings.materials) {
-    require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
-    require(positive(material.density), "density", material.density, "give a positive one in kg/m3");
-  }
-  for (const double damping : {settings.alpha, settings.beta})
-    require(damping == 0 || positive(damping), "Rayleigh damping", damping, "give 0 or more");
-  require(positive(step.h), "step", step.h, "give a positive one in seconds");
-  if (is_explicit(step))
-    require(settings.beta == 0, "Rayleigh damping by stiffness", settings.beta,
-            "SOFA's explicit solvers have none, so set beta=0 or take an implicit method");
-}
-
 /// Each number behind a blank.
 template <class Numbers>
 std::string listed(const Numbers& numbers) {
@@ -271,9 +244,36 @@ std::string plugins(const TissueSettings& settings, const SofaStep& step) {
 
 }  // namespace
 
+void check_sofa_scene(const TissueSettings& settings, const SofaStep& step) {
+  if (settings.model.is_of_springs())
+    require_none(std::holds_alternative<LinearSpring>(settings.springs.law), "springs that are not linear");
+  else if (settings.model.sofa == SofaField::none)
+    throw std::invalid_argument("SOFA has no force field of the model " + std::string(settings.model.id) +
+                                "; choose another model");
+  require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
+  require_none(settings.tools.empty(), "tools");
+  require_none(std::ranges::all_of(
+                   settings.materials, [](double E) { return E == 0; }, &TissueMaterial::fibre_young),
+               "fibres");
+  for (const PressingForce& force : settings.forces)
+    require_none(force.profile.kind == TimeProfile::Kind::steady, "forces that change with time");
+  for (const Support& support : settings.supports) require_none(support.travel.isZero(), "moving supports");
+  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  for (const TissueMaterial& material : settings.materials) {
+    require(positive(material.young), "Young's modulus", material.young, "give a positive one in Pa");
+    require(positive(material.density), "density", material.density, "give a positive one in kg/m3");
+  }
+  for (const double damping : {settings.alpha, settings.beta})
+    require(damping == 0 || positive(damping), "Rayleigh damping", damping, "give 0 or more");
+  require(positive(step.h), "step", step.h, "give a positive one in seconds");
+  if (is_explicit(step))
+    require(settings.beta == 0, "Rayleigh damping by stiffness", settings.beta,
+            "SOFA's explicit solvers have none, so set beta=0 or take an implicit method");
+}
+
 std::string sofa_text(const TissueBody& body, const SofaStep& step) {
   const TissueSettings& settings = body.settings();
-  check(settings, step);
+  check_sofa_scene(settings, step);
   const TetMesh& mesh = body.origin() ? body.origin()->file.mesh : body.mesh();
   const std::vector<TetMesh::Index> fixed = fixed_points(body);
   std::string text = "<?xml version=\"1.0\"?>\n<!-- " + std::string(own_mark) +

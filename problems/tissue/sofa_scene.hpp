@@ -17,19 +17,21 @@ struct SofaStep {
   double beta = 0.25, gamma = 0.5;  ///< of Newmark
 };
 
-/// The text of a .scn with the mesh in the order of its file, materials, damping, gravity, dead loads,
-/// supports and step, mass lumped on the points. fem_cauchy
-/// and fem_corotational become SOFA's methods `small` and `polar`, fem_green its StVenantKirchhoff (mu,
-/// lambda), fem_neo_hookean its NeoHookean (mu, bulk modulus), whose energy differs from ours away from rest.
-/// SOFA's Rayleigh damping uses the tangent, ours the stiffness at rest; its explicit solvers have none, so
-/// that alpha M becomes a DiagonalVelocityDampingForceField. Regions may differ in material: one
-/// force field takes E of each tetrahedron where that is all that differs in the elasticity of fem_cauchy and
-/// fem_corotational; else each region is a child node with its tetrahedra and a force field of its own on the
-/// points of the body. Linear springs become SOFA's, one by one, with dampers. Points in no tetrahedron are
-/// held.
 /// @throws std::invalid_argument for what SOFA's scenes are not written with here: a skin, tools,
 ///         forces that change with time, moving supports, springs that are not linear; damping by stiffness
 ///         in explicit solvers; and for materials and steps that are not positive
+void check_sofa_scene(const TissueSettings& settings, const SofaStep& step);
+
+/// The text of a .scn with the mesh in the order of its file, materials, damping, gravity, dead loads,
+/// supports and step, mass lumped on the points. fem_cauchy and fem_corotational become SOFA's methods
+/// `small` and `polar`, fem_green its StVenantKirchhoff (mu, lambda), fem_neo_hookean its NeoHookean (mu,
+/// bulk modulus), whose energy differs from ours away from rest. SOFA's Rayleigh damping uses the tangent,
+/// ours the stiffness at rest; its explicit solvers have none, so that alpha M becomes a
+/// DiagonalVelocityDampingForceField. Regions may differ in material: one force field takes E of each
+/// tetrahedron where that is all that differs in the elasticity of fem_cauchy and fem_corotational; else each
+/// region is a child node with its tetrahedra and a force field of its own on the points of the body. Linear
+/// springs become SOFA's, one by one, with dampers. Points in no tetrahedron are held.
+/// @throws std::invalid_argument  as check_sofa_scene()
 std::string sofa_text(const TissueBody& body, const SofaStep& step);
 
 }  // namespace hmax
