@@ -206,6 +206,7 @@ ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>&
   settings.h1 = options.motion && !options.h1 ? std::min(h1, *options.motion) : h1;
   settings.motion = options.motion;
   settings.observe = !options.no_runs;
+  settings.most_seconds = time_limit_of(options.time_limit);
   if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && settings.h0 > 0)
     refuse_endless(
         {.asked = fmt::format("--motion {} with --h0 {}", to_text(*options.motion), to_text(settings.h0)),

@@ -98,8 +98,13 @@ PluginName plugin_of(const SceneName& scene) {
 
 std::string in_words(const OwnStep& own, const ProbedLimit& found) {
   std::string text = fmt::format("timestep  {} s ", to_text(own.h));
-  if (!own.stable)
-    text += std::isinf(found.h_max) && own.h > found.rows.back().h
+  if (own.stable && found.smoothness == StepSmoothness::jump)
+    text += std::isinf(found.observed)
+                ? "does not grow in runs, nor does any step size up to h1"
+                : fmt::format("is {} where runs begin to grow, {} s", *own.stable ? "below" : "above",
+                              rounded_text(found.observed, 2));
+  else if (!own.stable)
+    text += std::isinf(found.h_max) && own.h > found.h1
                 ? "is not judged: nothing grows up to h1, which is shorter"
                 : "is not judged: no limit was found that holds";
   else if (std::isinf(found.h_max))

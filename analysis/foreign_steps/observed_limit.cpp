@@ -52,16 +52,19 @@ bool StepProbe::runs_grow(double h) {
   return !std::isfinite(here) || here > 1.5 * base_run_ + least_growth;
 }
 
-/// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.
-std::int64_t StepProbe::observed_steps() {
-  constexpr double most = 2e6;
+/// The elapsed time of a step of h0.
+double StepProbe::seconds_of_step() {
   using Clock = std::chrono::steady_clock;
   engine_.restore(home);
   const auto begin = Clock::now();
   engine_.step(settings_.h0, 50);
-  const double one = std::chrono::duration<double>(Clock::now() - begin).count() / 50;
-  constexpr double least = 400;
-  const double affordable = std::clamp(settings_.seconds_a_run / one, least, most);
+  return std::chrono::duration<double>(Clock::now() - begin).count() / 50;
+}
+
+/// Long enough that growth at 1.002 of the limit is seen, and not longer than the time allows.
+std::int64_t StepProbe::observed_steps() {
+  constexpr double least = 400, most = 2e6;
+  const double affordable = std::clamp(settings_.seconds_a_run / seconds_of_step(), least, most);
   if (found_.smoothness != StepSmoothness::smooth || !std::isfinite(found_.h_max))
     return static_cast<std::int64_t>(std::min(affordable, 20000.0));
   const double rate = std::log(found_.critical->spectral_radius);
@@ -126,8 +129,15 @@ void StepProbe::observe_beyond_limits() {
                " a step of h0, and runs of " + std::to_string(found_.steps) + " steps do not grow");
 }
 
-/// Where the step jumps runs are all there is.
+/// Where the step jumps runs are all there is. What a jump moves is no smaller for a smaller disturbance: the
+/// scales are those of the scene, not those that balance differences.
 void StepProbe::observe_jumping() {
+  if (found_.state != ProbedState::equilibrium) {
+    found_.steps = 0;
+    found_.status.push_back("neighbours of a motion part at each jump: no runs tell where steps grow");
+    return;
+  }
+  scale_ = plain_scale();
   constexpr int sizes = 24;
   double low = 0;
   found_.observed = infinity;

@@ -9,7 +9,7 @@
 namespace hmax {
 namespace {
 
-constexpr double most = 1e6, resolution = 1e-3;
+constexpr double largest_sought = 1e6, resolution = 1e-3;
 constexpr int start_slot = 3;  // probes write those below
 
 /// Whether steps of size h are stable where these parts have a factor; from where the last stable one rests.
@@ -71,18 +71,24 @@ void compare(ForeignStepper& engine, double h0, OwnStep& own, const ProbeWatch& 
   own.stiffness_shown = ratio * ratio;
 }
 
+/// Where steps begin to grow; at a jump, where nothing is predicted, in runs.
+double limit_of(const ProbedLimit& found) {
+  return found.smoothness == StepSmoothness::jump ? found.observed : found.h_max;
+}
+
 /// Whether what was found tells of steps of this size.
 bool is_judged(const ProbedLimit& found, double h) {
-  if (std::isnan(found.h_max)) return false;
+  // Beyond h1 nobody looked.
+  if (std::isnan(limit_of(found)) || (std::isinf(limit_of(found)) && h > found.h1 * (1 + 1e-9))) return false;
+  if (found.smoothness == StepSmoothness::jump) return true;
   // Between what multipliers and what runs say; with NaN for runs that always grow.
   if (found.contradiction && (std::isnan(found.observed) || (h <= found.h_max) != (h <= found.observed)))
     return false;
-  // Beyond h1 nobody looked, and where the steps are not smooth differences hide growth.
+  // Where the steps are not smooth differences hide growth.
   const auto hides_growth = [h](const StepSpectrum& row) {
     return row.h <= h && !row.grows && row.spectral_radius > 1.05;
   };
-  return (std::isfinite(found.h_max) || h <= found.rows.back().h * (1 + 1e-9)) &&
-         std::ranges::none_of(found.rows, hides_growth);
+  return std::ranges::none_of(found.rows, hides_growth);
 }
 
 /// At a kink growth comes in windows of step sizes, of which h_max is one: the own steps and their substeps
@@ -121,11 +127,11 @@ double largest_factor(ForeignStepper& engine, const std::vector<std::size_t>& pa
   engine.save(start_slot);
   double low = 1, high = 1;
   if (is_stable(1)) {
-    while (low < most && is_stable(2 * low)) low *= 2;
-    high = low < most ? 2 * low : infinity;
+    while (low < largest_sought && is_stable(2 * low)) low *= 2;
+    high = low < largest_sought ? 2 * low : infinity;
   } else {
-    while (high > 1 / most && !is_stable(high / 2)) high /= 2;
-    low = high > 1 / most ? high / 2 : 0;
+    while (high > 1 / largest_sought && !is_stable(high / 2)) high /= 2;
+    low = high > 1 / largest_sought ? high / 2 : 0;
   }
   while (low > 0 && high < infinity && high - low > resolution * high) {
     const double middle = (low + high) / 2;
@@ -141,8 +147,9 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
   if (!engine.own_step()) return std::nullopt;
   OwnStep own{.h = *engine.own_step()};
   if (is_judged(found, own.h)) {
-    own.stable = own.h <= found.h_max;
-    own.substeps = std::isinf(found.h_max) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / found.h_max));
+    const double limit = limit_of(found);
+    own.stable = own.h <= limit;
+    own.substeps = std::isinf(limit) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / limit));
     if (found.smoothness == StepSmoothness::kink) judge_at_kink(engine, own, watch);
   }
   if (found.state == ProbedState::motion) return own;

@@ -29,7 +29,8 @@ struct LimitOwner {
 
 struct OwnStep {
   double h = 0;  ///< [s]
-  /// h <= h_max, at a kink also that steps of h do not grow; nothing beyond h1, or where growth may hide
+  /// h <= h_max, at a kink also that steps of h do not grow, at a jump h <= observed; nothing beyond h1, or
+  /// where growth may hide
   std::optional<bool> stable{};
   std::optional<std::int64_t> substeps{};  ///< the smallest n with stable h / n
   std::optional<bool> settles{};           ///< as StepSpectrum

@@ -236,6 +236,7 @@ void StepProbe::judge_across_kink() {
     found_.critical.reset();
     return;
   }
+  refuse_endless_search();
   find_limit();
   look_for_earlier_growth();
   if (critical && std::abs(found_.h_max / by_matrix - 1) < 0.005) {
@@ -385,10 +386,29 @@ void StepProbe::search() {
   judge_across_kink();
 }
 
-void StepProbe::find_limit() {
+int StepProbe::count_of_sizes() const {
   // At a kink growth comes and goes.
-  const int rows = (found_.smoothness == StepSmoothness::kink ? 12 : 1) * settings_.rows,
-            count = settings_.h1 > settings_.h0 ? std::max(2, rows) : 1;
+  constexpr double in_a_decade = 36;
+  const double least = found_.smoothness == StepSmoothness::kink
+                           ? std::ceil(in_a_decade * std::log10(settings_.h1 / settings_.h0))
+                           : 0;
+  return settings_.h1 > settings_.h0 ? std::max({2, settings_.rows, static_cast<int>(least)}) : 1;
+}
+
+/// At a kink, where each step size takes thousands of steps.
+void StepProbe::refuse_endless_search() {
+  const double steps = static_cast<double>(steps_of_one_sided_growth) * count_of_sizes(),
+               seconds = steps * seconds_of_step();
+  if (seconds <= settings_.most_seconds) return;
+  throw InputError(
+      "the state is at a kink of the step, as with a contact that just touches, and growth is sought at " +
+      std::to_string(count_of_sizes()) + " step sizes one by one, for about " + rounded_text(seconds, 2) +
+      " s, more than the limit of " + rounded_text(settings_.most_seconds, 3) +
+      " s; allow more time, look at a shorter range of step sizes, or move the contact");
+}
+
+void StepProbe::find_limit() {
+  const int count = count_of_sizes();
   double low = 0;
   for (int i = 0; i < count; ++i) {
     const double part = count > 1 ? static_cast<double>(i) / (count - 1) : 0;
@@ -498,6 +518,7 @@ void StepProbe::say_what_steps_show() {
 ProbedLimit StepProbe::run() {
   found_.model = engine_.name();
   found_.dim = engine_.dim();
+  found_.h1 = settings_.h1;
   look_at_start();
   search();
   check_rest_at_limit();

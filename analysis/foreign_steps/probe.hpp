@@ -35,6 +35,8 @@ class StepProbe {
   void choose_scales(double h);
   void check_smoothness();
   void find_limit();
+  [[nodiscard]] int count_of_sizes() const;
+  void refuse_endless_search();
   void search();
   void forget_limit();
   bool creeps(double rate);
@@ -66,6 +68,7 @@ class StepProbe {
   void observe();
   bool runs_grow(double h);
   std::int64_t observed_steps();
+  double seconds_of_step();
   [[nodiscard]] double beyond_limit() const;
   void bracket(double low, double high);
   void narrow(double low, double high, double resolution);

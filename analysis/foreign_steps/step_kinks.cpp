@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 
 /// Of differences across a kink, as of runs.
 constexpr double run_amplitude = 1e-6;
+/// Of iterated differences, and the steps of each.
+constexpr std::int64_t vectors = 4, stride = 8;
 
 VectorXd random_direction(Index n, Index k) {
   const VectorXd numbers = start_vector(n + 11 * k).tail(n);
@@ -87,7 +89,7 @@ StepSmoothness smoothness_of(const std::function<Changes::Left(double)>& at,
 /// swings for a while does not: four times from the second quarter to the last one is looked at for longer,
 /// up to a thousand times.
 std::pair<bool, double> growth_of_iteration(const std::function<double()>& logarithm) {
-  constexpr std::size_t first = 250, longest = 10 * first;
+  constexpr std::size_t first = steps_of_one_sided_growth / (vectors * stride), longest = 10 * first;
   constexpr double decided = 30, sure = 7;
   std::vector<double> sums;
   double sum = 0;
@@ -158,11 +160,10 @@ double kink_along(ForeignStepper& engine, const StateCoordinates& coordinates, c
 OneSidedGrowth one_sided_growth(ForeignStepper& engine, const StateCoordinates& coordinates,
                                 const VectorXd& scale, int slot, const VectorXd& y, double h,
                                 const std::function<void()>& watch) {
-  constexpr std::int64_t stride = 8;
   const VectorXd next = engine.after(slot, y, h, stride);
   OneSidedGrowth worst{.rate = -infinity};
   if (!next.allFinite()) return {.grows = true, .rate = infinity, .motion = VectorXd::Zero(scale.size())};
-  for (Index k = 0; k < 4; ++k) {
+  for (Index k = 0; k < vectors; ++k) {
     VectorXd x = (k % 2 ? -1 : 1) * random_direction(scale.size(), k / 2);
     // ln of the factor of a stride; x is of length 1 again.
     const auto advance = [&] {

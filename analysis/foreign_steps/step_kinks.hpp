@@ -40,6 +40,9 @@ struct OneSidedGrowth {
   Eigen::VectorXd motion{};  ///< moduli at the end, in units of scales, shape (coordinates)
 };
 
+/// Steps of one_sided_growth() where nothing grows.
+inline constexpr std::int64_t steps_of_one_sided_growth = 8000;
+
 /// Whether v -> lim (S(y + e v) - S(y)) / e, iterated, grows: the derivative of a step as it is at a kink,
 /// which is no matrix. Begun with two vectors and their opposites, for 2,000 steps and, where it seems to
 /// grow, for 20,000.

@@ -4,6 +4,7 @@
 
 #include <complex>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,8 @@ struct ProbeSettings {
   double resolution = 1e-4;        ///< of the limits, relative
   bool observe = true;             ///< run the engine on both sides of the limit
   double seconds_a_run = 2;        ///< CPU time of one of these runs, about
+  /// A search at a kink that is estimated to take longer is refused.
+  double most_seconds = std::numeric_limits<double>::infinity();
   StepSpectrumSettings spectrum{};
   /// Told now and then what is done; may throw.
   std::function<void(double share, std::string_view detail)> watch = {};
@@ -39,6 +42,7 @@ struct ProbedLimit {
   ProbedState state = ProbedState::initial;
   /// Of a step at rest: at a kink `rows` and h_max are those of one_sided_growth(); at a jump h_max is NaN.
   StepSmoothness smoothness = StepSmoothness::smooth;
+  double h1 = 0;                   ///< [s] the largest step size that was looked at
   std::vector<StepSpectrum> rows;  ///< by h, with the steps of the bisection
   double h_max = 0;  ///< [s]; infinity without growth up to h1, NaN where steps of h0 grow already
   std::optional<StepSpectrum> critical{};  ///< a step 0.2 % beyond the limit
@@ -60,7 +64,9 @@ inline constexpr Eigen::Index most_probed_numbers = 100'000;
 /// About the state that the engine has now; it has this state again at the end. Slots 0 to 2 are written.
 /// Step sizes from h0 to h1 in equal ratios, then bisection between the largest stable one below the first
 /// that grows, and that one. Windows of instability between two of them are not seen.
-/// @throws InputError  for step sizes or a start that make no sense, and for more than most_probed_numbers
+/// @throws InputError  for step sizes or a start that make no sense, for more than most_probed_numbers, and
+/// for
+///         more than most_seconds
 ProbedLimit probe_steps(ForeignStepper& engine, const ProbeSettings& settings);
 
 /// Where steps of h0 and of h1 settle and what they make of slow motions, two `rows`, without a limit.

@@ -17,8 +17,8 @@ namespace hmax {
 
 namespace {
 
-constexpr double h = 0.005, t_end = 1;  // [s]
-constexpr double drawn_force = 0.3;     // [N]
+constexpr double frame_step = 0.005, shown_time = 1;  // [s]
+constexpr double drawn_force = 0.3;                   // [N]
 
 /// A liver of the table's stiffness k [kPa] and damping c [N s/m], as c over its mass.
 struct Shown {
@@ -32,16 +32,16 @@ BodyView farthest(const Problem& problem) {
   const TissueBody& body = *problem.body;
   double most = -1, at = 0;
   Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs());
-  const RunRecord record =
-      find_method("linearly_implicit_euler")
-          .bind(problem)
-          .run({.t_end = t_end, .h = h}, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-            const double displacement = largest_displacement(y.head(body.dofs()));
-            if (displacement <= most) return;
-            most = displacement;
-            at = t;
-            q = y.head(body.dofs());
-          });
+  const RunRecord record = find_method("linearly_implicit_euler")
+                               .bind(problem)
+                               .run({.t_end = shown_time, .h = frame_step},
+                                    [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                      const double displacement = largest_displacement(y.head(body.dofs()));
+                                      if (displacement <= most) return;
+                                      most = displacement;
+                                      at = t;
+                                      q = y.head(body.dofs());
+                                    });
   if (record.outcome != Outcome::reached_end)
     throw InputError(fmt::format("{} ended at t = {:g} s; this is a defect", problem.id, record.t));
   BodyView view = body_view(body, at, q, BodyValue::displacement);
@@ -69,9 +69,9 @@ void figure_9(TissuePage& tissue) {
                        fmt::format(
                            " {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
                            "h = {:g} s. E and alpha as above each picture.",
-                           drawn_force, h);
+                           drawn_force, frame_step);
       const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
-      write_file(tissue.page.folder / name, sofa_text(*problem.body, {h}));
+      write_file(tissue.page.folder / name, sofa_text(*problem.body, {frame_step}));
       if (!scenes.insert(name).second) continue;
       tissue.page.link(name, name);
       tissue.page.values["scenes"].push_back(name);

@@ -116,11 +116,13 @@ TEST_F(ProbeContacts, LimitsAndContactsThatJustTouchAreKinks) {
   EXPECT_TRUE(says(text(contact["status"]), "(contact 0 (plane of the world))")) << contact["status"];
 }
 
-TEST_F(ProbeContacts, NoLimitIsPredictedWhereContactsComeAndGo) {
-  const nlohmann::json all = found(world("", plane + free_body("0 0 0.1", box) + free_body("0 0 0.3", box)));
+TEST_F(ProbeContacts, RunsJudgeWhereContactsComeAndGo) {
+  const nlohmann::json all =
+      found(world("", plane + free_body("0 0 0.1", box) + free_body("0 0 0.3", box)), "--h0 2e-3 --h1 2e-3");
   EXPECT_EQ(all["smoothness"], "jump") << all["status"];
   EXPECT_TRUE(all["h_max"].is_null());
-  EXPECT_TRUE(all["stable"].is_null());
+  EXPECT_EQ(all["observed"], "unbounded");
+  EXPECT_EQ(all["stable"], true);
 }
 
 TEST_F(ProbeContacts, WhatRoundingLeavesIsAnEquilibrium) {

@@ -9,6 +9,7 @@
 
 #include "analysis/foreign_steps/own_step.hpp"
 #include "analysis/foreign_steps/step_probe.hpp"
+#include "core/errors.hpp"
 #include "tests/analysis/foreign_steps/mapped_stepper.hpp"
 #include "tests/says.hpp"
 
@@ -108,16 +109,24 @@ TEST(StepKinks, StepsInAWindowBelowTheLimitAreUnstable) {
   }
 }
 
-TEST(StepKinks, GrowthOfAHundredTimesAStepIsGrowth) {
-  Mapped engine(touching, VectorXd::Zero(2));
-  const ProbedLimit found = probe_steps(engine, {.h0 = 0.3, .h1 = 0.4});
-  EXPECT_TRUE(says(remarks_of(found), "motions grow at h0 already")) << remarks_of(found);
-}
-
 /// Smooth, and strongly curved.
 VectorXd curving(const VectorXd& y, double h) {
   const double v = y[1] - h * (100 * y[0] + 400 * y[0] * y[0]);
   return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, AnEndlessSearchIsRefused) {
+  Mapped engine(touching, VectorXd::Zero(2));
+  ProbeSettings settings{.h0 = 1e-4, .h1 = 0.1, .most_seconds = 1e-6};
+  EXPECT_THROW(probe_steps(engine, settings), InputError);
+  Mapped smooth(curving, VectorXd::Zero(2));
+  EXPECT_NO_THROW(probe_steps(smooth, settings));
+}
+
+TEST(StepKinks, GrowthOfAHundredTimesAStepIsGrowth) {
+  Mapped engine(touching, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 0.3, .h1 = 0.4});
+  EXPECT_TRUE(says(remarks_of(found), "motions grow at h0 already")) << remarks_of(found);
 }
 
 TEST(StepKinks, CurvatureIsNone) {
@@ -141,6 +150,45 @@ TEST(StepKinks, AtAJumpNoLimitIsPredicted) {
   EXPECT_TRUE(std::isnan(found.h_max));
   EXPECT_FALSE(found.contradiction);
   EXPECT_TRUE(says(remarks_of(found), "no limit is predicted")) << remarks_of(found);
+  // The oscillator's: 4 - 2 h = 100 h^2.
+  EXPECT_NEAR(found.observed, (std::sqrt(401) - 1) / 100, 3e-3) << remarks_of(found);
+}
+
+/// The same force on an oscillator whose velocity counts little in differences of small steps.
+VectorXd jumping_fast(const VectorXd& y, double h) {
+  const double jump = y[0] + 1e-4 * y[1] > 1e-9 ? 1 : 0;
+  const double v = (1 - 10 * h) * y[1] - h * (1e4 * y[0] + jump);
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, AtAJumpOwnStepsAreJudgedByRuns) {
+  // 4 - 20 h = 1e4 h^2
+  const double limit = (std::sqrt(401) - 1) / 1000;
+  for (const double h : {0.9 * limit, 1.5 * limit}) {
+    Timed engine(jumping_fast, VectorXd::Zero(2), h);
+    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
+    ASSERT_EQ(found.smoothness, StepSmoothness::jump);
+    EXPECT_NEAR(found.observed, limit, 0.03 * limit) << remarks_of(found);
+    const auto own = examine_own_step(engine, found, {});
+    ASSERT_TRUE(own && own->stable && own->substeps);
+    EXPECT_EQ(*own->stable, h < limit);
+    EXPECT_EQ(*own->substeps, h < limit ? 1 : 2);
+  }
+}
+
+/// It falls through the place of the jump.
+VectorXd falling_past(const VectorXd& y, double h) {
+  const double v = y[1] - h * (9.81 + (y[0] + y[1] > -1e-7 ? 0 : 1e3));
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepKinks, AtAJumpOfAMotionNothingIsRun) {
+  Timed engine(falling_past, VectorXd::Zero(2), 1e-3);
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.1});
+  ASSERT_EQ(found.smoothness, StepSmoothness::jump);
+  ASSERT_EQ(found.state, ProbedState::initial);
+  EXPECT_TRUE(std::isnan(found.observed));
+  EXPECT_FALSE(examine_own_step(engine, found, {})->stable);
 }
 
 /// An oscillator, and exact growth at a rate.
