@@ -162,11 +162,19 @@ void StepProbe::compare_with_runs() {
   const bool is_motion = found_.state == ProbedState::motion;
   if (std::abs(gap) <= 0.005) return;
   const std::string runs = is_motion ? "runs" : "runs of " + std::to_string(found_.steps) + " steps";
+  const std::string until =
+      (std::isinf(found_.observed) ? "not up to " : "at ") + rounded_text(shown, 4) + " s";
+  if (gap > 0 && found_.smoothness == StepSmoothness::kink) {
+    // Runs begin in one direction, and differences in four.
+    found_.status.push_back("at this kink growth begins at " + rounded_text(found_.h_max, 4) +
+                            " s by one-sided differences, and " + until + " by " + runs +
+                            ", which begin with one disturbance; use the smaller one");
+    return;
+  }
   if (gap > 0 && !is_motion) {
     const double rate = std::log(at((found_.h_max + shown) / 2).spectral_radius);
     if (rate * static_cast<double>(found_.steps) < seen_growth) {
-      // At a kink runs may pass a window of slow growth by.
-      found_.contradiction = gap > allowed_gap && found_.smoothness == StepSmoothness::smooth;
+      found_.contradiction = gap > allowed_gap;
       found_.status.push_back("undecided between " + rounded_text(found_.h_max, 4) + " s and " +
                               rounded_text(shown, 4) + " s: a multiplier grows by " + rounded_text(rate, 2) +
                               " a step between them, which " + runs + " do not show; use the smaller one");
@@ -175,10 +183,7 @@ void StepProbe::compare_with_runs() {
   }
   if (std::abs(gap) <= (is_motion ? allowed_gap_of_motion : allowed_gap)) return;
   contradict("multipliers and runs contradict each other: growth begins at " + rounded_text(found_.h_max, 4) +
-             " s by multipliers, " +
-             (std::isinf(found_.observed) ? "and not up to " + rounded_text(shown, 4)
-                                          : "and at " + rounded_text(shown, 4)) +
-             " s by " + runs + "; use the smaller one");
+             " s by multipliers, and " + until + " by " + runs + "; use the smaller one");
 }
 
 void StepProbe::observe() {

@@ -123,6 +123,25 @@ TEST(StepKinks, AnEndlessSearchIsRefused) {
   EXPECT_NO_THROW(probe_steps(smooth, settings));
 }
 
+/// What is disturbed to one side grows beyond a step of 0.05.
+template <int side>
+VectorXd growing_on_one_side(const VectorXd& y, double h) {
+  return VectorXd::Constant(1, y[0] * (h > 0.05 && side * y[0] > 0 ? 1.01 : 0.5));
+}
+
+TEST(StepKinks, RunsToOneSideContradictNothing) {
+  int unseen = 0;
+  for (const auto step : {growing_on_one_side<-1>, growing_on_one_side<1>}) {
+    Mapped engine(step, VectorXd::Zero(1));
+    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 0.1});
+    EXPECT_EQ(found.smoothness, StepSmoothness::kink);
+    EXPECT_NEAR(found.h_max, 0.05, 1e-4);
+    EXPECT_FALSE(found.contradiction) << remarks_of(found);
+    unseen += says(remarks_of(found), "not up to 0.1 s by runs");
+  }
+  EXPECT_EQ(unseen, 1);
+}
+
 TEST(StepKinks, GrowthOfAHundredTimesAStepIsGrowth) {
   Mapped engine(touching, VectorXd::Zero(2));
   const ProbedLimit found = probe_steps(engine, {.h0 = 0.3, .h1 = 0.4});
