@@ -127,8 +127,10 @@ StepKink kink_of_step(ForeignStepper& engine, const StateCoordinates& coordinate
   StepKink found;
   if (!derivative.is_finite() || !std::isfinite(derivative.error())) return found;
   const Changes changes(engine, coordinates, scale, slot, y, h);
-  // Where the chosen increment is larger, rounding counts for more.
-  const auto noise = [&](double e) { return derivative.error() * std::max(1.0, derivative.increment() / e); };
+  // Rounding is no smaller for a smaller disturbance, and that of the chosen increment was of a vector whose
+  // largest part is 1, not its norm.
+  const double of_rounding = derivative.increment() * std::sqrt(static_cast<double>(n) / 3);
+  const auto noise = [&](double e) { return derivative.error() * std::max(1.0, of_rounding / e); };
   const auto look = [&](const VectorXd& v, const std::function<Changes::Left(double)>& at) {
     if (watch) watch();
     const StepSmoothness kind = smoothness_of(at, noise);

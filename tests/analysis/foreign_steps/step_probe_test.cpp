@@ -95,6 +95,19 @@ TEST(StepProbe, BodiesOfMoreThan300NumbersHaveTheirLimits) {
   expect_right(LatticeSupport::free, Scheme::implicit_euler, 330);
 }
 
+TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
+  // The 21st and the 54th of the lattices below.
+  for (const auto& [seed, scheme] :
+       {std::pair(20382, Scheme::implicit_euler), {20415, Scheme::explicit_euler}}) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+    const double numbers = 48 * std::pow(3000.0 / 48, std::uniform_real_distribution(0.0, 1.0)(random));
+    const Lattice lattice = random_lattice(random, LatticeSupport::free, scheme, numbers);
+    LatticeStepper engine(lattice);
+    const ProbedLimit found = probe_steps(engine, {.h0 = 1e-6, .h1 = 1e-5, .rows = 2, .observe = false});
+    EXPECT_EQ(found.smoothness, StepSmoothness::smooth) << status_of(found);
+  }
+}
+
 /// Free bodies, held ones and bodies on a floor, of 48 to 3,000 numbers, with runs as long as those of `hmax
 /// probe`: shorter ones do not show growth of some 1e-4 a step. Takes an hour of an idle core:
 /// test_analysis --gtest_also_run_disabled_tests --gtest_filter='*TwoHundredRandomLattices'
