@@ -190,7 +190,12 @@ std::unique_ptr<Scene> scene_of(const Argument& argument) {
   guarded([&] {
     scene->m = mj_loadXML(argument.file.c_str(), nullptr, message.data(), static_cast<int>(message.size()));
   });
-  if (!scene->m) throw Failure{in_one_line(message.c_str())};
+  if (!scene->m)
+    throw Failure{
+        in_one_line(message.c_str()) +
+        (message.find("'flexcomp'") == message.npos
+             ? ""
+             : "; this MuJoCo has no flexes, `hmax stability predict --scene FILE` reads one as a body")};
   if (scene->m->nv == 0) throw Failure{"nothing in the scene moves; give a body a joint"};
   if (!(scene->m->opt.timestep > 0)) throw Failure{"the timestep is not positive; write one like 0.002"};
   const int keyframe = argument.keyframe.empty() ? -1 : number_of_keyframe(scene->m, argument.keyframe);

@@ -34,7 +34,8 @@ struct Scene {
 /// the like, also of nodes below, springs on all edges, masses, FixedProjectiveConstraint, BoxROI,
 /// ConstantForceField; implicit and explicit Euler, Newmark and Runge-Kutta solvers. FEBio .feb of format
 /// 4.0: tet4 of isotropic elastic and neo-Hookean solids, zero displacements, nodal and constant body loads,
-/// static and dynamic analyses.
+/// static and dynamic analyses. MuJoCo .xml: one flexcomp of dim 3 with elasticity and pins, of type grid,
+/// direct or gmsh, that only gravity acts on; its option.
 /// @param units    of length, mass and time, which files do not say: "m,kg,s", "mm,t,s", or numbers of
 ///                 metres, kilograms and seconds
 /// @param ignored  parts that are left out where they are not understood: "CLOAD,BOUNDARY"

@@ -52,8 +52,10 @@ struct SceneFormat {
   std::string_view extension;
   void (*read)(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 };
-constexpr std::array<SceneFormat, 3> formats{
-    {{".inp", read_inp_scene}, {".scn", read_sofa_scene}, {".feb", read_febio_scene}}};
+constexpr std::array<SceneFormat, 4> formats{{{".inp", read_inp_scene},
+                                              {".scn", read_sofa_scene},
+                                              {".feb", read_febio_scene},
+                                              {".xml", read_mujoco_scene}}};
 
 }  // namespace
 
@@ -185,13 +187,13 @@ void require_in_range(const Scene& scene, const Parameters& parameters) {
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
   const std::string extension = lower(std::filesystem::path(file).extension().string());
   const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
-  if (is_listed(extension, ".xml|.fmu"))
+  if (extension == ".fmu")
     throw InputError(
         fmt::format("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file));
   if (format == formats.end())
     throw InputError(
         fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
-                    ".scn of SOFA, or .feb of FEBio",
+                    ".scn of SOFA, .feb of FEBio, or .xml of MuJoCo",
                     file));
   try {
     return within_memory(file, [&] {

@@ -64,10 +64,11 @@ class SceneBuilder {
   std::map<std::int64_t, Eigen::Vector3d> forces_;  ///< by points [N]
 };
 
-/// CalculiX's and Abaqus' .inp, SOFA's .scn, FEBio's .feb. @throws InputError, std::invalid_argument  as
-/// read_scene()
+/// CalculiX's and Abaqus' .inp, SOFA's .scn, FEBio's .feb, MuJoCo's .xml. @throws InputError,
+/// std::invalid_argument  as read_scene()
 void read_inp_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 void read_sofa_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 void read_febio_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
+void read_mujoco_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder);
 
 }  // namespace hmax

@@ -492,7 +492,7 @@ std::string second_order_in_words(const MeshFile& file) {
 void add_mesh_argument(CLI::App& command, MeshCommand& options) {
   require(add_text(
       command, "mesh,--mesh", options.mesh,
-      "A file (.msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb), or liver, phantom, beam, cube, ball; parameters like "
+      "A file (.msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb .xml), or liver, phantom, beam, cube, ball; parameters like "
       "ball:n=6, all take :refine=K, :mend=N and :merge=TOL"));
 }
 

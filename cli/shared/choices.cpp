@@ -40,7 +40,7 @@ void MeshOptions::add_to(CLI::App& command) {
            "Tissue on a mesh: a name of `hmax mesh`, like liver or ball:n=8, or a mesh file", "NAME");
   add_text(
       command, "--scene", scene,
-      "Body, load and step of another program's scene, with --unit: CalculiX/Abaqus .inp, SOFA .scn, FEBio .feb",
+      "Body, load and step of another program's scene, with --unit: CalculiX/Abaqus .inp, SOFA .scn, FEBio .feb, MuJoCo .xml",
       "FILE");
   add_text(command, "--ignore", ignored,
            "Parts of --scene that are left out where hmax does not understand them, like CLOAD,BOUNDARY",

@@ -24,7 +24,7 @@ struct MeshFormat {
   /// From the bytes of one file; null where a mesh takes two. @param name  in errors
   MeshFile (*read)(const std::string& name, std::string_view text);
 };
-constexpr std::array<MeshFormat, 10> formats{{{".msh", read_gmsh},
+constexpr std::array<MeshFormat, 11> formats{{{".msh", read_gmsh},
                                               {".vtk", read_vtk},
                                               {".vtu", read_vtu},
                                               {".node", nullptr},
@@ -33,7 +33,8 @@ constexpr std::array<MeshFormat, 10> formats{{{".msh", read_gmsh},
                                               {".veg", read_vega},
                                               {".inp", read_inp},
                                               {".scn", read_sofa},
-                                              {".feb", read_febio}}};
+                                              {".feb", read_febio},
+                                              {".xml", read_mujoco}}};
 
 /// ".msh .vtk .vtu ..."
 std::string known_extensions() {

@@ -61,9 +61,9 @@ struct MeshFile {
 MeshFile counted_from_one(TetMesh mesh, std::string name = {});
 
 /// Reads Gmsh .msh (1, 2, 4.0, 4.1; ASCII and binary), VTK .vtk and .vtu, TetGen .node/.ele (either of the
-/// pair), Medit .mesh, Vega .veg, CalculiX and Abaqus .inp, SOFA .scn, FEBio .feb. Tetrahedra are kept, those
-/// of second order as their corners and `middles`; points, lines and triangles are kept where they belong to
-/// a group; other volumes are refused.
+/// pair), Medit .mesh, Vega .veg, CalculiX and Abaqus .inp, SOFA .scn, FEBio .feb, MuJoCo .xml. Tetrahedra
+/// are kept, those of second order as their corners and `middles`; points, lines and triangles are kept where
+/// they belong to a group; other volumes are refused.
 /// @throws std::invalid_argument one sentence with file, line or byte, and remedy
 MeshFile read_mesh_file(const std::filesystem::path& file);
 

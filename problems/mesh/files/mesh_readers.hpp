@@ -26,6 +26,7 @@ MeshFile read_vega(const std::string& name, std::string_view text);
 MeshFile read_inp(const std::string& name, std::string_view text);
 MeshFile read_sofa(const std::string& name, std::string_view text);
 MeshFile read_febio(const std::string& name, std::string_view text);
+MeshFile read_mujoco(const std::string& name, std::string_view text);
 
 /// Columns behind those that a reader needs. Nobody uses them, but each row has as many as the first one: a
 /// row of another length has lost or gained a number.

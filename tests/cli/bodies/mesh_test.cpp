@@ -254,10 +254,10 @@ TEST(Mesh, WhatIsNoMeshFileIsToldTheExtensionsThatAreRead) {
   write_text(shell / "a.stl", "solid");
   for (const char* command : {"mesh info ", "mesh check ", "run --unit m --method rk4 --h 1 --mesh "}) {
     expect_refused(shell.hmax(std::string(command) + "folder.msh"),
-                   "is a folder; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb in it");
+                   "is a folder; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb .xml in it");
     expect_refused(
         shell.hmax(std::string(command) + "a.stl"),
-        "no mesh by its extension; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb");
+        "no mesh by its extension; name a file .msh .vtk .vtu .node .ele .mesh .veg .inp .scn .feb .xml");
   }
 }
 

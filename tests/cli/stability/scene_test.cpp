@@ -186,7 +186,8 @@ TEST(StabilityOfScenes, AreModelsOfAllCommands) {
   expect_refused(shell.hmax("stability predict --materials tissue:liver,tissue:fibroadenoma" + scene),
                  "judged for one material");
   expect_refused(shell.hmax("probe bar.inp"), "`hmax stability predict --scene FILE`");
-  expect_refused(shell.hmax("stability predict --unit m,kg,s --scene a.xml"), "`hmax probe FILE`");
+  write_text(shell / "a.xml", "<mujoco/>");
+  expect_refused(shell.hmax("stability predict --unit m,kg,s --scene a.xml"), "`hmax probe` takes all of it");
   expect_refused(shell.hmax("stability predict --scene none.inp --unit m,kg,s"), "none.inp");
 }
 
