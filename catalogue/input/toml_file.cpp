@@ -14,6 +14,7 @@
 #include "catalogue/input/suggest.hpp"
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
+#include "core/text/utf8.hpp"
 
 // The one translation unit that sees toml++. Its assertions guard against what a user can type (a '[' at the
 // end of a line), and its own error handling behind them is sound: they are defined away, not turned into
@@ -172,8 +173,7 @@ void TomlDocument::fail(std::string_view place, std::string_view message) const 
 }
 
 TomlDocument parse_toml(std::string_view text, std::string name) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  text = without_byte_order_mark(text);
   check_text(text, name);
   TomlDocument document{.name = std::move(name), .root = Json::object()};
   try {

@@ -13,4 +13,10 @@ std::size_t utf8_character(std::string_view text);
 /// `text` with \xE9 for each byte, here E9, that is part of no character. UTF-8 stays as it is.
 std::string as_utf8(std::string_view text);
 
+/// `text` without the mark by which Windows tells UTF-8, which stands before what other programs begin with.
+constexpr std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.substr(text.starts_with(mark) ? mark.size() : 0);
+}
+
 }  // namespace hmax

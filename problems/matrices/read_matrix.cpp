@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/process/whole_file.hpp"
+#include "core/text/utf8.hpp"
 #include "problems/matrices/matrix_readers.hpp"
 #include "problems/mesh/files/mesh_text.hpp"
 
@@ -42,7 +43,7 @@ std::string known_and_not_read(std::string_view bytes) {
 
 MatrixFile matrix_from(const std::string& name, std::string_view bytes) {
   const auto fail = [&](const std::string& text) { throw std::invalid_argument(name + ": " + text); };
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // the byte order mark of UTF-8
+  bytes = without_byte_order_mark(bytes);
   if (bytes.empty()) fail("the file is empty; export the matrix again");
   if (starts_as_matrix_market(bytes)) return read_matrix_market(name, bytes);
   if (is_petsc(bytes)) return read_petsc(name, bytes);

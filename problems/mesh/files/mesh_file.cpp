@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/process/whole_file.hpp"
+#include "core/text/utf8.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -85,11 +86,8 @@ MeshFile counted_from_one(TetMesh mesh, std::string name) {
 }
 
 MeshFile read_mesh(const std::string& name, std::string_view text) {
-  if (const MeshFormat* format = format_of(name); format != nullptr && format->read != nullptr) {
-    // The mark by which Windows tells UTF-8 stands before what other programs begin with.
-    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    return format->read(name, text);
-  }
+  if (const MeshFormat* format = format_of(name); format != nullptr && format->read != nullptr)
+    return format->read(name, without_byte_order_mark(text));
   throw std::invalid_argument("'" + name + "' is no mesh by its extension; name a file " +
                               known_extensions());
 }

@@ -199,6 +199,24 @@ TEST_F(Scenes, EndWithoutALineBreakWhereNothingCanBeMissing) {
   EXPECT_TRUE(says(error(whole + "*SURFACE, NAME=A\nEALL"), "the last line has no end"));
 }
 
+TEST_F(Scenes, BeginWithTheMarkOfUtf8) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(read(mark + whole).step, 1e-5);
+  write_text(folder / "steel.inc", mark + material);
+  EXPECT_EQ(value(read(mark + replaced(whole, material, "*INCLUDE, INPUT=steel.inc\n")), "E"), 2.1e11);
+}
+
+TEST_F(Scenes, HaveElementsThatGoOnBehindAComma) {
+  const TetMesh::Tetrahedra corners = body(read(whole))->mesh().tetrahedra;
+  const auto with = [&](const char* element) {
+    return body(read(replaced(whole, "\n2,1,6,5,8\n", element)))->mesh().tetrahedra;
+  };
+  EXPECT_EQ(with("\n2,1,6,\n5,8\n"), corners);
+  EXPECT_EQ(with("\n2,\n1,6,\n5,\n8\n"), corners);
+  EXPECT_EQ(with("\n2,1,6,5,8,\n"), corners);
+  EXPECT_TRUE(says(error(replaced(whole, "\n2,1,6,5,8\n", "\n2,1,6,\n")), "more than four nodes"));
+}
+
 /// What Abaqus/CAE writes: sets of the part and of the assembly may have the same name.
 TEST_F(Scenes, HaveOnePartInOneInstance) {
   const std::string part = std::string("*Heading\n*Part, name=Bar\n") + std::string(mesh).substr(9) +

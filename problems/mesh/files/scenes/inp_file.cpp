@@ -7,6 +7,7 @@
 
 #include "core/process/whole_file.hpp"
 #include "core/text/split.hpp"
+#include "core/text/utf8.hpp"
 
 namespace hmax {
 
@@ -34,8 +35,9 @@ std::optional<std::string> InpCard::parameter(const std::string& name) const {
   return found == parameters.end() ? std::nullopt : std::optional(found->second);
 }
 
-InpFile::InpFile(const std::string& name, std::string_view bytes) : text_(name, bytes) {
-  read(text_, bytes, 0, 0);
+InpFile::InpFile(const std::string& name, std::string_view bytes)
+    : text_(name, without_byte_order_mark(bytes)) {
+  read(text_, without_byte_order_mark(bytes), 0, 0);
   find_part();
 }
 
@@ -63,7 +65,8 @@ void InpFile::read(MeshText lines, std::string_view bytes, std::int64_t own_line
       fail(place, "an input file begins with a keyword such as *NODE and not with " + in_quotes(line) +
                       "; export it again or correct the extension");
     } else if (!goes_on_) {
-      cards_.back().lines.push_back({.place = place, .fields = std::move(fields)});
+      cards_.back().lines.push_back(
+          {.place = place, .fields = std::move(fields), .goes_on = line.ends_with(',')});
       continue;
     }
     for (const std::string_view field : fields) {
@@ -99,7 +102,7 @@ void InpFile::include(std::int64_t place, std::int64_t own_line, int depth) {
   if (std::error_code ignored; !std::filesystem::is_regular_file(file, ignored))
     fail(place, "there is no file " + in_quotes(name) + " to include; correct the name");
   included_.push_back(std::make_unique<const std::string>(read_whole(file, "an input file")));
-  const std::string& bytes = *included_.back();
+  const std::string_view bytes = without_byte_order_mark(*included_.back());
   read(MeshText(file.string(), bytes), bytes, own_line, depth + 1);
 }
 

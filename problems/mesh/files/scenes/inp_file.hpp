@@ -20,6 +20,7 @@ namespace hmax {
 struct InpLine {
   std::int64_t place = 0;
   std::vector<std::string_view> fields;  ///< without blanks around them
+  bool goes_on = false;                  ///< it ends with a comma
 };
 
 /// A keyword with its parameters, in upper case, and the lines below it.

@@ -98,7 +98,13 @@ class InpMeshReader {
     const auto named = card.parameter("ELSET");
     if (named && std::ranges::find(element_cards_, *named, &ElementCard::first) == element_cards_.end())
       element_cards_.emplace_back(*named, &card);
-    for (const InpLine& line : card.lines) {
+    for (std::size_t next = 0; next < card.lines.size();) {
+      InpLine line = card.lines[next++];
+      for (; line.goes_on && line.fields.size() < 5 && next < card.lines.size(); ++next) {
+        const InpLine& more = card.lines[next];
+        line.fields.insert(line.fields.end(), more.fields.begin(), more.fields.end());
+        line.goes_on = more.goes_on;
+      }
       const std::int64_t number = file_.integer(line, 0, "the number of an element");
       std::array<TetMesh::Index, 4> corners{};
       for (std::size_t k = 0; k < 4; ++k)
