@@ -10,6 +10,7 @@
 #include "core/ranks/module.hpp"
 #include "core/text/digest.hpp"
 #include "core/text/split.hpp"
+#include "problems/mesh/files/mesh_text.hpp"
 
 namespace hmax {
 namespace {
@@ -28,7 +29,7 @@ constexpr std::string_view read_as_bodies = ".inp|.scn|.feb";
 }  // namespace
 
 const EngineFormat* engine_format(const fs::path& file) {
-  const std::string ending = file.extension().string();
+  const std::string ending = lower(file.extension().string());
   const auto* const kind = std::ranges::find_if(
       engine_formats, [&](const EngineFormat& each) { return is_listed(ending, each.endings); });
   return kind == engine_formats.end() ? nullptr : kind;
@@ -36,12 +37,13 @@ const EngineFormat* engine_format(const fs::path& file) {
 
 PluginName parse_engine_file(const std::string& file) {
   constexpr const char* known =
-      "a scene of MuJoCo (.xml), a robot (.urdf) or a body (.vtk) for Bullet, or a unit of FMI 2.0 (.fmu)";
+      "a scene of MuJoCo (.xml), a robot (.urdf) or a body (.vtk, .vtu, .msh) for Bullet, or a unit of FMI 2.0 "
+      "(.fmu)";
   std::error_code ignored;
   if (!fs::exists(file, ignored))
     throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
   const EngineFormat* const kind = engine_format(file);
-  if (is_listed(fs::path(file).extension().string(), read_as_bodies))
+  if (is_listed(lower(fs::path(file).extension().string()), read_as_bodies))
     throw InputError(
         fmt::format("'{}' is no scene that is probed; `hmax stability predict --scene FILE` takes it", file));
   if (!kind || !fs::is_regular_file(file, ignored))

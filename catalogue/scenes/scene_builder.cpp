@@ -187,7 +187,7 @@ void require_in_range(const Scene& scene, const Parameters& parameters) {
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
   const std::string extension = lower(std::filesystem::path(file).extension().string());
   const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
-  if (extension == ".fmu")
+  if (is_listed(extension, ".fmu|.urdf"))
     throw InputError(
         fmt::format("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file));
   if (format == formats.end())

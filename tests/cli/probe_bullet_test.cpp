@@ -90,6 +90,10 @@ TEST_F(ProbeBullet, TheDamperThatATimestepIsTooLongForIsNamed) {
   EXPECT_NEAR(all["owner"]["share"].get<double>(), 1, 1e-3);
   EXPECT_NEAR(all["owner"]["damping"]["largest"].get<double>(), (480 - link_damping) * 0.5, 1);
   EXPECT_TRUE(says(probe(sled).out, "is above the limit 0.0025 s; 2 substeps"));
+  write_text(shell_ / "SLED.URDF", sled);
+  const Told loud = shell_.hmax("probe SLED.URDF --json");
+  EXPECT_EQ(loud.exit_code, 0) << loud.err;
+  EXPECT_EQ(loud.json()["h_max"], all["h_max"]);
 }
 
 TEST_F(ProbeBullet, PendulumsAreThoseOfTheirMassesAndMoments) {
