@@ -96,6 +96,16 @@ PluginName plugin_of(const SceneName& scene) {
   return plugin;
 }
 
+std::string limit_beside(double limit, double h) {
+  constexpr int most = 17;  // tell every double
+  for (int digits = 4; digits < most; ++digits) {
+    std::string text = rounded_text(limit, digits);
+    const double told = to_number(text).value_or(limit);
+    if (h == limit || (h < limit ? h < told : h > told)) return text;
+  }
+  return rounded_text(limit, most);
+}
+
 std::string in_words(const OwnStep& own, const ProbedLimit& found) {
   std::string text = fmt::format("timestep  {} s ", to_text(own.h));
   if (own.stable && found.smoothness == StepSmoothness::jump)
@@ -112,8 +122,8 @@ std::string in_words(const OwnStep& own, const ProbedLimit& found) {
   else if (!*own.stable && own.h <= found.h_max)
     text += "grows, in a window of step sizes below h_max";
   else
-    text +=
-        fmt::format("is {} the limit {} s", *own.stable ? "below" : "above", rounded_text(found.h_max, 4));
+    text += fmt::format("is {} the limit {} s", *own.stable ? "below" : "above",
+                        limit_beside(found.h_max, own.h));
   if (own.substeps && *own.substeps > 1)
     text += fmt::format("; {} substeps of {} s are stable", *own.substeps,
                         rounded_text(own.h / static_cast<double>(*own.substeps), 4));

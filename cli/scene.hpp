@@ -23,6 +23,9 @@ struct SceneName {
 ///                     for a body that cannot be made or that Bullet does not have
 PluginName plugin_of(const SceneName& scene);
 
+/// A limit in four digits, or in as many as tell on which side of it the step h is: "0.0099998" beside 0.01.
+std::string limit_beside(double limit, double h);
+
 /// Lines of people, each with its end; @param h1  [s]
 std::string in_words(const OwnStep& own, const ProbedLimit& found);
 

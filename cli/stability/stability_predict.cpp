@@ -14,6 +14,7 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
+#include "cli/scene.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
@@ -180,9 +181,10 @@ struct SceneAnswer {
     if (std::isnan(limit) || (scene.step && !within))
       return fmt::format("{} is not judged: {}\n", with, why_not_judged());
     if (!scene.step) return fmt::format("{} is stable up to {:.4g} s\n", with, limit);
-    if (*within) return fmt::format("{} is below the limit, {:.4g} s\n", with, limit);
+    if (*within) return fmt::format("{} is below the limit, {} s\n", with, limit_beside(limit, *scene.step));
     const bool grows = row.bound == name_of(Bound::stability) && !(*scene.step < row.h_unstable);
-    return fmt::format("{} is {}: at most {:.4g} s\n", with, grows ? "unstable" : "above the limit", limit);
+    return fmt::format("{} is {}: at most {} s\n", with, grows ? "unstable" : "above the limit",
+                       limit_beside(limit, *scene.step));
   }
 
   [[nodiscard]] nlohmann::ordered_json to_json() const {

@@ -63,6 +63,23 @@ TEST_F(ProbeScene, TheSpringThatATimestepIsTooLongForIsNamed) {
       << told.out;
 }
 
+/// The limit is 0.004 s, and what is found below it by up to 1e-4.
+TEST_F(ProbeScene, ALimitIsToldInDigitsThatTellItFromTheTimestep) {
+  const std::string scene = sliding("timestep=\"0.004\"", "stiffness=\"250000\"");
+  const Told told = probe(scene);
+  EXPECT_TRUE(says(told.out, "timestep  0.004 s is above the limit 0.00")) << told.out;
+  EXPECT_FALSE(says(told.out, "the limit 0.004 s")) << told.out;
+}
+
+TEST_F(ProbeScene, TheCaseOfAnEndingDoesNotMatter) {
+  write_text(shell_ / "SLIDE.XML", sliding("timestep=\"0.005\"", "stiffness=\"250000\""));
+  const Told told = shell_.hmax("probe SLIDE.XML --json");
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_NEAR(told.json()["h_max"].get<double>(), 0.004, 1e-6);
+  write_text(shell_ / "BAR.INP", "");
+  expect_refused(shell_.hmax("probe BAR.INP"), "`hmax stability predict --scene FILE` takes it");
+}
+
 TEST_F(ProbeScene, EachIntegratorHasItsOwnLimit) {
   // RK4: omega h = 2 sqrt(2).
   const nlohmann::json rk4 = found(sliding("timestep=\"0.001\" integrator=\"RK4\"", "stiffness=\"250000\""));
