@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -26,6 +27,7 @@ using Node = btSoftBody::Node;
 struct Body {
   std::string force;
   double young = 0, poisson = 0, alpha = 0, beta = 0;
+  double mass = 0;  ///< of all points [kg]
   btVector3 gravity;
   std::vector<btVector3> points;
   std::vector<double> masses;  ///< [kg]; 0 where the point is fixed
@@ -46,6 +48,7 @@ Body read(const std::string& text) {
   for (std::size_t i = 0; i < points; ++i) {
     bool is_fixed = false;
     in >> body.points[i][0] >> body.points[i][1] >> body.points[i][2] >> body.masses[i] >> is_fixed;
+    body.mass += body.masses[i];
     if (is_fixed) body.masses[i] = 0;
   }
   for (std::array<int, 4>& each : body.tetrahedra)
@@ -143,7 +146,10 @@ SoftBody::SoftBody(const Body& body) : body_(body) {
   btVector3 low, high;
   soft_->getAabb(low, high);
   size_ = (high - low).length();
-  words_ = std::string("deformable body, ") +
+  std::array<char, 100> material{};
+  std::snprintf(material.data(), material.size(), " of E %.4g Pa, nu %.4g, %.4g kg", body.young, body.poisson,
+                body.mass);
+  words_ = "deformable body" + std::string(material.data()) + ", " +
            (neo_hookean_ ? "btDeformableNeoHookeanForce" : "btDeformableLinearElasticityForce") +
            ", explicit" + (is_held ? "" : ", free");
 }

@@ -180,6 +180,9 @@ TEST_F(ProbeBullet, TheNeoHookeanForceIsSofterThanItsNumbers) {
   const nlohmann::json free = body("--unit m --set E=6000 --set nu=0.3");
   EXPECT_EQ(free["dim"], 30);
   EXPECT_TRUE(says(free["engine"].get<std::string>(), ", free"));
+  // Of a unit, a modulus or a mass that is not meant this tells.
+  EXPECT_TRUE(says(free["engine"].get<std::string>(), "of E 6000 Pa, nu 0.3, "));
+  EXPECT_TRUE(says(body("--unit mm")["engine"].get<std::string>(), "of E 5500 Pa, nu 0.45, "));
   EXPECT_LT(std::abs(free["gap"].get<double>()), 5e-3);
 }
 
