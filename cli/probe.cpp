@@ -200,6 +200,9 @@ struct Question {
 ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>& own) {
   if (!own && (!options.h0 || !options.h1))
     throw InputError("give the step sizes to look at, like --h0 1e-4 --h1 0.1");
+  if (options.motion && !(*options.motion > 0 && std::isfinite(*options.motion)))
+    throw InputError(fmt::format("--motion {} is no length of time; give it in seconds, like 2",
+                                 to_text(*options.motion)));
   const double h0 = options.h0 ? *options.h0 : *own / 100, h1 = options.h1 ? *options.h1 : 100 * *own;
   ProbeSettings settings;
   settings.h0 = h0;
@@ -207,7 +210,7 @@ ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>&
   settings.motion = options.motion;
   settings.observe = !options.no_runs;
   settings.most_seconds = time_limit_of(options.time_limit);
-  if (options.motion && *options.motion > 0 && std::isfinite(*options.motion) && settings.h0 > 0)
+  if (options.motion && settings.h0 > 0)
     refuse_endless(
         {.asked = fmt::format("--motion {} with --h0 {}", to_text(*options.motion), to_text(settings.h0)),
          .count = *options.motion / settings.h0,
@@ -219,7 +222,9 @@ ProbeSettings sizes_of(const ProbeOptions& options, const std::optional<double>&
 
 /// @throws InputError  for options that do not belong together
 Question question_of(const ProbeOptions& options) {
-  if (options.plugin.empty() == options.scene.empty())
+  if (!options.plugin.empty() && !options.scene.empty())
+    throw InputError("a scene and --plugin are given, and one is probed; remove one");
+  if (options.plugin.empty() && options.scene.empty())
     throw InputError(
         "give a scene of MuJoCo (model.xml), a robot (robot.urdf) or a body (body.vtk) for Bullet, a unit of FMI 2.0 "
         "(unit.fmu), the library of your stepper with --plugin FILE.so, or --example FOLDER to begin with one");
@@ -329,8 +334,8 @@ void add_probe(CLI::App& app, Console& console) {
   const auto options = std::make_shared<ProbeOptions>();
   add_text(
       command, "scene", options->scene,
-      "A scene of MuJoCo, a robot.urdf or a body.vtk for Bullet, or a unit of FMI 2.0 (unit.fmu); h0 and h1 are a "
-      "hundredth and a hundred times its timestep",
+      "A scene of MuJoCo, a robot.urdf or a body.vtk, .vtu or .msh for Bullet, or a unit of FMI 2.0 (unit.fmu); h0 and "
+      "h1 are a hundredth and a hundred times its timestep",
       "model.xml");
   add_text(command, "--keyframe", options->keyframe,
            "The scene settles from this keyframe, or begins --motion there", "NAME|NUMBER");
@@ -341,7 +346,8 @@ void add_probe(CLI::App& app, Console& console) {
   add_number(command, "--h1", options->h1, "The largest step size [s]");
   add_number(command, "--motion", options->motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
-  add_timeout(command, options->timeout);
+  add_number(command, "--timeout,--patience", options->timeout,
+             "Timeout of one call of the plugin [s], 60 of a scene; 10 by default");
   add_time_limit(command, options->time_limit);
   add_text(command, "--stiffness", options->stiffness,
            "A stiffness that stands as NAME=NUMBER in ARGUMENT: how much of it steps show, and at most",

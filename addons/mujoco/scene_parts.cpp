@@ -149,9 +149,9 @@ Numbers numbers_of_actuator(const mjModel* m, int i) {
   // Its peak force, or the scale of that.
   if (is_muscle(m, i)) return {gain[2] > 0 ? gain[2] : gain[3], 0};
   Numbers numbers;
-  if (m->actuator_biastype[i] == mjBIAS_AFFINE) numbers = {-bias[1], -bias[2]};
+  if (m->actuator_biastype[i] == mjBIAS_AFFINE) numbers = {0 - bias[1], 0 - bias[2]};  // no -0
   if (m->actuator_gaintype[i] == mjGAIN_AFFINE && numbers.stiffness == 0 && numbers.damping == 0)
-    numbers = {-gain[1], -gain[2]};
+    numbers = {0 - gain[1], 0 - gain[2]};
   return numbers;
 }
 

@@ -94,6 +94,7 @@ TEST_F(ProbeScene, EachIntegratorHasItsOwnLimit) {
   EXPECT_EQ(euler["owner"]["name"], "drive");
   EXPECT_NEAR(euler["owner"]["share"].get<double>(), 1, 1e-3);
   EXPECT_NEAR(euler["owner"]["damping"]["largest"].get<double>(), 2000, 3);
+  EXPECT_EQ(euler["owner"]["stiffness"]["value"].dump(), "0.0");
   const nlohmann::json implicit = found(sliding("timestep=\"0.001\" integrator=\"implicit\"", "", servo));
   EXPECT_EQ(implicit["h_max"], "unbounded");
   EXPECT_EQ(implicit["stable"], true);
@@ -171,7 +172,7 @@ TEST_F(ProbeScene, RefusesWhatIsNoScene) {
   expect_refused(shell_.hmax("probe ."), "'.' is no scene");
   const std::string scene = sliding("", "stiffness=\"100\"");
   expect_refused(probe(scene, "--h0 0.1 --h1 0.01"), "the smaller one first");
-  expect_refused(probe(scene, "--plugin a.so"), "give a scene of MuJoCo");
+  expect_refused(probe(scene, "--plugin a.so"), "a scene and --plugin are given");
   expect_refused(probe(scene, "--stiffness k"), "--stiffness is asked of a --plugin");
   expect_refused(shell_.hmax("stability predict --plugin model.xml --methods rk4"),
                  "'mujoco' of MuJoCo is a stepper and no model");

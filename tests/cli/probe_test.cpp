@@ -77,6 +77,9 @@ TEST(ProbeCommand, RefusesWhatDoesNotWork) {
   expect_refused(probe(TESTED_PLUGIN_VERSION + steps), "version 99");
   expect_refused(probe(tested + ":softened:k=100 --stiffness E" + steps), "has no E=NUMBER");
   expect_refused(probe(tested + ":softened:k=100 --stiffness k --motion 9" + steps), "remove --motion");
+  for (const char* motion : {"-1", "0", "nan", "inf"})
+    expect_refused(probe(tested + " --motion " + motion + steps), "is no length of time");
+  expect_refused(Shell().hmax("probe a.xml --plugin b.so"), "a scene and --plugin are given");
   expect_refused(Shell().hmax("probe"), "--example FOLDER");
   expect_refused(Shell().hmax("probe --example a --plugin b"), "leave out the scene and --plugin");
 }
