@@ -36,7 +36,7 @@ void StepProbe::look_at_start() {
   if (const Eigen::SparseMatrix<double> declared = engine_.pattern(); declared.size() > 0)
     pattern_ = StepPattern(coordinates_.pattern(declared));
   if (!engine_.after(home, start_, settings_.h0, 1).allFinite())
-    throw InputError("a step of h0 from the start is not finite; take a smaller h0");
+    throw InputError("a step of h0 from the start cannot be done or is not finite; take a smaller h0");
   if (settings_.motion) found_.state = ProbedState::motion;
   const std::vector<std::string> remarks =
       examine_hidden_state(engine_, coordinates_, scale_, home, start_, settings_.h0)
@@ -125,7 +125,7 @@ void StepProbe::check_smoothness() {
   if (found_.state == ProbedState::motion || found_.smoothness != StepSmoothness::smooth) return;
   const double h = std::isfinite(found_.h_max) ? 0.9 * found_.h_max : settings_.h0;
   const StepDerivative derivative(engine_, coordinates_, scale_, home, rest_, h);
-  if (!derivative.is_finite()) return;
+  if (!derivative.is_finite() || !std::isfinite(derivative.error())) return;
   if (derivative.error() > 0.01)
     found_.status.push_back("differences of the step at two increments differ by " +
                             rounded_text(derivative.error(), 2) +

@@ -71,6 +71,15 @@ TEST_F(ProbeScene, ALimitIsToldInDigitsThatTellItFromTheTimestep) {
   EXPECT_FALSE(says(told.out, "the limit 0.004 s")) << told.out;
 }
 
+/// All that steps of h0 tell is that there are none; what is not smooth is not known.
+TEST_F(ProbeScene, StepsThatCannotBeDoneAreNotCalledRough) {
+  const nlohmann::json all = found(sliding("timestep=\"0.01\"", "stiffness=\"1e30\""));
+  EXPECT_TRUE(all["h_max"].is_null());
+  const std::string status = all["status"].get<std::string>();
+  EXPECT_TRUE(says(status, "steps of h0 cannot be done; take a smaller h0")) << status;
+  EXPECT_FALSE(says(status, "not smooth")) << status;
+}
+
 TEST_F(ProbeScene, TheCaseOfAnEndingDoesNotMatter) {
   write_text(shell_ / "SLIDE.XML", sliding("timestep=\"0.005\"", "stiffness=\"250000\""));
   const Told told = shell_.hmax("probe SLIDE.XML --json");

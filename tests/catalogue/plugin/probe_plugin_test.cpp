@@ -337,7 +337,7 @@ TEST(ProbePlugin, BadStartsAndStepsAreRefused) {
   EXPECT_EQ(error("chain", {.h0 = 1e-3, .h1 = 0.1, .motion = 0.01}),
             "motion 0.01 is shorter than a step of h1; give its length in seconds");
   EXPECT_EQ(error("crash", {.h0 = 0.1, .h1 = 1}),
-            "a step of h0 from the start is not finite; take a smaller h0");
+            "a step of h0 from the start cannot be done or is not finite; take a smaller h0");
 }
 
 }  // namespace
