@@ -117,13 +117,13 @@ std::string in_words(const OwnStep& own, const ProbedLimit& found) {
     text += std::isinf(found.h_max) && own.h > found.h1
                 ? "is not judged: nothing grows up to h1, which is shorter"
                 : "is not judged: no limit was found that holds";
-  else if (std::isinf(found.h_max))
+  else if (std::isinf(found.limit()))
     text += "is stable: nothing grows up to h1";
-  else if (!*own.stable && own.h <= found.h_max)
+  else if (!*own.stable && own.h <= found.limit())
     text += "grows, in a window of step sizes below h_max";
   else
     text += fmt::format("is {} the limit {} s", *own.stable ? "below" : "above",
-                        limit_beside(found.h_max, own.h));
+                        limit_beside(found.limit(), own.h));
   if (own.substeps && *own.substeps > 1)
     text += fmt::format("; {} substeps of {} s are stable", *own.substeps,
                         rounded_text(own.h / static_cast<double>(*own.substeps), 4));

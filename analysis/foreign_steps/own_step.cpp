@@ -71,15 +71,10 @@ void compare(ForeignStepper& engine, double h0, OwnStep& own, const ProbeWatch& 
   own.stiffness_shown = ratio * ratio;
 }
 
-/// Where steps begin to grow; at a jump, where nothing is predicted, in runs.
-double limit_of(const ProbedLimit& found) {
-  return found.smoothness == StepSmoothness::jump ? found.observed : found.h_max;
-}
-
 /// Whether what was found tells of steps of this size.
 bool is_judged(const ProbedLimit& found, double h) {
   // Beyond h1 nobody looked.
-  if (std::isnan(limit_of(found)) || (std::isinf(limit_of(found)) && h > found.h1 * (1 + 1e-9))) return false;
+  if (std::isnan(found.limit()) || (std::isinf(found.limit()) && h > found.h1 * (1 + 1e-9))) return false;
   if (found.smoothness == StepSmoothness::jump) return true;
   // Between what multipliers and what runs say; with NaN for runs that always grow.
   if (found.contradiction && (std::isnan(found.observed) || (h <= found.h_max) != (h <= found.observed)))
@@ -147,7 +142,7 @@ std::optional<OwnStep> examine_own_step(ForeignStepper& engine, const ProbedLimi
   if (!engine.own_step()) return std::nullopt;
   OwnStep own{.h = *engine.own_step()};
   if (is_judged(found, own.h)) {
-    const double limit = limit_of(found);
+    const double limit = found.limit();
     own.stable = own.h <= limit;
     own.substeps = std::isinf(limit) ? 1 : static_cast<std::int64_t>(std::ceil(own.h / limit));
     if (found.smoothness == StepSmoothness::kink) judge_at_kink(engine, own, watch);

@@ -54,6 +54,11 @@ struct ProbedLimit {
   /// h_max and observed are apart by more than 5 %, along a motion by more than 20 %: one of them is wrong,
   /// or the runs are too short. `status` has a sentence.
   bool contradiction = false;
+  /// That a step is judged by [s]: h_max, or observed at a jump and where it contradicts h_max and is
+  /// smaller.
+  [[nodiscard]] double limit() const {
+    return smoothness == StepSmoothness::jump || (contradiction && observed < h_max) ? observed : h_max;
+  }
   std::vector<std::string> status{};  ///< sentences: what the numbers do not tell
 };
 

@@ -1,6 +1,7 @@
 /// Limits of steppers behind the plugin interface, beside what is known of them in closed form.
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -98,6 +99,15 @@ TEST(ProbePlugin, AStepThatIsTooLongNeedsSubsteps) {
   EXPECT_EQ(own->settles, false);
   EXPECT_EQ(own->owner->part.name, "first");
   EXPECT_NEAR(own->owner->stiffness.alone, 400, 1);
+  // Of two limits that contradict each other the smaller one counts.
+  ProbedLimit torn = found;
+  torn.contradiction = true;
+  torn.observed = 0.03;
+  EXPECT_EQ(examine_own_step(engine, torn, {})->substeps, 4);
+  torn.observed = 0.05;
+  EXPECT_EQ(examine_own_step(engine, torn, {})->substeps, 3);
+  torn.h_max = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(examine_own_step(engine, torn, {})->stable, std::nullopt);
   // The engine is as it was.
   EXPECT_NEAR(probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false}).h_max, 0.04, 1e-5);
   // Where another spring is too stiff as well, no stiffness helps.
