@@ -136,7 +136,10 @@ BodySummary summary_of(const TetMesh& mesh, const TissueSettings& settings) {
   if (settings.skin.kind != SkinSettings::Kind::none) summary.skin = settings.skin.young;
   summary.of_elements = !settings.model.is_of_springs();
   summary.locks = summary.of_elements && !settings.model.resists_locking;
-  if (!summary.of_elements) summary.poisson.fill(poisson_of_springs);
+  if (!summary.of_elements) {
+    summary.poisson.fill(poisson_of_springs);
+    summary.spring = settings.springs.stiffness;
+  }
   double volume = 0, mass = 0;
   for (Eigen::Index e = 0; e < mesh.element_count(); ++e) {
     const double of_element = element_volume(mesh, e);
@@ -173,12 +176,14 @@ std::string in_words(const BodySummary& summary) {
       summary.on_springs > 0 ? fmt::format(", {} held by springs", summary.on_springs) : "";
   const std::string fibres =
       summary.fibre_young[1] > 0 ? fmt::format(", fibres of {} Pa", rounded(summary.fibre_young)) : "";
-  return fmt::format(
-      "E {} Pa, nu {}, {} kg/m^3{}{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}{}",
-      rounded(summary.young), rounded(summary.poisson), rounded(summary.density),
-      summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "", fibres,
-      rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held, summary.points,
-      on_springs, added);
+  const std::string stiffness =
+      summary.spring > 0 ? fmt::format("springs of {} N/m", rounded(summary.spring))
+                         : fmt::format("E {} Pa, nu {}", rounded(summary.young), rounded(summary.poisson));
+  return fmt::format("{}, {} kg/m^3{}{}; {} kg in a box of {} x {} x {} mm; {} of {} nodes fixed{}{}",
+                     stiffness, rounded(summary.density),
+                     summary.regions > 1 ? fmt::format(" in {} regions", summary.regions) : "", fibres,
+                     rounded(summary.mass), rounded(mm.x()), rounded(mm.y()), rounded(mm.z()), summary.held,
+                     summary.points, on_springs, added);
 }
 
 std::vector<std::string> unusual_values(const BodySummary& summary) {

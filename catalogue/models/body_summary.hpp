@@ -19,6 +19,7 @@ struct BodySummary {
   Span density{};               ///< as it results where the mass is given [kg/m^3]
   Span fibre_young{};           ///< of fibres [Pa]; 0: there are none
   bool of_elements = true;      ///< tetrahedra; false: springs
+  double spring = 0;            ///< stiffness of each spring [N/m]; 0: it follows from E
   bool locks = true;            ///< near nu = 1/2
   bool from_mass = false;       ///< densities result from a mass that is given
   double most_compression = 0;  ///< that the model carries under uniaxial stress where E is least [Pa]; 0: no

@@ -36,6 +36,11 @@ TEST(BodySummary, HasTheDensityThatAMassMakes) {
 
 TEST(BodySummary, SpringsHaveAQuarterForNu) { EXPECT_EQ(made("mass_spring@cube:n=2").poisson[1], 0.25); }
 
+TEST(BodySummary, SpringsOfOneStiffnessHaveNoModulus) {
+  EXPECT_TRUE(in_words(made("mass_spring@cube:n=2")).starts_with("E 5500 Pa, nu 0.25, "));
+  EXPECT_TRUE(in_words(made("mass_spring@cube:n=2", {{"k", 120}})).starts_with("springs of 120 N/m, "));
+}
+
 TEST(BodySummary, SlipsInUnitsAreUnusual) {
   const auto sentences = [](std::vector<std::pair<std::string, double>> set) {
     return unusual_values(made("fem_green@cube:n=2", std::move(set)));
