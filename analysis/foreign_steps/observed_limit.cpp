@@ -18,12 +18,18 @@ constexpr double allowed_gap = 0.05, allowed_gap_of_motion = 0.2;
 
 }  // namespace
 
+/// Not so many that a creep of the model is seen.
+std::int64_t StepProbe::steps_of_run(double h) const {
+  const double most = creep_ > 0 ? std::log(4.0) / (creep_ * h) : infinity;
+  return most < static_cast<double>(found_.steps) ? static_cast<std::int64_t>(std::ceil(most)) : found_.steps;
+}
+
 GrowthRun StepProbe::growth_run(double h) const {
   // As far as the step is linear, and above its rounding.
   const double increment = found_.rows.front().increment,
                amplitude =
                    is_single() ? std::clamp(increment / 5, 3e-5, 1e-3) : std::clamp(increment, 1e-7, 1e-6);
-  GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : found_.steps,
+  GrowthRun run{.steps = found_.state == ProbedState::motion ? steps_of_motion(h) : steps_of_run(h),
                 .amplitude = amplitude,
                 .bound = is_single() ? 100 * amplitude : 1e5 * amplitude,
                 .most = is_single() ? 30.0 : 1e4,
@@ -172,9 +178,9 @@ void StepProbe::compare_with_runs() {
     return;
   }
   if (gap > 0 && !is_motion) {
-    const double rate = std::log(at((found_.h_max + shown) / 2).spectral_radius);
-    if (rate * static_cast<double>(found_.steps) < seen_growth) {
-      found_.contradiction = gap > allowed_gap;
+    const double middle = (found_.h_max + shown) / 2, rate = std::log(at(middle).spectral_radius);
+    if (rate * static_cast<double>(steps_of_run(middle)) < seen_growth) {
+      found_.contradiction = gap > allowed_gap && creep_ == 0;
       found_.status.push_back("undecided between " + rounded_text(found_.h_max, 4) + " s and " +
                               rounded_text(shown, 4) + " s: a multiplier grows by " + rounded_text(rate, 2) +
                               " a step between them, which " + runs + " do not show; use the smaller one");

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "core/numbers.hpp"
 
@@ -25,24 +28,31 @@ bool stands(ForeignStepper& engine, double h, double factor, const ProbeWatch& w
   return !row.grows;
 }
 
-bool are_alike(const ScenePart& a, const ScenePart& b) {
-  return a.kind == b.kind && a.stiffness == b.stiffness && a.damping == b.damping;
-}
-
 std::optional<LimitOwner> owner_of(ForeignStepper& engine, const ProbedLimit& found, double h,
                                    const ProbeWatch& watch) {
-  const auto first = std::ranges::max_element(found.shares, {}, &PartShare::sum);
-  if (first == found.shares.end() || !(first->sum() > 0)) return std::nullopt;
+  if (found.shares.empty()) return std::nullopt;
   const std::vector<ScenePart> parts = engine.parts();
-  const auto at = static_cast<std::size_t>(first - found.shares.begin());
-  LimitOwner owner{.part = parts[at], .share = first->sum(), .alike = 0, .stiffness = {}, .damping = {}};
-  std::vector<std::size_t> alike;
+  struct Alike {
+    double share = 0;
+    std::vector<std::size_t> parts;
+  };
+  std::map<std::tuple<std::string, double, double>, Alike> groups;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!are_alike(parts[i], owner.part)) continue;
-    alike.push_back(i);
-    owner.share_of_alike += found.shares[i].sum();
+    Alike& group = groups[{parts[i].kind, parts[i].stiffness, parts[i].damping}];
+    group.share += found.shares[i].sum();
+    group.parts.push_back(i);
   }
-  owner.alike = alike.size();
+  const auto share = [](const auto& group) { return group.second.share; };
+  const auto& [share_of_alike, alike] = std::ranges::max_element(groups, {}, share)->second;
+  if (!(share_of_alike > 0)) return std::nullopt;
+  const std::size_t at =
+      *std::ranges::max_element(alike, {}, [&](std::size_t i) { return found.shares[i].sum(); });
+  LimitOwner owner{.part = parts[at],
+                   .share = found.shares[at].sum(),
+                   .share_of_alike = share_of_alike,
+                   .alike = alike.size(),
+                   .stiffness = {},
+                   .damping = {}};
   if (found.dim > StepSpectrumSettings{}.eigenvalues_to) return owner;
   const auto largest = [&](double own, bool of_damping) {
     LargestNumber number;

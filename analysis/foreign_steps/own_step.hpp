@@ -19,7 +19,8 @@ struct LargestNumber {
   double alone = std::numeric_limits<double>::quiet_NaN(), together = alone;
 };
 
-/// The part with the largest share (step_shares.hpp), and those of its kind, stiffness and damping.
+/// Of the parts of one kind, stiffness and damping that have the largest share together (step_shares.hpp),
+/// the one with the largest.
 struct LimitOwner {
   ScenePart part;
   double share = 0, share_of_alike = 0;

@@ -100,6 +100,7 @@ class StepProbe {
   [[nodiscard]] std::function<void()> watcher() const {
     return [this] { tell(share_, detail_); };
   }
+  [[nodiscard]] std::int64_t steps_of_run(double h) const;
   [[nodiscard]] GrowthRun growth_run(double h) const;
   [[nodiscard]] std::int64_t steps_of_motion(double h) const {
     return std::max<std::int64_t>(1, std::llround(*settings_.motion / h));
