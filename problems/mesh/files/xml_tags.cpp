@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 namespace hmax {
 
@@ -76,6 +77,15 @@ std::size_t end_of_tag(std::string_view whole, std::size_t begin) {
   return std::string_view::npos;
 }
 
+/// An attribute, which XML has once in a tag; empty where there is none.
+std::string_view given_twice(const XmlTag& tag) {
+  std::vector<std::string_view> names;
+  for (const auto& [name, value] : tag.attributes) names.push_back(name);
+  std::ranges::sort(names);
+  const auto twice = std::ranges::adjacent_find(names);
+  return twice == names.end() ? std::string_view() : *twice;
+}
+
 }  // namespace
 
 std::size_t behind_comments(std::string_view whole, std::size_t from) {
@@ -135,6 +145,9 @@ std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std
       tag.attributes.emplace_back(key, inner.substr(open + 1, close - open - 1));
       at = close + 1;
     }
+    if (const std::string_view twice = given_twice(tag); !twice.empty())
+      text.part(begin, whole.size())
+          .fail(in_quotes(twice) + " of the tag " + in_quotes(tag.name) + " is given twice; remove one");
     return tag;
   }
 }

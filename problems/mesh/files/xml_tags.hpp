@@ -29,7 +29,7 @@ std::size_t behind_comments(std::string_view whole, std::size_t from);
 
 /// The first tag at or behind `from`, without comments and declarations; nothing at the end of the text.
 /// @param text  for the name of the file in errors
-/// @throws std::invalid_argument when a tag has no end
+/// @throws std::invalid_argument when a tag has no end, or an attribute twice
 std::optional<XmlTag> next_tag(const MeshText& text, std::string_view whole, std::size_t from);
 
 }  // namespace hmax
