@@ -309,7 +309,7 @@ void add_advise(CLI::App& app, Console& console) {
       app, console, "advise",
       "Which integrator, and how large a step: for a model and a frame rate; exit 1 where nothing suits",
       {"hmax advise --mesh liver --material male_normal --rate 100",
-       "hmax advise --mesh phantom --load tool --rate 1000 --budget 0.5 --json",
+       "hmax advise --mesh phantom --load tool --rate 1000 --budget 0.5 --within 5 --json",
        "hmax advise --problem liver_forced --rate 100 --tolerance 1e-3",
        "hmax advise --problem liver_forced --rate 100 --methods rk4,newmark --output advice.html"});
   const auto options = std::make_shared<AdviseOptions>();

@@ -53,9 +53,9 @@ class MpirunSweep : public testing::Test {
 
 constexpr const char* quick =
     "sweep --problems liver_forced,liver_linear --methods rk4,ode45 --h 0.2,0.1,0.001 --t-end 10 ";
-// Sixteen blocks of 13 rows, each of half a second.
+// Sixteen blocks of 13 rows, each of a quarter of a second.
 constexpr const char* longer =
-    "sweep --methods explicit_runge_kutta --repeats 20 --fixed --t-end 50 "
+    "sweep --methods explicit_runge_kutta --repeats 10 --fixed --t-end 50 "
     "--h 0.2,0.19,0.18,0.17,0.16,0.15,0.14,0.13,0.12,0.11,0.1,0.09,0.08,0.07,0.06,0.05 ";
 
 TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
