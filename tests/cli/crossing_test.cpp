@@ -41,7 +41,8 @@ const std::vector<Model>& models() {
       {"--matrices jacobian=J.mtx", "matrices:jacobian=J.mtx", false, false, true,
        "alpha=0:1:2 beta=0:0.1:2"},
       {std::string("--plugin ") + EXAMPLE_MODEL, "pendulum#", true, false, false, "k=1:2:2 m=1:2:2"},
-      {"--mesh cube:n=1 --beta 0.003", "fem_green@cube:n=1", true, true, true, "E=5000:6000:2 rho=900:1000:2"}};
+      {"--mesh cube:n=1 --beta 0.003", "fem_green@cube:n=1", true, true, true,
+       "E=5000:6000:2 rho=900:1000:2"}};
   return all;
 }
 
