@@ -36,9 +36,10 @@ constexpr std::array<Refused, 8> refused{{{"include", "what another file holds i
 struct MujocoIntegrator {
   std::string_view name, method;
 };
-/// Elastic forces of points of their own are explicit in all of them, as is their damping: MuJoCo's implicit
-/// integrators have no derivative of them.
-constexpr std::array<MujocoIntegrator, 4> integrators{{{"Euler", "symplectic_euler"},
+/// `implicit` and `implicitfast` have no derivative of the elasticity and damping of points of their own, so
+/// that both are explicit. `discrete`: (M + h D + h^2 K) dv = h (f - h K v), with K at rest as ours.
+constexpr std::array<MujocoIntegrator, 5> integrators{{{"Euler", "symplectic_euler"},
+                                                       {"discrete", "linearly_implicit_euler"},
                                                        {"implicit", "symplectic_euler"},
                                                        {"implicitfast", "symplectic_euler"},
                                                        {"RK4", "rk4"}}};
@@ -68,8 +69,7 @@ class MujocoSceneReader {
     builder_.set_step(step_);
     builder_.set_support(mesh.groups.empty() || mesh.groups.front().name != mujoco_pinned ? ""
                                                                                           : mujoco_pinned);
-    builder_.scene.notes.emplace_back(
-        "MuJoCo damps with the stiffness of the state, hmax with that at rest; contacts of the flexcomp are not read");
+    builder_.scene.notes.emplace_back("contacts of the flexcomp with itself and others are not read");
   }
 
  private:
@@ -147,9 +147,10 @@ class MujocoSceneReader {
   void set_method() {
     const auto* const known = std::ranges::find(integrators, integrator_, &MujocoIntegrator::name);
     if (known == integrators.end())
-      file_.fail(*integrator_place_,
-                 fmt::format("the integrator is {}, and Euler, implicit, implicitfast and RK4 are read",
-                             in_quotes(integrator_)));
+      file_.fail(
+          *integrator_place_,
+          fmt::format("the integrator is {}, and Euler, implicit, implicitfast, RK4 and discrete are read",
+                      in_quotes(integrator_)));
     builder_.scene.integrator = known->name;
     builder_.scene.method = known->method;
   }
@@ -183,6 +184,8 @@ class MujocoSceneReader {
         file_.fail(*part,
                    "a plugin gives the flexcomp its elasticity, as before MuJoCo 3.3; write "
                    "<elasticity young= poisson= damping=/>");
+      else if (part->type == "elasticity" && elasticity_)
+        file_.fail(*part, "elasticity is given twice; remove one");
       else if (part->type == "elasticity")
         elasticity_ = part;
       else if (!is_listed(part->type, "contact|pin"))
@@ -196,7 +199,11 @@ class MujocoSceneReader {
         refuse(name, *elasticity_, fmt::format("{} of elasticity is not understood", in_quotes(name)));
     builder_.add_material("", number(*elasticity_, "young", 0), number(*elasticity_, "poisson", 0),
                           std::nullopt, fmt::format("{}, line {}", file_.name(), elasticity_->place));
-    builder_.set_damping(0, number(*elasticity_, "damping", 0));
+    const double damping = number(*elasticity_, "damping", 0);
+    builder_.set_damping(0, damping);
+    if (damping != 0)
+      builder_.scene.notes.emplace_back(
+          "MuJoCo damps with the stiffness of the state, hmax with that at rest");
   }
 
   void read_edge(const XmlPart& edge) {

@@ -15,6 +15,8 @@
 namespace hmax {
 
 struct MeshFile;  // problems/mesh/files/mesh_file.hpp
+class XmlFile;    // problems/mesh/files/scenes/xml_file.hpp
+struct XmlPart;
 
 MeshFile read_gmsh(const std::string& name, std::string_view text);
 /// @param version  "4.0" or "4.1"
@@ -27,6 +29,16 @@ MeshFile read_inp(const std::string& name, std::string_view text);
 MeshFile read_sofa(const std::string& name, std::string_view text);
 MeshFile read_febio(const std::string& name, std::string_view text);
 MeshFile read_mujoco(const std::string& name, std::string_view text);
+
+/// An attribute of a part of XML.
+struct XmlList {
+  const XmlPart& part;
+  std::string_view attribute;
+};
+/// The mesh of three coordinates of each point, and of four points of each tetrahedron, counted from 0.
+/// @throws std::invalid_argument  naming file, line and attribute
+MeshFile listed_mesh(const XmlFile& file, const XmlList& points, const XmlList& corners,
+                     const std::string& format);
 
 /// Columns behind those that a reader needs. Nobody uses them, but each row has as many as the first one: a
 /// row of another length has lost or gained a number.

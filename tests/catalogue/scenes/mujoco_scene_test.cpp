@@ -60,6 +60,7 @@ TEST_F(MujocoScenes, AreBodiesWithTheirElasticityAndPins) {
 
 TEST_F(MujocoScenes, TakeTheOptions) {
   EXPECT_EQ(read(changed("implicitfast", "RK4")).method, "rk4");
+  EXPECT_EQ(read(changed("implicitfast", "discrete")).method, "linearly_implicit_euler");
   EXPECT_EQ(read(changed("integrator=\"implicitfast\"", "")).method, "symplectic_euler");
   const std::string option =
       corner.substr(corner.find("<option"), corner.find("<worldbody") - corner.find("<option"));
@@ -148,7 +149,7 @@ TEST_F(MujocoScenes, NameWhatTheyDoNotUnderstand) {
       {"springs besides", {"<contact", "<edge stiffness=\"3\"/><contact"}},
       {"a plugin gives", {"<contact", "<plugin plugin=\"mujoco.elasticity.solid\"/><contact"}},
       {"no elasticity with a positive young", {"young=\"1000\"", ""}},
-      {"integrator is 'discrete'", {"implicitfast", "discrete"}},
+      {"integrator is 'verlet'", {"implicitfast", "verlet"}},
       {"timestep is not positive", {"\"0.001\"", "\"0\""}},
       {"viscosity is there", {"solver=\"CG\"", "viscosity=\"1\""}},
       {"spring is disabled", {"gravity=\"0 0 0\"/>", "><flag spring=\"disable\"/></option>"}},
@@ -157,6 +158,8 @@ TEST_F(MujocoScenes, NameWhatTheyDoNotUnderstand) {
       {"no point 4 to pin", {"id=\"0 1\"", "id=\"0 4\""}},
       {"no point -1 to pin", {"range=\"2 2\"", "range=\"-1 2\""}},
       {"first and a last place", {"range=\"2 2\"", "range=\"2\""}},
+      {"range ends before it begins", {"range=\"2 2\"", "range=\"2 1\""}},
+      {"elasticity is given twice", {"<contact", "<elasticity/><contact"}},
       {"of type grid; pin by id", {"range=\"2 2\"", "grid=\"0 0 0\""}},
       {"mass is not positive", {"mass=\"4\"", "mass=\"-4\""}},
       {"10 numbers, which are not three",

@@ -29,7 +29,9 @@ class FlexcompReader {
     if (!is_listed(type, "grid|direct|gmsh"))
       file_.fail(flex_, "the flexcomp is of type " + in_quotes(type) +
                             ", and grid, direct and gmsh are read; mesh the body and name its .msh");
-    MeshFile mesh = type == "grid" ? grid() : type == "direct" ? direct() : from_gmsh();
+    MeshFile mesh = type == "grid"     ? grid()
+                    : type == "direct" ? listed_mesh(file_, {flex_, "point"}, {flex_, "element"}, "MuJoCo")
+                                       : from_gmsh();
     place(mesh.mesh, type != "grid");
     pin(mesh);
     return mesh;
@@ -95,23 +97,6 @@ class FlexcompReader {
     return static_cast<Index>((i * count_[1] + j) * count_[2] + k);
   }
 
-  MeshFile direct() {
-    const std::vector<double> x = file_.numbers(flex_, "point");
-    if (x.empty() || x.size() % 3 != 0)
-      file_.fail(flex_, "point has " + std::to_string(x.size()) +
-                            " numbers, which are not three of each point; correct it");
-    MeshBuilder builder;
-    for (std::size_t i = 0; i < x.size(); i += 3) builder.add_point(x[i], x[i + 1], x[i + 2]);
-    MeshText corners = file_.values(flex_, flex_.tag.attribute("element"));
-    for (std::int64_t t = 0; !corners.at_end(); ++t) {
-      std::array<Index, 4> four{};
-      for (Index& corner : four)
-        corner = builder.counted_point(corners.integer("a corner"), file_.at(flex_), t);
-      builder.add_tetrahedron(four, t, flex_.place, 0, file_.at(flex_));
-    }
-    return builder.finish(file_.at(flex_), "MuJoCo");
-  }
-
   /// A mesh beside the model, or in the folder that the compiler names.
   MeshFile from_gmsh() {
     std::filesystem::path folder = std::filesystem::path(file_.name()).parent_path();
@@ -162,7 +147,6 @@ class FlexcompReader {
       const XmlPart& part = *each;
       for (const std::int64_t number : integers(part, "id")) add(part, number);
       for (const auto& [from, to] : spans(part, "range", 1)) {
-        add(part, from[0]);
         add(part, to[0]);
         for (std::int64_t number = from[0]; number <= to[0]; ++number) add(part, number);
       }
@@ -202,6 +186,9 @@ class FlexcompReader {
       Span span{};
       std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(i), axes, span.first.begin());
       std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(i + axes), axes, span.second.begin());
+      for (std::size_t axis = 0; axis < axes; ++axis)
+        if (span.first.at(axis) > span.second.at(axis))
+          file_.fail(part, std::string(attribute) + " ends before it begins; give the first place first");
       found.push_back(span);
     }
     return found;

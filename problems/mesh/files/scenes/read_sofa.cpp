@@ -87,22 +87,9 @@ class SofaMeshReader {
   MeshFile inline_mesh(const XmlPart& topology) const {
     if (!topology.has("tetrahedra"))
       file_.fail(topology, std::string(topology.type) + " has no tetrahedra; " + remedy_);
-    MeshBuilder builder;
     const XmlPart& points =
         topology.has("position") && !is_link(topology.tag.attribute("position")) ? topology : state_;
-    const std::vector<double> x = file_.numbers(points, "position");
-    if (x.empty() || x.size() % 3 != 0)
-      file_.fail(points, "position has " + std::to_string(x.size()) +
-                             " numbers, which are not three of each point; correct it");
-    for (std::size_t i = 0; i < x.size(); i += 3) builder.add_point(x[i], x[i + 1], x[i + 2]);
-    MeshText corners = file_.values(topology, topology.tag.attribute("tetrahedra"));
-    for (std::int64_t t = 0; !corners.at_end(); ++t) {
-      std::array<Index, 4> four{};
-      for (Index& corner : four)
-        corner = builder.counted_point(corners.integer("a corner"), file_.at(topology), t);
-      builder.add_tetrahedron(four, t, topology.place, 0, file_.at(topology));
-    }
-    return builder.finish(file_.at(topology), "SOFA");
+    return listed_mesh(file_, {points, "position"}, {topology, "tetrahedra"}, "SOFA");
   }
 
   /// Points of its own win over those of the topology, and strains are relative to them.
