@@ -1,16 +1,15 @@
 /// Scenes of Bullet as a stepper behind hmax/plugin.h: a child process of hmax opens this module.
 #include <LinearMath/btScalar.h>
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "addons/bullet/scene.hpp"
 #include "addons/stepper.hpp"
 #include "analysis/foreign_steps/settling.hpp"
+#include "problems/mesh/files/mesh_text.hpp"
 
 namespace hmax::bullet {
 namespace {
@@ -49,14 +48,6 @@ const char* settle(Scene& scene) {
   return in_words(Settled::not_at_all);
 }
 
-/// By the ending of its name, whose case does not matter, as to hmax.
-bool is_robot(const std::string& file) {
-  constexpr std::string_view ending = ".urdf";
-  return file.size() >= ending.size() &&
-         std::equal(ending.begin(), ending.end(), file.end() - ending.size(),
-                    [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b - 'A' + 'a' : b); });
-}
-
 /// FILE, "start" where it stays as it is there, and the base of a robot or the text of a body: lines, the
 /// last one of many.
 int create(const char* argument, void** handle) {
@@ -67,7 +58,7 @@ int create(const char* argument, void** handle) {
       return end == of.npos ? std::string() : of.substr(end + 1);
     };
     const std::string second = rest_of(text), third = rest_of(second);
-    std::unique_ptr<Scene> scene = is_robot(file) ? multibody(file, third) : soft_body(third);
+    std::unique_ptr<Scene> scene = lower(file).ends_with(".urdf") ? multibody(file, third) : soft_body(third);
     const char* const outcome = second.starts_with("start") ? "" : settle(*scene);
     std::snprintf(note.data(), note.size(), "Bullet %d.%d, %s%s", BT_BULLET_VERSION / 100,
                   BT_BULLET_VERSION % 100, scene->in_words().c_str(), outcome);
