@@ -18,7 +18,7 @@ constexpr double allowed_gap = 0.05, allowed_gap_of_motion = 0.2;
 
 }  // namespace
 
-/// Not so many that a creep of the model is seen.
+/// As many as found_.steps, but not so many that a creep of the model is seen.
 std::int64_t StepProbe::steps_of_run(double h) const {
   const double most = creep_ > 0 ? std::log(4.0) / (creep_ * h) : infinity;
   return most < static_cast<double>(found_.steps) ? static_cast<std::int64_t>(std::ceil(most)) : found_.steps;
@@ -203,6 +203,7 @@ void StepProbe::observe() {
   engine_.save(at_rest);
   if (found_.smoothness == StepSmoothness::jump) return observe_jumping();
   if (!std::isfinite(found_.h_max)) return observe_beyond_limits();
+  found_.steps = found_.state == ProbedState::motion ? 0 : steps_of_run(found_.h_max);
   bracket(0.998 * found_.h_max, std::min(settings_.h1, beyond_limit()));
   found_.gap = (found_.observed - found_.h_max) / found_.h_max;
   if (!std::isfinite(found_.gap)) found_.gap = nan;
