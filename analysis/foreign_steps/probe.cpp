@@ -287,7 +287,9 @@ void StepProbe::look_where_it_settles(StepSpectrum& row) {
   const bool rests = found_.state == ProbedState::equilibrium;
   if (row.grows && rests && !compares_) return;
   const StepRest found = rest_near(settled_, row.h, 1e-3 * rest_tolerance());
-  if (!(found.error <= (is_single() ? 1e-2 : 1e-4) && found.left <= 1e3 * rest_tolerance())) return;
+  // Of a motion that is even and slow a short step shows little: what it moves counts by its length.
+  const double share = is_single() ? 1 : std::max(1e-3, row.h / settings_.h1);
+  if (!(found.error <= (is_single() ? 1e-2 : 1e-4) && found.left <= 1e3 * share * rest_tolerance())) return;
   row.settled = settled_ = found.y;
   StepSpectrum near = rests ? row : spectrum_near(found.y, row.h);
   row.settles = !near.grows;

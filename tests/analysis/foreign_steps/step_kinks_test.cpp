@@ -1,9 +1,11 @@
 /// Limits of steps that have no derivative at rest, and of models that creep, against their formulas.
 #include "analysis/foreign_steps/step_kinks.hpp"
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -224,9 +226,60 @@ TEST(StepProbe, AModelThatCreepsIsNotUnstable) {
   EXPECT_NEAR(creeps.h_max, 0.2, 1e-4) << remarks_of(creeps);
   EXPECT_TRUE(says(remarks_of(creeps), "the model itself creeps at this state: a motion grows by 0.01 1/s"))
       << remarks_of(creeps);
+  // Runs leave it out, too.
+  EXPECT_NEAR(creeps.observed, 0.2, 1e-3) << remarks_of(creeps);
+  EXPECT_FALSE(creeps.contradiction);
   const ProbedLimit unstable = probe_steps(fast, {.h0 = 5e-5, .h1 = 0.5});
   EXPECT_TRUE(std::isnan(unstable.h_max));
   EXPECT_TRUE(says(remarks_of(unstable), "the model itself is unstable"));
+}
+
+/// An oscillator on three springs of 20 and one of 40.
+class OnFourSprings : public Mapped {
+ public:
+  OnFourSprings() : Mapped(nullptr, VectorXd::Zero(2)) {}
+  [[nodiscard]] std::optional<double> own_step() const override { return 0.01; }
+  [[nodiscard]] std::vector<ScenePart> parts() const override {
+    return {
+        {"spring", "a", 20, 0}, {"spring", "single", 40, 0}, {"spring", "b", 20, 0}, {"spring", "c", 20, 0}};
+  }
+  void scale_part(std::size_t i, double stiffness, double) override { factors_[i] = stiffness; }
+  bool step(double h, std::int64_t count) override {
+    const double k = 20 * (factors_[0] + factors_[2] + factors_[3]) + 40 * factors_[1];
+    VectorXd y = state();
+    for (; count > 0; --count) {
+      y[1] -= h * k * y[0];
+      y[0] += h * y[1];
+    }
+    set_state(y);
+    return true;
+  }
+
+ private:
+  std::array<double, 4> factors_{1, 1, 1, 1};
+};
+
+TEST(OwnStep, TheOwnerIsOneOfThoseThatHaveMostTogether) {
+  OnFourSprings engine;
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false});
+  const std::optional<OwnStep> own = examine_own_step(engine, found, {});
+  ASSERT_TRUE(own && own->owner);
+  EXPECT_EQ(own->owner->alike, 3U);
+  EXPECT_NEAR(own->owner->share, 0.2, 1e-3);
+  EXPECT_NEAR(own->owner->share_of_alike, 0.6, 1e-3);
+}
+
+/// Falls at 9.81 / 500 m/s for ever.
+VectorXd sinking_evenly(const VectorXd& y, double h) {
+  const double v = y[1] - h * (9.81 + 500 * y[1]);
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepProbe, WhatNeverRestsDoesNotSettle) {
+  Mapped engine(sinking_evenly, VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 5e-5, .h1 = 0.1, .observe = false});
+  EXPECT_NEAR(found.h_max, 0.004, 1e-6);
+  for (const StepSpectrum& row : found.rows) EXPECT_NE(row.settles, true) << row.h;
 }
 
 /// A constraint that is softer at longer steps, with a stop that no derivative at the start knows of.
