@@ -336,9 +336,9 @@ void StepProbe::bisect(double low, double high) {
 /// A growth of the model that the longest runs hardly show is a creep, as of bodies on soft contacts: what
 /// the steps add to it is sought. The time is that of 20,000 steps between h0 and h1.
 bool StepProbe::creeps(double rate) {
-  const double time = 20'000 * std::sqrt(settings_.h0 * settings_.h1), seen = std::log(4.0) / time;
-  if (!(rate < seen) || creep_ > 0) return false;
-  creep_ = std::max(2 * rate, seen);
+  const double time = 20'000 * std::sqrt(settings_.h0 * settings_.h1);
+  if (!(rate * time < std::log(4.0)) || creep_ > 0) return false;
+  creep_ = 2 * rate;
   restart_ = true;
   found_.status.push_back("the model itself creeps at this state: a motion grows by " +
                           rounded_text(rate, 2) + " 1/s at every step size, which runs of " +

@@ -269,6 +269,20 @@ TEST(OwnStep, TheOwnerIsOneOfThoseThatHaveMostTogether) {
   EXPECT_NEAR(own->owner->share_of_alike, 0.6, 1e-3);
 }
 
+/// A slow creep beside explicit Euler of x'' + 0.2 x' + 100 x = 0, whose growth is slow beyond 0.002 s.
+VectorXd creeping_beside_a_limit(const VectorXd& y, double h) {
+  return Eigen::Vector3d(y[0] + h * y[1], y[1] - h * (0.2 * y[1] + 100 * y[0]), std::exp(1e-3 * h) * y[2]);
+}
+
+TEST(StepProbe, ACreepHidesLittleOfALimitAndContradictsNoRun) {
+  Mapped engine(creeping_beside_a_limit, VectorXd::Zero(3));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-4, .h1 = 0.01});
+  // 100 h - 0.2 = 2 * 0.002: growth by twice the creep.
+  EXPECT_NEAR(found.h_max, 0.00204, 1e-6) << remarks_of(found);
+  EXPECT_FALSE(found.contradiction) << remarks_of(found);
+  EXPECT_GE(found.observed, found.h_max) << remarks_of(found);
+}
+
 /// Falls at 9.81 / 500 m/s for ever.
 VectorXd sinking_evenly(const VectorXd& y, double h) {
   const double v = y[1] - h * (9.81 + 500 * y[1]);
