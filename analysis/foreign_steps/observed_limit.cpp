@@ -140,7 +140,8 @@ void StepProbe::observe_beyond_limits() {
 void StepProbe::observe_jumping() {
   if (found_.state != ProbedState::equilibrium) {
     found_.steps = 0;
-    found_.status.push_back("neighbours of a motion part at each jump: no runs tell where steps grow");
+    found_.status.push_back(
+        "near runs of a motion separate at each jump, so that no run tells where steps grow");
     return;
   }
   scale_ = plain_scale();
