@@ -1,7 +1,8 @@
 /// The device of a GPU by CUDA: memory, launches, graphs and events.
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,7 @@ namespace hmax {
 namespace {
 
 constexpr int threads = 256;
-constexpr std::int64_t steps_of_a_graph = 64;  // even: displacements end where they began
+constexpr std::size_t launches_of_a_graph = 64;  // or more, where steps that follow one another are more
 
 void check(cudaError_t error, const char* what) {
   if (error != cudaSuccess)
@@ -93,15 +94,15 @@ class Gpu final : public Device {
   void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
   void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
 
-  void run(const BodyStep& step, std::size_t shared, std::int64_t count) override {
+  void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) override {
     const std::size_t bytes = shared * sizeof(double);
     check(cudaFuncSetAttribute(body_steps, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
           "has too little shared memory");
-    const std::int64_t graphs = count / steps_of_a_graph;
-    if (graphs > 0) capture(step, bytes);
+    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
+    if (times >= of_graph) capture(steps, bytes, of_graph);
     timed([&] {
-      for (std::int64_t n = 0; n < graphs; ++n) check(cudaGraphLaunch(graph_, stream_), "does not step");
-      launch(step, bytes, count % steps_of_a_graph);
+      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph_, stream_), "does not step");
+      launch(steps, bytes, times);
     });
   }
 
@@ -122,28 +123,24 @@ class Gpu final : public Device {
     check(cudaStreamSynchronize(stream_), "does not copy");
   }
 
-  void launch(BodyStep step, std::size_t bytes, std::int64_t count) {
-    for (std::int64_t n = 0; n < count; ++n) {
-      body_steps<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
-      std::swap(step.q, step.q_next);
-      std::swap(step.v, step.v_next);
-    }
+  void launch(std::span<const BodyStep> steps, std::size_t bytes, std::int64_t times) {
+    for (std::int64_t n = 0; n < times; ++n)
+      for (const BodyStep& step : steps)
+        body_steps<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
   }
 
   /// A graph of steps, unless it is the one that is there.
-  void capture(const BodyStep& step, std::size_t bytes) {
-    if (graph_ && step.q == of_.q && step.v == of_.v && step.move == of_.move && step.h == of_.h && step.half == of_.half &&
-        step.next_half == of_.next_half && step.body.mass == of_.body.mass)
-      return;
+  void capture(std::span<const BodyStep> steps, std::size_t bytes, std::int64_t times) {
+    if (graph_ && std::equal(steps.begin(), steps.end(), of_.begin(), of_.end())) return;
     if (graph_) cudaGraphExecDestroy(std::exchange(graph_, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
-    launch(step, bytes, steps_of_a_graph);
+    launch(steps, bytes, times);
     check(cudaStreamEndCapture(stream_, &graph), "makes no graph");
     const cudaError_t made = cudaGraphInstantiate(&graph_, graph, 0);
     cudaGraphDestroy(graph);
     check(made, "makes no graph");
-    of_ = step;
+    of_.assign(steps.begin(), steps.end());
   }
 
   template <class Work>
@@ -162,7 +159,7 @@ class Gpu final : public Device {
   cudaStream_t stream_ = nullptr;
   cudaEvent_t begin_ = nullptr, end_ = nullptr;
   cudaGraphExec_t graph_ = nullptr;
-  BodyStep of_{};  ///< what the graph steps
+  std::vector<BodyStep> of_;  ///< what the graph steps
   std::vector<std::unique_ptr<void, FreeMemory>> memory_;
   double milliseconds_ = 0;
 };

@@ -58,6 +58,7 @@ struct BodyArrays {
   const std::int32_t* damp_end;        ///< the end of these, of each free point
   std::int32_t damps;
   double watch;  ///< a larger displacement [m] is told
+  bool operator==(const BodyArrays&) const = default;
 };
 
 /// What becomes of the accelerations.
@@ -65,18 +66,35 @@ enum class Move : std::int32_t {
   start,             ///< they are kept for the first kick
   symplectic_euler,  ///< v += h a, q += h v
   kick_drift,        ///< v += h/2 a twice, q += h v: the end of a step and the beginning of the next
-  kick               ///< v += h/2 a: the end of a step; they are kept
+  kick,              ///< v += h/2 a: the end of a step; they are kept
+  stage              ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
+};
+
+/// The argument of the next stage of a Runge-Kutta step, y + w_0 k_0 + w_1 k_1 ..., or the end of the step,
+/// y + (w_0 k_0 + w_1 k_1 ...), as ExplicitRk adds them up.
+struct StageSum {
+  static constexpr std::int32_t most = 13;
+  std::int32_t stage;  ///< whose slope is found
+  std::int32_t terms;  ///< at least 1
+  bool is_end;
+  std::int32_t slope[most];  ///< whose stages' k_j, none later than `stage`
+  double weight[most];       ///< h a_ij or h b_j, none 0
+  const double *q, *v;       ///< y, the beginning of the step, as of BodyStep
+  double* slopes;            ///< shape (stages, 2, 3, free): v and a of each
+  bool operator==(const StageSum&) const = default;
 };
 
 /// One step, from the displacements `q` to `q_next`, shape (3, points), and from `v` to `v_next`, (3, free);
-/// a is as v.
+/// a is as v. Of Runge-Kutta methods it is one stage.
 struct BodyStep {
   BodyArrays body;
   Move move;
-  double h, half, next_half;  ///< the step, its half, and half of the one that a kick_drift begins
+  double h, half;  ///< the step and its half
   double *q, *q_next, *v, *v_next, *a;
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
+  StageSum sum;
+  bool operator==(const BodyStep&) const = default;
 };
 
 /// One tetrahedron or spring, for green_pull() and spring_pull().
@@ -149,6 +167,27 @@ HMAX_DEVICE inline double damping_of(const BodyStep& step, std::int32_t i, std::
   return sum;
 }
 
+/// What y, the displacement or velocity of a degree of freedom at the beginning of a step, becomes.
+/// @param k     its slopes, one every `next` numbers
+HMAX_DEVICE inline double stage_sum(const StageSum& sum, double y, const double* k, std::int64_t next) {
+  double all = sum.weight[0] * k[sum.slope[0] * next];
+  if (!sum.is_end) all = y + all;
+  for (std::int32_t n = 1; n < sum.terms; ++n) all = all + sum.weight[n] * k[sum.slope[n] * next];
+  return sum.is_end ? y + all : all;
+}
+
+/// Keeps the slope (v, a), and puts what follows from all of them into q and v.
+HMAX_DEVICE inline void end_stage(const BodyStep& step, std::int64_t at, std::int64_t dof, double a,
+                                  double& q, double& v) {
+  const StageSum& sum = step.sum;
+  const std::int64_t size = 3 * static_cast<std::int64_t>(step.body.free);
+  double* const k = sum.slopes + dof;
+  k[2 * sum.stage * size] = v;
+  k[(2 * sum.stage + 1) * size] = a;
+  q = stage_sum(sum, sum.q[at], k, 2 * size);
+  v = stage_sum(sum, sum.v[dof], k + size, 2 * size);
+}
+
 /// The new q and v of degree of freedom `dof`, that of component i of free point p.
 HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
@@ -159,8 +198,9 @@ HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int3
   const double a = all / step.body.mass[p];
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) v = v + step.half * a;
-  if (step.move == Move::kick_drift) v = v + step.next_half * a, q = q + step.h * v;
+  if (step.move == Move::kick_drift) v = v + step.half * a, q = q + step.h * v;
   if (step.move == Move::start || step.move == Move::kick) step.a[dof] = a;
+  if (step.move == Move::stage) end_stage(step, at, dof, a, q, v);
   const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= 1e100)) *step.left = 1;
   step.q_next[at] = q;
@@ -214,7 +254,7 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_
 HMAX_DEVICE inline void first_kick_drift(const BodyStep& step, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
                      at = static_cast<std::int64_t>(i) * step.body.points + p;
-  const double v = step.v[dof] + step.next_half * step.a[dof], q = step.q[at] + step.h * v;
+  const double v = step.v[dof] + step.half * step.a[dof], q = step.q[at] + step.h * v;
   const double distance = q < 0 ? -q : q;
   if (!(distance <= step.body.watch)) *step.left = 1;
   step.q_next[at] = q;

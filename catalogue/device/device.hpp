@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "catalogue/device/body_step.hpp"
@@ -36,9 +37,9 @@ class Device {
   virtual void read(void* to, const void* from, std::size_t bytes) = 0;
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
 
-  /// `count` steps; q and q_next, v and v_next change places after each.
+  /// The steps one after the other, over and over again.
   /// @param shared  doubles that a block shares, see shared_doubles()
-  virtual void run(const BodyStep& step, std::size_t shared, std::int64_t count) = 0;
+  virtual void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) = 0;
   /// first_kick_drift() of all degrees of freedom.
   virtual void begin(const BodyStep& step) = 0;
   /// What programs have taken since the last call [s], by events of the device.

@@ -2,7 +2,6 @@
 
 #include <cstring>
 #include <limits>
-#include <utility>
 
 namespace hmax {
 
@@ -34,17 +33,14 @@ void HostDevice::write(void* to, const void* from, std::size_t bytes) { std::mem
 void HostDevice::read(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 void HostDevice::copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 
-void HostDevice::run(const BodyStep& step, std::size_t shared, std::int64_t count) {
-  BodyStep now = step;
+void HostDevice::run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) {
   std::vector<double> memory;
-  for (std::int64_t n = 0; n < count; ++n) {
-    HostBlock{backwards_}.each(now.body.patches, [&](std::int32_t patch) {
-      memory.assign(shared, std::numeric_limits<double>::quiet_NaN());
-      body_step(HostBlock{backwards_}, now, patch, memory.data());
-    });
-    std::swap(now.q, now.q_next);
-    std::swap(now.v, now.v_next);
-  }
+  for (std::int64_t n = 0; n < times; ++n)
+    for (const BodyStep& step : steps)
+      HostBlock{backwards_}.each(step.body.patches, [&](std::int32_t patch) {
+        memory.assign(shared, std::numeric_limits<double>::quiet_NaN());
+        body_step(HostBlock{backwards_}, step, patch, memory.data());
+      });
 }
 
 void HostDevice::begin(const BodyStep& step) {

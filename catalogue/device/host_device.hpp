@@ -2,6 +2,7 @@
 /// there is no device.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "catalogue/device/device.hpp"
@@ -20,7 +21,7 @@ class HostDevice final : public Device {
   void write(void* to, const void* from, std::size_t bytes) override;
   void read(void* to, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
-  void run(const BodyStep& step, std::size_t shared, std::int64_t count) override;
+  void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) override;
   void begin(const BodyStep& step) override;
   [[nodiscard]] double seconds() override { return 0; }
 

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,6 +21,7 @@
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
+#include "integrators/explicit/tableaux.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
@@ -117,8 +120,25 @@ void expect_same_on_bodies(Device& device) {
     expect_same(device, uneven_body(0), method, {.t_end = 0.0203, .h = 3e-4});
 }
 
+/// Every explicit Runge-Kutta method of the house.
+void expect_same_stages(Device& device) {
+  const auto each = [&](const Problem& problem, const RunSpec& spec) {
+    [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+      (expect_same(device, problem, std::string(T::id), spec), ...);
+    }(std::type_identity<tableaux::All>{});
+  };
+  each(uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), {.t_end = 0.0203, .h = 3e-4});
+  each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}, {"beta", 2e-5}}}),
+       {.t_end = 0.0102, .h = 1e-4});
+  for (const char* method : {"rk4", "explicit_euler", "dormand_prince_54"})
+    expect_same(device,
+                make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}}),
+                method, {.t_end = 0.0051, .h = 1e-4});
+  expect_same(device, make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
+}
+
 void expect_same_divergence(Device& device) {
-  for (const char* method : {"symplectic_euler", "velocity_verlet"}) {
+  for (const char* method : {"symplectic_euler", "velocity_verlet", "rk4", "explicit_euler", "ode45"}) {
     const Problem problem = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}}});
     const RunSpec spec{.t_end = 40, .h = 0.02};
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
@@ -130,6 +150,7 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
     expect_same_on_bodies(device);
+    expect_same_stages(device);
   }
 }
 
@@ -172,7 +193,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   };
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4", fixed), "bodies on meshes"));
   EXPECT_TRUE(has(why(body, "ode45", {.t_end = 1, .adaptive = true}), "fixed steps"));
-  EXPECT_TRUE(has(why(body, "rk4", fixed), "does not run rk4"));
+  EXPECT_TRUE(has(why(body, "rkc_2", fixed), "does not run rkc_2"));
   EXPECT_TRUE(has(
       why(make_problem("fem_green@cube:n=2", {.parameters = {{"alpha", 1}}}), "central_difference", fixed),
       "without damping"));
@@ -199,7 +220,10 @@ class Gpu : public testing::Test {
   std::unique_ptr<Device> device;
 };
 
-TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) { expect_same_on_bodies(*device); }
+TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
+  expect_same_on_bodies(*device);
+  expect_same_stages(*device);
+}
 TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
 
 }  // namespace

@@ -1,0 +1,67 @@
+/// A body and its state in the memory of a device.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/device.hpp"
+#include "catalogue/device/device_method.hpp"
+
+namespace hmax {
+
+/// Steps a body by one method.
+class BodyOnDevice {
+ public:
+  BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
+
+  /// @param y  shape (dim)
+  void set(const Eigen::VectorXd& y);
+  [[nodiscard]] Eigen::VectorXd get();
+  /// What a step needs besides (q, v): the acceleration, of methods that kick.
+  void start();
+  void advance(double h, std::int64_t count);
+  /// Whether a point was beyond what is watched since the last call.
+  [[nodiscard]] bool left();
+  void keep();
+  void go_back();
+
+  /// Operations of the elements of a patch, and bytes of its elements, rims, states and point data, in a
+  /// step.
+  [[nodiscard]] double flops() const;
+  [[nodiscard]] double bytes() const;
+
+ private:
+  [[nodiscard]] std::size_t displacements() const {
+    return sizeof(double) * 3 * static_cast<std::size_t>(patches_.points);
+  }
+  [[nodiscard]] std::size_t velocities() const { return sizeof(double) * 3 * patches_.mass.size(); }
+  double* numbers(std::size_t bytes) { return static_cast<double*>(device_.allocate(bytes)); }
+  template <class T>
+  const T* there(const std::vector<T>& values);
+  [[nodiscard]] BodyArrays arrays();
+
+  /// Calls use(i, q, v) for each degree of freedom of the body with its place in the arrays of the device.
+  template <class Use>
+  void visit(std::vector<double>& q, std::vector<double>& v, const Use& use) const;
+
+  /// The next `count` steps, each of the programs that append(step, programs) makes of its BodyStep.
+  template <class Append>
+  void run(std::int64_t count, const Append& append);
+  void append_stages(BodyStep step, std::vector<BodyStep>& programs) const;
+
+  Device& device_;
+  DeviceMethod method_;
+  BodyPatches patches_;
+  BodyStep step_{};
+  double *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
+  struct {
+    double *q, *v, *a;
+  } kept_{};
+};
+
+}  // namespace hmax

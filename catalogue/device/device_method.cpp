@@ -1,0 +1,37 @@
+#include "catalogue/device/device_method.hpp"
+
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+
+#include "catalogue/device/body_step.hpp"
+#include "integrators/explicit/tableaux.hpp"
+
+namespace hmax {
+
+namespace {
+
+template <std::size_t S>
+DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
+  static_assert(S <= StageSum::most);
+  DeviceMethod method{.kind = DeviceMethod::Kind::runge_kutta, .first_same_as_last = is_fsal(tableau)};
+  for (std::size_t i = 1; i < S; ++i) method.rows.emplace_back(tableau.a[i].begin(), tableau.a[i].end());
+  // The last row is b where the last stage is the first of the next step.
+  if (!method.first_same_as_last) method.rows.emplace_back(tableau.b.begin(), tableau.b.end());
+  return method;
+}
+
+}  // namespace
+
+std::optional<DeviceMethod> device_method(const Method& method) {
+  if (method.id == "symplectic_euler") return DeviceMethod{.kind = DeviceMethod::Kind::symplectic_euler};
+  if (method.id == "velocity_verlet" || method.id == "stormer_verlet" || method.id == "central_difference")
+    return DeviceMethod{.kind = DeviceMethod::Kind::kicks};
+  std::optional<DeviceMethod> found;
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    ((method.id == T::id ? void(found = runge_kutta(T::tableau)) : void()), ...);
+  }(std::type_identity<tableaux::All>{});
+  return found;
+}
+
+}  // namespace hmax
