@@ -4,6 +4,10 @@
 
 namespace hmax {
 
+namespace {
+bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || body.settings().beta != 0; }
+}  // namespace
+
 BodyOnDevice::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
     : device_(device),
       method_(std::move(method)),
@@ -17,13 +21,31 @@ BodyOnDevice::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod 
            .v = numbers(velocities()),
            .v_next = numbers(velocities()),
            .a = numbers(velocities()),
+           .half_v = nullptr,
+           .lumped = nullptr,
            .left = static_cast<std::int32_t*>(device.allocate(sizeof(std::int32_t))),
            .sum = {}};
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
+  // Without damping the three methods of kicks are one.
+  if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
+  if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
   step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
   for (double*& q : stage_q_) q = numbers(displacements());
   for (double*& v : stage_v_) v = numbers(velocities());
+}
+
+std::vector<double> BodyOnDevice::lumped_damping(const TissueBody& body) const {
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
+  TissueBody::DofMatrix C;
+  body.damping(0, still, still, C);
+  const std::size_t free = patches_.mass.size();
+  std::vector<double> lumped(3 * free);
+  for (Eigen::Index i = 0; i < body.dofs(); ++i)
+    lumped[static_cast<std::size_t>(i % 3) * free +
+           static_cast<std::size_t>(patches_.order[static_cast<std::size_t>(i / 3)])] =
+        C.coeff(i, i) / body.mass()[i];
+  return lumped;
 }
 
 BodyArrays BodyOnDevice::arrays() {

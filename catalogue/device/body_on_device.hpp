@@ -44,6 +44,8 @@ class BodyOnDevice {
   template <class T>
   const T* there(const std::vector<T>& values);
   [[nodiscard]] BodyArrays arrays();
+  /// diag(C) / m [1/s], shape (3, free).
+  [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
   /// Calls use(i, q, v) for each degree of freedom of the body with its place in the arrays of the device.
   template <class Use>

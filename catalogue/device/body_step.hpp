@@ -91,6 +91,8 @@ struct BodyStep {
   Move move;
   double h, half;  ///< the step and its half
   double *q, *q_next, *v, *v_next, *a;
+  double* half_v;        ///< velocities of half steps, of kicks whose forces meet predicted ones; else null
+  const double* lumped;  ///< D / m [1/s] of central differences, as KickDriftKick has it; else null
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
   StageSum sum;
@@ -188,6 +190,23 @@ HMAX_DEVICE inline void end_stage(const BodyStep& step, std::int64_t at, std::in
   v = stage_sum(sum, sum.v[dof], k + size, 2 * size);
 }
 
+/// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
+HMAX_DEVICE inline void end_kick(const BodyStep& step, std::int64_t dof, double a, double& q, double& v) {
+  if (step.lumped) {
+    const double damping = step.half * step.lumped[dof];
+    a = (a + damping * step.a[dof]) * (1 / (1 + damping));
+  }
+  if (step.half_v) v = step.half_v[dof];
+  v = v + step.half * a;
+  if (step.move == Move::kick || step.lumped) step.a[dof] = a;
+  if (step.move == Move::kick) return;
+  v = v + step.half * a;
+  q = q + step.h * v;
+  if (!step.half_v) return;
+  step.half_v[dof] = v;
+  v = v + step.half * a;
+}
+
 /// The new q and v of degree of freedom `dof`, that of component i of free point p.
 HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
@@ -196,10 +215,9 @@ HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int3
   double all = (force + step.body.weight[dof]) - step.body.drag[p] * v;
   if (step.body.damps > 0) all = all - damping_of(step, i, p);
   const double a = all / step.body.mass[p];
+  if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
-  if (step.move == Move::kick_drift || step.move == Move::kick) v = v + step.half * a;
-  if (step.move == Move::kick_drift) v = v + step.half * a, q = q + step.h * v;
-  if (step.move == Move::start || step.move == Move::kick) step.a[dof] = a;
+  if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, a, q, v);
   if (step.move == Move::stage) end_stage(step, at, dof, a, q, v);
   const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= 1e100)) *step.left = 1;
@@ -258,7 +276,8 @@ HMAX_DEVICE inline void first_kick_drift(const BodyStep& step, std::int32_t i, s
   const double distance = q < 0 ? -q : q;
   if (!(distance <= step.body.watch)) *step.left = 1;
   step.q_next[at] = q;
-  step.v[dof] = v;
+  if (step.half_v) step.half_v[dof] = v;
+  step.v[dof] = step.half_v ? v + step.half * step.a[dof] : v;
 }
 
 }  // namespace hmax

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include "catalogue/device/body_step.hpp"
 #include "integrators/explicit/tableaux.hpp"
@@ -24,9 +25,12 @@ DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
 }  // namespace
 
 std::optional<DeviceMethod> device_method(const Method& method) {
-  if (method.id == "symplectic_euler") return DeviceMethod{.kind = DeviceMethod::Kind::symplectic_euler};
-  if (method.id == "velocity_verlet" || method.id == "stormer_verlet" || method.id == "central_difference")
-    return DeviceMethod{.kind = DeviceMethod::Kind::kicks};
+  using Kind = DeviceMethod::Kind;
+  if (method.id == "symplectic_euler") return DeviceMethod{.kind = Kind::symplectic_euler};
+  for (const auto& [id, damping] : {std::pair{"velocity_verlet", KickDamping::half_step},
+                                    std::pair{"stormer_verlet", KickDamping::predicted},
+                                    std::pair{"central_difference", KickDamping::lumped}})
+    if (method.id == id) return DeviceMethod{.kind = Kind::kicks, .damping = damping};
   std::optional<DeviceMethod> found;
   [&]<class... T>(std::type_identity<std::tuple<T...>>) {
     ((method.id == T::id ? void(found = runge_kutta(T::tableau)) : void()), ...);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "integrators/structural/structural.hpp"
 
 namespace hmax {
 
@@ -13,6 +14,8 @@ namespace hmax {
 struct DeviceMethod {
   enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta };
   Kind kind;
+  /// Of kicks: what damping meets, see KickDriftKick.
+  KickDamping damping = KickDamping::half_step;
   /// Of Runge-Kutta methods: what the slopes are multiplied with in the argument of each later stage, then at
   /// the end of the step. Without a last stage that is the first of the next step.
   std::vector<std::vector<long double>> rows{};

@@ -1,7 +1,6 @@
 #include "catalogue/device/device_run.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 #include <variant>
 
@@ -19,8 +18,6 @@ namespace hmax {
 namespace {
 
 constexpr std::int64_t steps_at_once = 4096;
-
-bool is_damped(const TissueSettings& settings) { return settings.alpha != 0 || settings.beta != 0; }
 
 /// The steps of a run from zero to its end, the last one of its own length.
 class Steps {
@@ -47,16 +44,11 @@ std::string unsuited_for_device(const Problem& problem, const Method& method, co
   if (!problem.body)
     return fmt::format("--device gpu runs bodies on meshes, and {} is none; leave it out", problem.id);
   if (spec.adaptive) return "--device gpu runs fixed steps; give --h in the place of tolerances";
-  const std::optional<DeviceMethod> known = device_method(method);
-  if (!known)
+  if (!device_method(method))
     return fmt::format(
         "--device gpu does not run {}; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
         "explicit Runge-Kutta method of hmax such as rk4",
         method.id);
-  if (method.id != "velocity_verlet" && known->kind == DeviceMethod::Kind::kicks &&
-      is_damped(problem.body->settings()))
-    return fmt::format("--device gpu runs {} without damping; take velocity_verlet or symplectic_euler",
-                       method.id);
   const std::string why = unsuited_for_patches(*problem.body);
   return why.empty() ? why
                      : fmt::format("--device gpu does not run this body: it {}; leave --device out", why);
