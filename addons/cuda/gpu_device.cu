@@ -34,14 +34,21 @@ struct CudaBlock {
   __device__ void barrier() const { __syncthreads(); }
 };
 
+template <TetLaw law>
 __global__ void __launch_bounds__(threads) body_steps(const BodyStep step) {
   extern __shared__ double shared[];
-  body_step(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), shared);
+  body_step<law>(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), shared);
 }
 
 __global__ void __launch_bounds__(threads) first_kick_drifts(const BodyStep step) {
   const std::int32_t p = static_cast<std::int32_t>(blockIdx.x) * threads + static_cast<std::int32_t>(threadIdx.x);
   if (p < step.body.free) first_kick_drift(step, static_cast<std::int32_t>(blockIdx.y), p);
+}
+
+/// The program of a law.
+auto* body_steps_of(TetLaw law) {
+  if (law == TetLaw::small_strain) return body_steps<TetLaw::small_strain>;
+  return law == TetLaw::neo_hookean ? body_steps<TetLaw::neo_hookean> : body_steps<TetLaw::green>;
 }
 
 /// Freed at its end; errors come with the next call.
@@ -96,7 +103,7 @@ class Gpu final : public Device {
 
   void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) override {
     const std::size_t bytes = shared * sizeof(double);
-    check(cudaFuncSetAttribute(body_steps, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+    check(cudaFuncSetAttribute(body_steps_of(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
           "has too little shared memory");
     const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
     if (times >= of_graph) capture(steps, bytes, of_graph);
@@ -126,7 +133,7 @@ class Gpu final : public Device {
   void launch(std::span<const BodyStep> steps, std::size_t bytes, std::int64_t times) {
     for (std::int64_t n = 0; n < times; ++n)
       for (const BodyStep& step : steps)
-        body_steps<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
+        body_steps_of(step.body.law)<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
   }
 
   /// A graph of steps, unless it is the one that is there.

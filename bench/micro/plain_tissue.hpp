@@ -1,5 +1,5 @@
 /// Elements and springs as they stand in a textbook, for comparison with the loops of
-/// problems/tissue/forces/kernels.hpp: one after the other, with Eigen and three numbers a point.
+/// problems/tissue/forces/kernels/kernels.hpp: one after the other, with Eigen and three numbers a point.
 #pragma once
 
 #include <array>

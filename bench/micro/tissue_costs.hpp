@@ -1,7 +1,7 @@
 /// What the loops over tetrahedra and springs cost at least, beside the processor's peaks.
 #pragma once
 
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 
 namespace hmax::micro {

@@ -1,5 +1,6 @@
 #include "catalogue/device/body_on_device.hpp"
 
+#include <array>
 #include <utility>
 
 namespace hmax {
@@ -57,6 +58,7 @@ BodyArrays BodyOnDevice::arrays() {
           .springs = static_cast<std::int32_t>(p.ends.size()),
           .begin = there(p.begin),
           .rim = there(p.rim),
+          .law = p.law,
           .corners = there(p.corners),
           .gradients = there(p.gradients),
           .half_lambda = there(p.half_lambda),
@@ -208,8 +210,10 @@ void BodyOnDevice::go_back() {
 }
 
 double BodyOnDevice::flops() const {
-  return static_cast<double>(method_.evaluations()) * (210.0 * step_.body.tets + 31.0 * step_.body.springs +
-                                                       10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+  constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
+  return static_cast<double>(method_.evaluations()) *
+         (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
+          31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
 
 double BodyOnDevice::bytes() const {

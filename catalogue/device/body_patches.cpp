@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
 
@@ -101,7 +102,7 @@ class Cutter {
   Cutter(const TissueBody& body, std::vector<Index> points)
       : body_(body),
         points_(std::move(points)),
-        tetrahedra_{body.green_blocks()},
+        tetrahedra_{body.tet_blocks() ? body.tet_blocks()->blocks() : std::span<const TetBlock>{}},
         springs_(body),
         terms_(terms_of(tetrahedra_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
         pushes_(pushes_of(body)),
@@ -141,6 +142,7 @@ class Cutter {
       made_.half_lambda.push_back(block.half_lambda[lane]);
       made_.mu.push_back(block.mu[lane]);
     }
+    if (body_.tet_blocks()) made_.law = body_.tet_blocks()->law();
     made_.weight.resize(3 * points_.size());
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const double mass = body_.point_mass()[points_[p]];
@@ -281,8 +283,8 @@ class Cutter {
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
-  if (body.green_blocks().empty() && body.element_pieces() > 0)
-    return "has other elements than those of fem_green without fibres";
+  if (!body.tet_blocks() && body.element_pieces() > 0)
+    return "has other elements than those of fem_green, fem_cauchy and fem_neo_hookean without fibres";
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (springs.size() > 1) return "has a skin of springs beside those of its model";
   if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";

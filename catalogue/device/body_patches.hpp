@@ -22,6 +22,7 @@ struct BodyPatches {
   std::vector<std::int32_t> rim;
   std::vector<PatchCorners> corners;
   std::vector<double> gradients, half_lambda, mu;
+  TetLaw law = TetLaw::green;
   std::vector<PatchSpring> ends;
   std::vector<double> per_length, tension, rest;
   double cubic = 0;

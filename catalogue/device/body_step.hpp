@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "core/instructions/device_code.hpp"
-#include "problems/tissue/forces/element_pull.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
 
 namespace hmax {
 
@@ -40,8 +40,9 @@ struct PatchBegin {
 /// other; the points of a patch are neighbours, and those that stand still follow the free ones.
 struct BodyArrays {
   std::int32_t patches, points, free, tets, springs;
-  const PatchBegin* begin;             ///< shape (patches + 1)
-  const std::int32_t* rim;             ///< points of others that the tetrahedra of a patch have
+  const PatchBegin* begin;  ///< shape (patches + 1)
+  const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
+  TetLaw law;
   const PatchCorners* corners;         ///< shape (tets)
   const double* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
   const double *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
@@ -99,7 +100,7 @@ struct BodyStep {
   bool operator==(const BodyStep&) const = default;
 };
 
-/// One tetrahedron or spring, for green_pull() and spring_pull().
+/// One tetrahedron or spring, for tet_pull() and spring_pull().
 struct OneElement {
   using V = double;
   HMAX_DEVICE static double splat(double s) { return s; }
@@ -113,6 +114,7 @@ HMAX_DEVICE constexpr std::int64_t shared_doubles(std::int64_t points, std::int6
 }
 
 /// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
+template <TetLaw law>
 HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t tet, std::int32_t points,
                                            std::int32_t slots, const double* u, double* f) {
   const PatchCorners corners = body.corners[tet];
@@ -122,7 +124,7 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t 
       U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
       g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
     }
-  kernel_loops::green_pull<OneElement>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  kernel_loops::tet_pull<OneElement, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
       f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
@@ -228,8 +230,9 @@ HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int3
 /// The step of one patch.
 /// @tparam Block  threads of a block: each(count, f) calls f(0) .. f(count - 1) in any order, or at once;
 ///                barrier() ends what was begun before it
+/// @tparam law    that of the body
 /// @param shared  shared_doubles() of them
-template <class Block>
+template <TetLaw law, class Block>
 HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_t patch, double* shared) {
   const BodyArrays& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
@@ -248,7 +251,7 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_
   });
   block.barrier();
   block.each(to.tet - from.tet,
-             [&](std::int32_t n) { tetrahedron_forces(body, from.tet + n, points, slots, u, f); });
+             [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
   if (to.spring > from.spring) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {

@@ -39,7 +39,12 @@ void HostDevice::run(std::span<const BodyStep> steps, std::size_t shared, std::i
     for (const BodyStep& step : steps)
       HostBlock{backwards_}.each(step.body.patches, [&](std::int32_t patch) {
         memory.assign(shared, std::numeric_limits<double>::quiet_NaN());
-        body_step(HostBlock{backwards_}, step, patch, memory.data());
+        const HostBlock block{backwards_};
+        if (step.body.law == TetLaw::green) body_step<TetLaw::green>(block, step, patch, memory.data());
+        if (step.body.law == TetLaw::small_strain)
+          body_step<TetLaw::small_strain>(block, step, patch, memory.data());
+        if (step.body.law == TetLaw::neo_hookean)
+          body_step<TetLaw::neo_hookean>(block, step, patch, memory.data());
       });
 }
 

@@ -20,7 +20,7 @@
 #include "core/numbers.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 #include "studies/organ_rates.hpp"
 
 namespace hmax {

@@ -31,7 +31,7 @@ struct MeshOrigin;  // problems/mesh/files/mesh_import.hpp
 ///   F = elastic(x) + skin(x) - k u + m g + loads(t) + contact(t, x, v) - dampers(x) v - (alpha M + beta K0)
 ///   v,
 /// with k of elastic supports, which are a part of K0.
-/// Forces of 8000 St. Venant-Kirchhoff elements or 32,000 springs of a linear or cubic law and the stiffness
+/// Forces of 8000 elements of the kernels or 32,000 springs of a linear or cubic law and the stiffness
 /// of 1600 elements take the threads of parallel_for(), with the same bits for any number. On one thread only
 /// the first call allocates.
 class TissueBody {
@@ -127,10 +127,8 @@ class TissueBody {
   /// How many of these come from finite elements: first the elements of the mesh, then what acts on several
   /// of them.
   [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
-  /// Elements::green_blocks() of the model; empty where it has none.
-  [[nodiscard]] std::span<const TetBlock> green_blocks() const {
-    return elements_ ? elements_->green_blocks() : std::span<const TetBlock>{};
-  }
+  /// Elements::blocks() of the model; null where it has none.
+  [[nodiscard]] const TetBlocks* tet_blocks() const { return elements_ ? elements_->blocks() : nullptr; }
   /// The springs of a model of springs, then those of a skin of springs.
   [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
 

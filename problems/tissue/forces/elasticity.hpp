@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "problems/cofactors.hpp"
+#include "problems/tissue/forces/kernels/tet_law.hpp"
 
 namespace hmax {
 
@@ -39,6 +40,7 @@ struct AlongSlope {
 /// Small strain, e = sym(H):   W = mu e:e + lambda/2 tr(e)^2. Linear; wrong when the body turns.
 class SmallStrain {
  public:
+  static constexpr TetLaw kernel = TetLaw::small_strain;
   SmallStrain(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
@@ -96,6 +98,7 @@ class Corotational {
 /// @source  [smith2018stable]
 class StableNeoHookean {
  public:
+  static constexpr TetLaw kernel = TetLaw::neo_hookean;
   StableNeoHookean(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;

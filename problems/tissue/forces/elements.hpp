@@ -9,10 +9,11 @@
 
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
-#include "problems/tissue/forces/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 
 namespace hmax {
+
+class TetBlocks;  // problems/tissue/forces/tet_blocks.hpp
 
 /// Takes the points of a piece of an elastic body and its symmetric K = -dF/du [N/m], points after one
 /// another, shape (3 points, 3 points).
@@ -46,9 +47,8 @@ class Elements {
   virtual void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const = 0;
   /// The number of these pieces.
   [[nodiscard]] virtual std::size_t pieces() const = 0;
-  /// The elements of Green's strain in the order in which their forces are added up, lane after lane of block
-  /// after block; empty where there are other elements.
-  [[nodiscard]] virtual std::span<const TetBlock> green_blocks() const { return {}; }
+  /// The elements whose forces are all that add_force() adds, in their order; null where there are others.
+  [[nodiscard]] virtual const TetBlocks* blocks() const { return nullptr; }
 };
 
 }  // namespace hmax

@@ -14,17 +14,9 @@ namespace {
 
 using Eigen::Matrix3d;
 constexpr std::size_t lanes = TetBlock::lanes;
-constexpr std::size_t window = 16;        // blocks that are dealt to at once
 constexpr std::size_t batch_windows = 8;  // whose elements come before what they finish is written
-// Elements for a thread, some 50 us: parallel_for() takes 5 to 20.
-constexpr std::size_t least_forces = 4'000, least_stiffness = 800;
-
-std::array<TetMesh::Index, 4> corners(const TetMesh& mesh, Eigen::Index tetrahedron) {
-  std::array<TetMesh::Index, 4> p;
-  for (Eigen::Index a = 0; a < 4; ++a) p[at(a)] = mesh.tetrahedra(a, tetrahedron);
-  std::sort(p.begin(), p.end());
-  return p;
-}
+constexpr std::size_t least_stiffness =
+    800;  // elements for a thread, some 50 us: parallel_for() takes 5 to 20
 
 }  // namespace
 
@@ -42,75 +34,36 @@ struct GreenElements::Element {
 
 GreenElements::GreenElements(const TetMesh& mesh, std::span<const Lame> lame, const BlockPattern& pattern,
                              const TissueKernels& kernels)
-    : kernels_(&kernels) {
-  const auto count = at(mesh.tetrahedron_count());
-  std::vector<std::array<Index, 5>> order(count);  // corners, then the tetrahedron
-  for (std::size_t t = 0; t < count; ++t) {
-    const auto p = corners(mesh, static_cast<Eigen::Index>(t));
-    order[t] = {p[0], p[1], p[2], p[3], static_cast<Index>(t)};
-  }
-  std::sort(order.begin(), order.end());
-
-  blocks_.resize((count + lanes - 1) / lanes);
-  slots_.resize(blocks_.size());
-  place_.resize(count);
-  for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    const std::size_t start = n / window * window, width = std::min(window, blocks_.size() - start);
-    TetBlock& block = blocks_[n];
-    TetSlots& slots = slots_[n];
+    : blocks_(mesh, lame, TetLaw::green, kernels) {
+  slots_.resize(blocks_.blocks().size());
+  for (std::size_t n = 0; n < slots_.size(); ++n)
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t wanted = start * lanes + lane * width + (n - start), i = std::min(wanted, count - 1);
-      const Index tetrahedron = order[i][4];
-      const bool used = wanted < count;
-      if (used) place_[at(tetrahedron)] = static_cast<Index>(n * lanes + lane);
-      std::array<Index, 4> points;
-      std::copy_n(order[i].begin(), 4, points.begin());
-      for (std::size_t a = 0; a < 4; ++a) block.rows[a][lane] = 4 * points[a];
-      const RestShape rest(mesh, points);
-      for (std::size_t k = 0; k < 9; ++k)
-        block.gradients[k][lane] =
-            rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
-      const Lame& material = lame[at(mesh.region(tetrahedron))];
-      const double volume = used ? std::abs(rest.volume) : 0;
-      block.half_lambda[lane] = volume * material.lambda / 2;
-      block.mu[lane] = volume * material.mu;
+      const std::array<Index, 4> points = blocks_.corners_at(n * lanes + lane);
       for (std::size_t a = 0, pair = 0; a < 4; ++a)
-        for (std::size_t b = a + 1; b < 4; ++b, ++pair) {
-          slots.block[pair][lane] = pattern.pair(order[i][a], order[i][b]);
-        }
+        for (std::size_t b = a + 1; b < 4; ++b, ++pair)
+          slots_[n].block[pair][lane] = pattern.pair(points[a], points[b]);
     }
-  }
-  for (std::size_t begin = 0; begin < blocks_.size(); begin += window) {
-    const std::size_t end = std::min(begin + window, blocks_.size());
-    Index lowest = static_cast<Index>(mesh.point_count()), highest = 0;
-    for (std::size_t n = begin; n < end; ++n)
-      for (const auto& rows : blocks_[n].rows)
-        for (const Index row : rows) lowest = std::min(lowest, row / 4), highest = std::max(highest, row / 4);
-    strips_.add_group(end, lowest, highest);
-  }
-  std::vector<Index> lowest;
-  lowest.reserve(order.size());
-  for (const auto& p : order) lowest.push_back(p[0]);
-  make_batches(pattern, lowest);
+  make_batches(pattern);
   place_rim(pattern);
 }
 
-void GreenElements::make_batches(const BlockPattern& pattern, std::span<const Index> lowest) {
+void GreenElements::make_batches(const BlockPattern& pattern) {
+  const std::span<const TetBlock> blocks = blocks_.blocks();
   // Elements come in the order of their lowest points: all that is left of that of the next one is finished.
-  constexpr std::size_t size = batch_windows * window;
+  constexpr std::size_t size = batch_windows * TetBlocks::window;
   Index oldest = 0, needed = 0, columns = 0, point = 0, last = 0, highest = 0;
-  for (std::size_t begin = 0; begin < blocks_.size(); begin += size) {
-    const std::size_t end = std::min(begin + size, blocks_.size());
+  for (std::size_t begin = 0; begin < blocks.size(); begin += size) {
+    const std::size_t end = std::min(begin + size, blocks.size());
     for (std::size_t n = begin; n < end; ++n) {
       for (const auto& pair : slots_[n].block) last = std::max(last, *std::max_element(pair, pair + lanes));
-      for (const auto& rows : blocks_[n].rows)
+      for (const auto& rows : blocks[n].rows)
         for (const Index row : rows) highest = std::max(highest, pattern.free()[at(row / 4)]);
     }
     ring_ = std::max(ring_, last + 1 - needed);
-    if (end == blocks_.size())
+    if (end == blocks.size())
       columns = pattern.columns();
     else
-      for (; point < lowest[end * lanes]; ++point)
+      for (; point < blocks[end].rows[0][0] / 4; ++point)
         if (pattern.stride(point) > 0) ++columns;
     // A block is written in both columns that it belongs to.
     while (oldest < columns && pattern.last_row(oldest) < columns) ++oldest;
@@ -132,13 +85,14 @@ void GreenElements::place_rim(const BlockPattern& pattern) {
                                  : std::array{pattern.free()[at(b)], a};
   };
   const auto each_missing = [&](const auto& visit) {
-    for (std::size_t n = 0; n < blocks_.size(); ++n)
-      for (std::size_t lane = 0; lane < lanes; ++lane)
+    for (std::size_t n = 0; n < slots_.size(); ++n)
+      for (std::size_t lane = 0; lane < lanes; ++lane) {
+        const std::array<Index, 4> points = blocks_.corners_at(n * lanes + lane);
         for (std::size_t a = 0, pair = 0; a < 4; ++a)
           for (std::size_t b = a + 1; b < 4; ++b, ++pair)
             if (slots_[n].block[pair][lane] < 0)
-              visit(in_order(blocks_[n].rows[a][lane] / 4, blocks_[n].rows[b][lane] / 4),
-                    slots_[n].block[pair][lane]);
+              visit(in_order(points[a], points[b]), slots_[n].block[pair][lane]);
+      }
   };
   each_missing([&](const std::array<Index, 2>& pair, Index) {
     if (pair[0] >= 0) pairs.push_back(pair);
@@ -153,13 +107,13 @@ void GreenElements::place_rim(const BlockPattern& pattern) {
 }
 
 GreenElements::Element GreenElements::element(const NodeRows& u, std::size_t place) const {
-  const TetBlock& block = blocks_[place / lanes];
+  const TetBlock& block = blocks_.blocks()[place / lanes];
   const std::size_t lane = place % lanes;
   Element e;
   for (std::size_t k = 0; k < 9; ++k)
     e.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)) =
         block.gradients[k][lane];
-  e.H = edge_vectors(u, corners_at(place)) * e.gradients;
+  e.H = edge_vectors(u, blocks_.corners_at(place)) * e.gradients;
   e.half_lambda = block.half_lambda[lane];
   e.mu = block.mu[lane];
   return e;
@@ -167,21 +121,16 @@ GreenElements::Element GreenElements::element(const NodeRows& u, std::size_t pla
 
 double GreenElements::energy(const NodeRows& u) const {
   double sum = 0;
-  for (const Index place : place_) sum += element(u, at(place)).energy();
+  for (const Index place : blocks_.places()) sum += element(u, at(place)).energy();
   return sum;
 }
 
 void GreenElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const {
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    const Element e = element(u, at(place_[i]));
+  const std::span<const Index> places = blocks_.places();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Element e = element(u, at(places[i]));
     W[static_cast<Eigen::Index>(i)] = e.energy() / e.volume();
   }
-}
-
-void GreenElements::add_force(const NodeRows& u, NodeRows& f) const {
-  add_by_strips(strips_, pieces() / least_forces, f, [&](std::size_t begin, std::size_t end, double* rows) {
-    kernels_->green_force(blocks_.data() + begin, end - begin, &u.front().x, rows);
-  });
 }
 
 std::vector<GreenElements::Strip> GreenElements::stiffness_strips(std::size_t count) const {
@@ -189,7 +138,7 @@ std::vector<GreenElements::Strip> GreenElements::stiffness_strips(std::size_t co
   Index first = 0;
   std::size_t batch = 0, longest = 0;
   for (std::size_t part = 1; part <= count; ++part) {
-    while (batches_[batch].end < blocks_.size() * part / count) ++batch;
+    while (batches_[batch].end < slots_.size() * part / count) ++batch;
     const Index last = batches_[batch].columns;
     if (last == first) continue;
     const auto begin = std::partition_point(batches_.begin(), batches_.end(),
@@ -234,8 +183,8 @@ void GreenElements::write_strip(const NodeRows& u, const BlockPattern& pattern, 
   pairs.diagonal.reserve(9 * at(widest));
   auto on_rim = static_cast<std::size_t>(std::lower_bound(rim_.begin(), rim_.end(), columns) - rim_.begin());
   for (; columns < strip.last; ++batch) {
-    kernels_->green_stiffness(blocks_.data() + begin, slots_.data() + begin, batch->end - begin, &u.front().x,
-                              &pairs.rows.front().x);
+    blocks_.kernels().green_stiffness(blocks_.blocks().data() + begin, slots_.data() + begin,
+                                      batch->end - begin, &u.front().x, &pairs.rows.front().x);
     pairs.diagonal.assign(9 * at(batch->columns - columns), 0.0);
     for (; on_rim < rim_.size() && rim_[on_rim] < batch->columns; ++on_rim)
       for (std::size_t c = 0; c < 3; ++c) {
@@ -254,12 +203,6 @@ void GreenElements::write_strip(const NodeRows& u, const BlockPattern& pattern, 
   // Left are pairs of two supported points, and those with the columns of a later strip.
   const std::size_t left = strip.last < pattern.columns() ? 0 : blocks - 1;
   std::fill_n(pairs.rows.begin() + static_cast<std::ptrdiff_t>(3 * left), 3 * (blocks - left), NodeRow{});
-}
-
-std::array<GreenElements::Index, 4> GreenElements::corners_at(std::size_t place) const {
-  std::array<Index, 4> p;
-  for (std::size_t a = 0; a < 4; ++a) p[a] = blocks_[place / lanes].rows[a][place % lanes] / 4;
-  return p;
 }
 
 ElementStiffness GreenElements::Element::stiffness() const {
@@ -281,7 +224,8 @@ ElementStiffness GreenElements::Element::stiffness() const {
 }
 
 void GreenElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {
-  for (const Index place : place_) visit(corners_at(at(place)), element(u, at(place)).stiffness());
+  for (const Index place : blocks_.places())
+    visit(blocks_.corners_at(at(place)), element(u, at(place)).stiffness());
 }
 
 }  // namespace hmax

@@ -11,15 +11,13 @@
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
-#include "problems/tissue/forces/point_strips.hpp"
+#include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
 
-/// St. Venant-Kirchhoff elements, see TissueKernels. They are taken in the order of their lowest points, and
-/// neighbours in it are dealt to different blocks, so that a sum is not waited for by the next. The order is
-/// fixed by the mesh: the same mesh gives the same bits. Rows u are the displacements of the points.
+/// St. Venant-Kirchhoff elements, see TissueKernels. Rows u are the displacements of the points.
 class GreenElements final : public Elements {
  public:
   /// @param lame     of each region of the mesh
@@ -28,20 +26,19 @@ class GreenElements final : public Elements {
                 const TissueKernels& kernels = tissue_kernels());
 
   [[nodiscard]] double energy(const NodeRows& u) const override;
-  void add_force(const NodeRows& u, NodeRows& f) const override;
+  void add_force(const NodeRows& u, NodeRows& f) const override { blocks_.add_force(u, f); }
   void write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const override;
 
   void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
   /// Corners of a tetrahedron come in ascending order.
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
-  [[nodiscard]] std::size_t pieces() const override { return place_.size(); }
-  [[nodiscard]] std::span<const TetBlock> green_blocks() const override { return blocks_; }
+  [[nodiscard]] std::size_t pieces() const override { return blocks_.places().size(); }
+  [[nodiscard]] const TetBlocks* blocks() const override { return &blocks_; }
 
  private:
   /// One tetrahedron taken out of its block.
   struct Element;
   [[nodiscard]] Element element(const NodeRows& u, std::size_t place) const;
-  [[nodiscard]] std::array<Index, 4> corners_at(std::size_t place) const;
 
   /// Elements whose sums are finished with them.
   struct Batch {
@@ -55,7 +52,7 @@ class GreenElements final : public Elements {
     std::size_t batch;
   };
 
-  void make_batches(const BlockPattern& pattern, std::span<const Index> lowest);
+  void make_batches(const BlockPattern& pattern);
   void place_rim(const BlockPattern& pattern);
   /// At most so many strips of all columns with about as many blocks; none where one would need most of the
   /// blocks.
@@ -64,14 +61,11 @@ class GreenElements final : public Elements {
   void write_strip(const NodeRows& u, const BlockPattern& pattern, const Strip& strip,
                    BlockPattern::Pairs& pairs, double* values) const;
 
-  const TissueKernels* kernels_;
-  std::vector<TetBlock> blocks_;
+  TetBlocks blocks_;
   std::vector<TetSlots> slots_;
-  PointStrips strips_;
   std::vector<Batch> batches_;
-  Index ring_ = 0;            ///< blocks of pairs whose sums are not finished, at most
-  std::vector<Index> rim_;    ///< columns of pairs with a supported point, whose blocks follow the ring
-  std::vector<Index> place_;  ///< of each tetrahedron of the mesh: 8 block + lane
+  Index ring_ = 0;          ///< blocks of pairs whose sums are not finished, at most
+  std::vector<Index> rim_;  ///< columns of pairs with a supported point, whose blocks follow the ring
 };
 
 }  // namespace hmax

@@ -11,7 +11,7 @@
 
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 #include "problems/tissue/forces/point_strips.hpp"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,15 +15,10 @@
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
+#include "problems/tissue/forces/rest_shape.hpp"
+#include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
-
-/// A tetrahedron at rest. Rounding to double comes last: in a sliver the volume is a difference of products.
-struct RestShape {
-  RestShape(const TetMesh& mesh, const std::array<TetMesh::Index, 4>& points);
-  Eigen::Matrix3d gradients;  ///< Bm = (X1 - X0, X2 - X0, X3 - X0)^-1 [1/m]
-  double volume;              ///< [m^3], negative when the points are in the other order
-};
 
 /// Ds = (u1 - u0, u2 - u0, u3 - u0).
 [[nodiscard]] Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points);
@@ -57,6 +53,7 @@ ElementStiffness element_stiffness(const RestShape& rest, const Differential& di
 /// energy V W(H) and forces -V P(H) g_a at its points, where the gradients g_1 ... g_3 of the shape functions
 /// are the rows of Bm and g_0 = -(g_1 + g_2 + g_3). Rows u are the displacements of the points: positions
 /// would carry their own rounding into the strains, multiplied with the longest edge over the height.
+/// Forces of laws that the kernels have, those with Law::kernel, are theirs.
 /// @tparam Law  a class of elasticity.hpp
 template <class Law>
 class TetElements final : public Elements {
@@ -74,6 +71,7 @@ class TetElements final : public Elements {
   void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return elements_.size(); }
+  [[nodiscard]] const TetBlocks* blocks() const override { return blocks_ ? &*blocks_ : nullptr; }
 
  private:
   struct Element {
@@ -86,6 +84,7 @@ class TetElements final : public Elements {
 
   std::vector<Element> elements_;
   std::vector<std::array<Index, 16>> slots_;
+  std::optional<TetBlocks> blocks_;
 };
 
 template <class Law>
@@ -98,6 +97,7 @@ TetElements<Law>::TetElements(const TetMesh& mesh, std::span<const Lame> lame, c
     elements_.push_back({points, RestShape(mesh, points), lame[static_cast<std::size_t>(mesh.region(t))]});
     slots_.push_back(pattern.slots(points));
   }
+  if constexpr (requires { Law::kernel; }) blocks_.emplace(mesh, lame, Law::kernel);
 }
 
 template <class Law>
@@ -120,6 +120,7 @@ void TetElements<Law>::write_energy_densities(const NodeRows& u, Eigen::Ref<Eige
 
 template <class Law>
 void TetElements<Law>::add_force(const NodeRows& u, NodeRows& f) const {
+  if (blocks_) return blocks_->add_force(u, f);
   for (const Element& e : elements_) subtract_pull(e.rest, e.points, law(u, e).stress(), f);
 }
 

@@ -106,14 +106,17 @@ void expect_same_on_bodies(Device& device) {
               "velocity_verlet", {.t_end = 0.01234, .h = 1e-4});
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
     for (const Problem& body : {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
-                                uneven_body(2.5, "fem_green", SkinSettings::Kind::springs)})
+                                uneven_body(2.5, "fem_green", SkinSettings::Kind::springs),
+                                uneven_body(2.5, "fem_cauchy"), uneven_body(2.5, "fem_neo_hookean")})
       expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"mass_spring@liver", {{"g", 9.81}}},
            {"mass_spring@cube:n=5", {{"g", 9.81}, {"alpha", 2}}},
            {"fem_green@liver", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}},
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 2e-5}}},
-           {"mass_spring@ball", {{"g", 9.81}}}})
+           {"mass_spring@ball", {{"g", 9.81}}},
+           {"fem_cauchy@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
+           {"fem_neo_hookean@liver", {{"g", 9.81}, {"alpha", 1}}}})
     for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference"})
       expect_same(device, make_problem(mesh, {.parameters = parameters}), method, spec);
   for (const char* method : {"stormer_verlet", "central_difference"})
@@ -146,6 +149,8 @@ void expect_same_divergence(Device& device) {
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
     expect_same(device, problem, method, spec);
   }
+  const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
+  expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
 }
 
 TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
@@ -197,7 +202,8 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "ode45", {.t_end = 1, .adaptive = true}), "fixed steps"));
   EXPECT_TRUE(has(why(body, "rkc_2", fixed), "does not run rkc_2"));
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"fem_cauchy@cube:n=2", {}, "other elements"},
+           {"fem_corotational@cube:n=2", {}, "other elements"},
+           {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
            {"fem_green/breathing@cube:n=2", {}, "changes"}})

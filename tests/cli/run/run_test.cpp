@@ -48,7 +48,8 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
                  "bodies on meshes");
   expect_refused(
-      shell.hmax("run --mesh cube:n=3 --model fem_cauchy --method symplectic_euler --h 1e-4 --device gpu"),
+      shell.hmax(
+          "run --mesh cube:n=3 --model fem_corotational --method symplectic_euler --h 1e-4 --device gpu"),
       "other elements");
 }
 

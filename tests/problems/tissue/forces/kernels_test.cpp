@@ -1,4 +1,4 @@
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 
 #include <tuple>
 #include <vector>
@@ -11,6 +11,7 @@
 #include "problems/tissue/forces/green_elements.hpp"
 #include "problems/tissue/forces/point_strips.hpp"
 #include "problems/tissue/forces/springs.hpp"
+#include "problems/tissue/forces/tet_blocks.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 #include "tests/core/jobs.hpp"
 #include "tests/problems/tissue/bodies.hpp"
@@ -99,6 +100,39 @@ TEST(TissueKernels, GreenForcesAgreeWithThePlainElementsForEveryNumberOfTetrahed
       const GreenElements fast(parts.mesh, parts.materials, parts.pattern, *kernels);
       EXPECT_LT(distance(parts.forces(fast), plain), 1e-13) << kernels->name << ", " << count;
     }
+  }
+}
+
+/// A law without its kernel.
+template <class Law>
+struct Plain {
+  Plain(const Eigen::Matrix3d& H, const Lame& lame) : law(H, lame) {}
+  [[nodiscard]] double energy() const { return law.energy(); }
+  [[nodiscard]] Eigen::Matrix3d stress() const { return law.stress(); }
+  [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const { return law.differential(dF); }
+  Law law;
+};
+
+template <class Law>
+void expect_forces_of_plain_elements(const Parts& parts) {
+  const auto plain = parts.forces(TetElements<Plain<Law>>(parts.mesh, parts.materials, parts.pattern));
+  EXPECT_LT(distance(parts.forces(TetElements<Law>(parts.mesh, parts.materials, parts.pattern)), plain),
+            1e-13);
+  const auto first = parts.forces(TetBlocks(parts.mesh, parts.materials, Law::kernel));
+  for (const TissueKernels* kernels : available_tissue_kernels()) {
+    const TetBlocks blocks(parts.mesh, parts.materials, Law::kernel, *kernels);
+    EXPECT_LT(distance(parts.forces(blocks), plain), 1e-13) << kernels->name;
+    EXPECT_TRUE(same_bits(parts.forces(blocks), first)) << kernels->name;
+  }
+}
+
+TEST(TissueKernels, ForcesOfOtherLawsAgreeWithThePlainElementsWithTheSameBits) {
+  for (const Eigen::Index count : {1, 9, 72}) {
+    Parts parts(count);
+    expect_forces_of_plain_elements<SmallStrain>(parts);
+    expect_forces_of_plain_elements<StableNeoHookean>(parts);
+    for (NodeRow& u : parts.u) as_vector(u) *= 20;  // elements invert
+    expect_forces_of_plain_elements<StableNeoHookean>(parts);
   }
 }
 

@@ -1,7 +1,7 @@
 // Two numbers at a time, for every processor: GCC and Clang make of it what the target has.
 #include <cmath>
 
-#include "problems/tissue/forces/kernel_loops.hpp"
+#include "problems/tissue/forces/kernels/kernel_loops.hpp"
 
 namespace hmax {
 namespace {

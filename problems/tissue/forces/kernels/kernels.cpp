@@ -1,4 +1,4 @@
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 
 #include <vector>
 

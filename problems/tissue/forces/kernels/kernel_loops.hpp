@@ -15,8 +15,8 @@
 ///   add(p, row), subtract(p, row)  to four numbers in memory, aligned
 #pragma once
 
-#include "problems/tissue/forces/element_pull.hpp"
-#include "problems/tissue/forces/kernels.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/kernels.hpp"
 
 namespace hmax::kernel_loops {
 
@@ -40,8 +40,8 @@ inline void load_element(const TetBlock& block, std::size_t lane, const double* 
   }
 }
 
-template <class Lanes>
-void green_force(const TetBlock* blocks, std::size_t count, const double* u, double* f) {
+template <class Lanes, TetLaw law>
+void force(const TetBlock* blocks, std::size_t count, const double* u, double* f) {
   using V = typename Lanes::V;
   for (std::size_t n = 0; n < count; ++n) {
     fetch_ahead<Lanes>(blocks, n, count);
@@ -49,7 +49,7 @@ void green_force(const TetBlock* blocks, std::size_t count, const double* u, dou
       const TetBlock& block = blocks[n];
       V U[3][3], g[3][3], pull[3][3];
       load_element<Lanes>(block, lane, u, U, g);
-      green_pull<Lanes>(U, g, block.half_lambda + lane, block.mu + lane, pull);
+      tet_pull<Lanes, law>(U, g, block.half_lambda + lane, block.mu + lane, pull);
 
       const typename Lanes::Rows pull1 = Lanes::back(pull[0][0], pull[0][1], pull[0][2]),
                                  pull2 = Lanes::back(pull[1][0], pull[1][1], pull[1][2]),
@@ -187,7 +187,12 @@ void spring_force(const SpringSlice* slices, std::size_t count, const SpringBloc
 /// The table of one instruction set.
 template <class Lanes>
 constexpr TissueKernels kernels_of(const char* name) {
-  return {name, Lanes::width, green_force<Lanes>, green_stiffness<Lanes>, spring_force<Lanes>};
+  return {
+      name,
+      Lanes::width,
+      {force<Lanes, TetLaw::green>, force<Lanes, TetLaw::small_strain>, force<Lanes, TetLaw::neo_hookean>},
+      green_stiffness<Lanes>,
+      spring_force<Lanes>};
 }
 
 }  // namespace hmax::kernel_loops

@@ -2,7 +2,7 @@
 #ifdef __AVX2__
 #include <immintrin.h>
 
-#include "problems/tissue/forces/kernel_loops.hpp"
+#include "problems/tissue/forces/kernels/kernel_loops.hpp"
 
 namespace hmax {
 namespace {

@@ -1,0 +1,119 @@
+/// The forces of tetrahedra and of springs: the one source of processors and devices.
+///
+/// Stresses are first Piola-Kirchhoff ones of displacement gradients H = F - I times the volume V of the
+/// element, whose coefficients are V lambda / 2 and V mu [J]; elasticity.hpp has the laws. `Lanes` has `V`, a
+/// register of elements side by side or one number, load(p) of it, and splat(s), a register of one number;
+/// kernel_loops.hpp says why it is of an unnamed namespace.
+#pragma once
+
+#include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/kernels/tet_law.hpp"
+
+namespace hmax::kernel_loops {
+
+/// The place of entry (i, j) of a symmetric matrix stored as 00 11 22 01 02 12.
+HMAX_DEVICE constexpr int symmetric(int i, int j) { return i == j ? i : i + j + 2; }
+
+/// a.b
+template <class Lanes>
+HMAX_DEVICE inline typename Lanes::V dot(const typename Lanes::V* a, const typename Lanes::V* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// H = du/dX = (u1 - u0, u2 - u0, u3 - u0) Bm, entry (i, j) at H[i][j].
+/// @param U  column a at U[a];  @param g  Bm, row a at g[a]
+template <class Lanes, class V>
+HMAX_DEVICE inline void displacement_gradient(const V (*U)[3], const V (*g)[3], V (*H)[3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) H[i][j] = U[0][i] * g[0][j] + U[1][i] * g[1][j] + U[2][i] * g[2][j];
+}
+
+/// V S of the second Piola-Kirchhoff stress S = lambda tr(E) I + 2 mu E, where 2 E = F^T F - I, without the
+/// difference: 2 E_ii = H_ii + (F^T H)_ii.
+template <class V>
+HMAX_DEVICE inline void second_piola(const V (*H)[3], const V (*F)[3], V half_lambda, V mu, V (&S)[6]) {
+  const auto product = [&](int i, int j, const V(*B)[3]) {
+    return F[0][i] * B[0][j] + F[1][i] * B[1][j] + F[2][i] * B[2][j];
+  };
+  for (int i = 0; i < 3; ++i) S[i] = H[i][i] + product(i, i, H);
+  S[3] = product(0, 1, F), S[4] = product(0, 2, F), S[5] = product(1, 2, F);
+  const V pressure = half_lambda * (S[0] + S[1] + S[2]);
+  for (int k = 0; k < 6; ++k) S[k] *= mu;
+  for (int k = 0; k < 3; ++k) S[k] += pressure;
+}
+
+/// V F S of Green's strain.
+template <class Lanes, class V>
+HMAX_DEVICE inline void green_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
+  V F[3][3], S[6];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) F[i][j] = i == j ? H[i][j] + Lanes::splat(1) : H[i][j];
+  second_piola(H, F, half_lambda, mu, S);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      P[i][j] = F[i][0] * S[symmetric(0, j)] + F[i][1] * S[symmetric(1, j)] + F[i][2] * S[symmetric(2, j)];
+}
+
+/// V (mu (H + H^T) + lambda tr(H) I).
+template <class V>
+HMAX_DEVICE inline void small_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
+  const V pressure = (half_lambda + half_lambda) * (H[0][0] + H[1][1] + H[2][2]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P[i][j] = mu * (H[i][j] + H[j][i]);
+  for (int i = 0; i < 3; ++i) P[i][i] += pressure;
+}
+
+/// V (mu (F - C) + mu' s / (4 (s + 4)) F + lambda' (J - 1) C) of the stable neo-Hookean solid, mu' = 4/3 mu,
+/// lambda' = lambda + 5/6 mu, s = |F|^2 - 3, C = dJ/dF = I + D with D = tr(H) I - H^T + K and the cofactors K
+/// of H, so that no number is the difference of larger ones.
+template <class Lanes, class V>
+HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
+  V K[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      K[i][j] = H[i1][j1] * H[i2][j2] - H[i1][j2] * H[i2][j1];
+    }
+  const V trace = H[0][0] + H[1][1] + H[2][2];
+  const V square =
+      (trace + trace) + (dot<Lanes>(H[0], H[0]) + dot<Lanes>(H[1], H[1]) + dot<Lanes>(H[2], H[2]));
+  const V volume = trace + (K[0][0] + K[1][1] + K[2][2]) + dot<Lanes>(H[0], K[0]);
+  const V stretched = Lanes::splat(1.0 / 3) * mu * square / (square + Lanes::splat(4));
+  const V squeezed = ((half_lambda + half_lambda) + Lanes::splat(5.0 / 6) * mu) * volume;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const V D = (i == j ? trace - H[j][i] : -H[j][i]) + K[i][j], one = Lanes::splat(i == j ? 1 : 0);
+      P[i][j] = mu * (H[i][j] - D) + stretched * (one + H[i][j]) + squeezed * (one + D);
+    }
+}
+
+/// V P Bm^T: what the corners 1, 2 and 3 are pulled back with, that of corner a + 1 at pull[a]. The force
+/// at corner 0 is their sum, (1 + 2) + 3.
+/// @param half_lambda, mu  where V lambda / 2 and V mu [J] stand, for Lanes::load()
+template <class Lanes, TetLaw law, class V, class Number>
+HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number* half_lambda,
+                                 const Number* mu, V (*pull)[3]) {
+  V H[3][3], P[3][3];
+  displacement_gradient<Lanes>(U, g, H);
+  if constexpr (law == TetLaw::green) green_stress<Lanes, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
+  if constexpr (law == TetLaw::small_strain) small_stress<V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
+  if constexpr (law == TetLaw::neo_hookean)
+    neo_hookean_stress<Lanes, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+}
+
+/// T / l = k L (s + b s^3) / l as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d leads from the
+/// near to the far end. Points that coincide have d = 0 and meet no force. `Lanes` has root(v), too.
+/// @param length_inverse, tension  where 1 / L [1/m] and k L [N] stand, for Lanes::load()
+template <class Lanes, bool cubic, class V, class Number>
+HMAX_DEVICE inline V spring_pull(const Number* length_inverse, const Number* tension, V b, const V* d) {
+  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(1e-300));
+  const V per_length = Lanes::load(length_inverse);
+  const V pull = Lanes::load(tension) * (per_length - one / now);
+  if constexpr (!cubic) return pull;
+  const V s = now * per_length - one;
+  return pull * (one + b * (s * s));
+}
+
+}  // namespace hmax::kernel_loops
