@@ -34,22 +34,38 @@ struct CudaBlock {
   __device__ void barrier() const { __syncthreads(); }
 };
 
-template <TetLaw law>
-__global__ void __launch_bounds__(threads) body_steps(const BodyStep step) {
+template <TetLaw law, class Real>
+__global__ void __launch_bounds__(threads) body_steps(const BodyStep<Real> step) {
   extern __shared__ double shared[];
-  body_step<law>(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), shared);
+  body_step<law>(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), reinterpret_cast<Real*>(shared));
 }
 
-__global__ void __launch_bounds__(threads) first_kick_drifts(const BodyStep step) {
+template <class Real>
+__global__ void __launch_bounds__(threads) first_kick_drifts(const BodyStep<Real> step) {
   const std::int32_t p = static_cast<std::int32_t>(blockIdx.x) * threads + static_cast<std::int32_t>(threadIdx.x);
   if (p < step.body.free) first_kick_drift(step, static_cast<std::int32_t>(blockIdx.y), p);
 }
 
 /// The program of a law.
+template <class Real>
 auto* body_steps_of(TetLaw law) {
-  if (law == TetLaw::small_strain) return body_steps<TetLaw::small_strain>;
-  return law == TetLaw::neo_hookean ? body_steps<TetLaw::neo_hookean> : body_steps<TetLaw::green>;
+  if (law == TetLaw::small_strain) return body_steps<TetLaw::small_strain, Real>;
+  return law == TetLaw::neo_hookean ? body_steps<TetLaw::neo_hookean, Real> : body_steps<TetLaw::green, Real>;
 }
+
+/// Steps as a graph.
+template <class Real>
+struct StepGraph {
+  std::vector<BodyStep<Real>> of;
+  cudaGraphExec_t graph = nullptr;
+
+  StepGraph() = default;
+  StepGraph(const StepGraph&) = delete;
+  StepGraph& operator=(const StepGraph&) = delete;
+  ~StepGraph() {
+    if (graph) cudaGraphExecDestroy(graph);
+  }
+};
 
 /// Freed at its end; errors come with the next call.
 struct FreeMemory {
@@ -68,7 +84,6 @@ class Gpu final : public Device {
     check(cudaEventCreate(&end_), "cannot be used");
   }
   ~Gpu() override {
-    if (graph_) cudaGraphExecDestroy(graph_);
     cudaEventDestroy(begin_);
     cudaEventDestroy(end_);
     cudaStreamDestroy(stream_);
@@ -87,6 +102,7 @@ class Gpu final : public Device {
             .clock_mhz = khz / 1e3,
             .driver = "CUDA " + version(driver) + ", run time " + version(runtime),
             .flops = card_.multiProcessorCount * units / ratio * khz * 1e3,
+            .single_flops = card_.multiProcessorCount * units * khz * 1e3,
             .bytes = 2.0 * memory_khz * 1e3 * card_.memoryBusWidth / 8,
             .shared_memory = card_.sharedMemPerBlockOptin};
   }
@@ -101,22 +117,14 @@ class Gpu final : public Device {
   void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
   void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
 
-  void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) override {
-    const std::size_t bytes = shared * sizeof(double);
-    check(cudaFuncSetAttribute(body_steps_of(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
-          "has too little shared memory");
-    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
-    if (times >= of_graph) capture(steps, bytes, of_graph);
-    timed([&] {
-      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph_, stream_), "does not step");
-      launch(steps, bytes, times);
-    });
+  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) override {
+    run_all(steps, graph_, shared, times);
   }
-
-  void begin(const BodyStep& step) override {
-    const dim3 blocks(static_cast<unsigned>((step.body.free + threads - 1) / threads), 3);
-    timed([&] { first_kick_drifts<<<blocks, threads, 0, stream_>>>(step); });
+  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) override {
+    run_all(steps, single_graph_, shared, times);
   }
+  void begin(const BodyStep<double>& step) override { begin_all(step); }
+  void begin(const BodyStep<float>& step) override { begin_all(step); }
 
   [[nodiscard]] double seconds() override { return std::exchange(milliseconds_, 0.0) / 1e3; }
 
@@ -130,24 +138,46 @@ class Gpu final : public Device {
     check(cudaStreamSynchronize(stream_), "does not copy");
   }
 
-  void launch(std::span<const BodyStep> steps, std::size_t bytes, std::int64_t times) {
+  template <class Real>
+  void run_all(std::span<const BodyStep<Real>> steps, StepGraph<Real>& graph, std::size_t shared, std::int64_t times) {
+    const std::size_t bytes = shared * sizeof(Real);
+    check(cudaFuncSetAttribute(body_steps_of<Real>(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize,
+                               static_cast<int>(bytes)),
+          "has too little shared memory");
+    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
+    if (times >= of_graph) capture(steps, graph, bytes, of_graph);
+    timed([&] {
+      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph.graph, stream_), "does not step");
+      launch(steps, bytes, times);
+    });
+  }
+
+  template <class Real>
+  void begin_all(const BodyStep<Real>& step) {
+    const dim3 blocks(static_cast<unsigned>((step.body.free + threads - 1) / threads), 3);
+    timed([&] { first_kick_drifts<<<blocks, threads, 0, stream_>>>(step); });
+  }
+
+  template <class Real>
+  void launch(std::span<const BodyStep<Real>> steps, std::size_t bytes, std::int64_t times) {
     for (std::int64_t n = 0; n < times; ++n)
-      for (const BodyStep& step : steps)
-        body_steps_of(step.body.law)<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
+      for (const BodyStep<Real>& step : steps)
+        body_steps_of<Real>(step.body.law)<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
   }
 
   /// A graph of steps, unless it is the one that is there.
-  void capture(std::span<const BodyStep> steps, std::size_t bytes, std::int64_t times) {
-    if (graph_ && std::equal(steps.begin(), steps.end(), of_.begin(), of_.end())) return;
-    if (graph_) cudaGraphExecDestroy(std::exchange(graph_, nullptr));
+  template <class Real>
+  void capture(std::span<const BodyStep<Real>> steps, StepGraph<Real>& kept, std::size_t bytes, std::int64_t times) {
+    if (kept.graph && std::equal(steps.begin(), steps.end(), kept.of.begin(), kept.of.end())) return;
+    if (kept.graph) cudaGraphExecDestroy(std::exchange(kept.graph, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
     launch(steps, bytes, times);
     check(cudaStreamEndCapture(stream_, &graph), "makes no graph");
-    const cudaError_t made = cudaGraphInstantiate(&graph_, graph, 0);
+    const cudaError_t made = cudaGraphInstantiate(&kept.graph, graph, 0);
     cudaGraphDestroy(graph);
     check(made, "makes no graph");
-    of_.assign(steps.begin(), steps.end());
+    kept.of.assign(steps.begin(), steps.end());
   }
 
   template <class Work>
@@ -165,8 +195,8 @@ class Gpu final : public Device {
   cudaDeviceProp card_{};
   cudaStream_t stream_ = nullptr;
   cudaEvent_t begin_ = nullptr, end_ = nullptr;
-  cudaGraphExec_t graph_ = nullptr;
-  std::vector<BodyStep> of_;  ///< what the graph steps
+  StepGraph<double> graph_;
+  StepGraph<float> single_graph_;
   std::vector<std::unique_ptr<void, FreeMemory>> memory_;
   double milliseconds_ = 0;
 };

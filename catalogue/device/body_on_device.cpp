@@ -1,6 +1,7 @@
 #include "catalogue/device/body_on_device.hpp"
 
 #include <array>
+#include <span>
 #include <utility>
 
 namespace hmax {
@@ -9,10 +10,11 @@ namespace {
 bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || body.settings().beta != 0; }
 }  // namespace
 
-BodyOnDevice::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
+template <class Real>
+BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
     : device_(device),
       method_(std::move(method)),
-      patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(double))) {
+      patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(Real))) {
   step_ = {.body = arrays(),
            .move = Move::start,
            .h = 0,
@@ -32,11 +34,12 @@ BodyOnDevice::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod 
   if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
   step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
-  for (double*& q : stage_q_) q = numbers(displacements());
-  for (double*& v : stage_v_) v = numbers(velocities());
+  for (Real*& q : stage_q_) q = numbers(displacements());
+  for (Real*& v : stage_v_) v = numbers(velocities());
 }
 
-std::vector<double> BodyOnDevice::lumped_damping(const TissueBody& body) const {
+template <class Real>
+std::vector<double> BodyOnDevice<Real>::lumped_damping(const TissueBody& body) const {
   const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix C;
   body.damping(0, still, still, C);
@@ -49,7 +52,8 @@ std::vector<double> BodyOnDevice::lumped_damping(const TissueBody& body) const {
   return lumped;
 }
 
-BodyArrays BodyOnDevice::arrays() {
+template <class Real>
+BodyArrays<Real> BodyOnDevice<Real>::arrays() {
   const BodyPatches& p = patches_;
   return {.patches = static_cast<std::int32_t>(p.begin.size()) - 1,
           .points = p.points,
@@ -66,7 +70,7 @@ BodyArrays BodyOnDevice::arrays() {
           .ends = there(p.ends),
           .per_length = there(p.per_length),
           .tension = there(p.tension),
-          .cubic = p.cubic,
+          .cubic = static_cast<Real>(p.cubic),
           .rest = there(p.rest),
           .slots = there(p.slots),
           .push_slot = there(p.push_slot),
@@ -78,18 +82,25 @@ BodyArrays BodyOnDevice::arrays() {
           .damping = there(p.damping),
           .damp_end = there(p.damp_end),
           .damps = static_cast<std::int32_t>(p.damped_by.size()),
-          .watch = p.watch};
+          .watch = static_cast<Real>(p.watch)};
 }
 
+template <class Real>
 template <class T>
-const T* BodyOnDevice::there(const std::vector<T>& values) {
+const T* BodyOnDevice<Real>::there(const std::vector<T>& values) {
   void* const to = device_.allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
   if (!values.empty()) device_.write(to, values.data(), values.size() * sizeof(T));
   return static_cast<const T*>(to);
 }
 
+template <class Real>
+const Real* BodyOnDevice<Real>::there(const std::vector<double>& values) {
+  return there<Real>(std::vector<Real>(values.begin(), values.end()));
+}
+
+template <class Real>
 template <class Use>
-void BodyOnDevice::visit(std::vector<double>& q, std::vector<double>& v, const Use& use) const {
+void BodyOnDevice<Real>::visit(std::vector<Real>& q, std::vector<Real>& v, const Use& use) const {
   const auto points = static_cast<std::size_t>(patches_.points), free = patches_.mass.size();
   for (std::size_t p = 0; p < free; ++p)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -98,65 +109,72 @@ void BodyOnDevice::visit(std::vector<double>& q, std::vector<double>& v, const U
     }
 }
 
-void BodyOnDevice::set(const Eigen::VectorXd& y) {
-  std::vector<double> q(3 * static_cast<std::size_t>(patches_.points), 0.0), v(3 * patches_.mass.size());
-  visit(q, v, [&](Eigen::Index i, double& to_q, double& to_v) { to_q = y[i], to_v = y[y.size() / 2 + i]; });
+template <class Real>
+void BodyOnDevice<Real>::set(const Eigen::VectorXd& y) {
+  std::vector<Real> q(3 * static_cast<std::size_t>(patches_.points), 0.0), v(3 * patches_.mass.size());
+  visit(q, v, [&](Eigen::Index i, Real& to_q, Real& to_v) {
+    to_q = static_cast<Real>(y[i]), to_v = static_cast<Real>(y[y.size() / 2 + i]);
+  });
   // All of them, since steps write the free points alone.
-  for (double* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
+  for (Real* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
   static_cast<void>(left());
 }
 
-Eigen::VectorXd BodyOnDevice::get() {
-  std::vector<double> q(3 * static_cast<std::size_t>(patches_.points)), v(3 * patches_.mass.size());
+template <class Real>
+Eigen::VectorXd BodyOnDevice<Real>::get() {
+  std::vector<Real> q(3 * static_cast<std::size_t>(patches_.points)), v(3 * patches_.mass.size());
   device_.read(q.data(), step_.q, displacements());
   device_.read(v.data(), step_.v, velocities());
   Eigen::VectorXd y(2 * static_cast<Eigen::Index>(v.size()));
-  visit(q, v, [&](Eigen::Index i, double& of_q, double& of_v) { y[i] = of_q, y[y.size() / 2 + i] = of_v; });
+  visit(q, v, [&](Eigen::Index i, Real& of_q, Real& of_v) { y[i] = of_q, y[y.size() / 2 + i] = of_v; });
   return y;
 }
 
+template <class Real>
 template <class Append>
-void BodyOnDevice::run(std::int64_t count, const Append& append) {
+void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
   const auto swap = [this] {
     std::swap(step_.q, step_.q_next);
     std::swap(step_.v, step_.v_next);
   };
-  std::vector<BodyStep> programs;  // of two steps, there and back
+  std::vector<BodyStep<Real>> programs;  // of two steps, there and back
   append(step_, programs);
   const std::size_t one = programs.size();
   swap();
   append(step_, programs);
   swap();
-  if (count > 1) device_.run(programs, patches_.shared, count / 2);
+  if (count > 1) device_.run(std::span<const BodyStep<Real>>(programs), patches_.shared, count / 2);
   if (count % 2 == 0) return;
-  device_.run({programs.data(), one}, patches_.shared, 1);
+  device_.run(std::span<const BodyStep<Real>>(programs.data(), one), patches_.shared, 1);
   swap();
 }
 
-void BodyOnDevice::start() {
+template <class Real>
+void BodyOnDevice<Real>::start() {
   if (method_.kind == DeviceMethod::Kind::kicks)
-    run(1, [](BodyStep step, std::vector<BodyStep>& programs) {
+    run(1, [](BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) {
       step.move = Move::start;
       programs.push_back(step);
     });
 }
 
-void BodyOnDevice::append_stages(BodyStep step, std::vector<BodyStep>& programs) const {
-  const BodyStep whole = step;
+template <class Real>
+void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const {
+  const BodyStep<Real> whole = step;
   const std::size_t stages = method_.rows.size();
   step.move = Move::stage;
   step.sum.q = whole.q, step.sum.v = whole.v;
   for (std::size_t i = 0; i < stages; ++i) {
-    StageSum& sum = step.sum;
+    StageSum<Real>& sum = step.sum;
     sum.stage = static_cast<std::int32_t>(i);
     sum.is_end = i + 1 == stages;
     sum.terms = 0;
     for (std::size_t j = 0; j <= i; ++j)
       if (const long double weight = method_.rows[i][j]; weight != 0) {
         sum.slope[sum.terms] = static_cast<std::int32_t>(j);
-        sum.weight[sum.terms++] = step.h * static_cast<double>(weight);
+        sum.weight[sum.terms++] = step.h * static_cast<Real>(weight);
       }
     step.q_next = sum.is_end ? whole.q_next : stage_q_[i % 2];
     step.v_next = sum.is_end ? whole.v_next : stage_v_[i % 2];
@@ -165,11 +183,12 @@ void BodyOnDevice::append_stages(BodyStep step, std::vector<BodyStep>& programs)
   }
 }
 
-void BodyOnDevice::advance(double h, std::int64_t count) {
-  step_.h = h;
-  step_.half = h / 2;
+template <class Real>
+void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
+  step_.h = static_cast<Real>(h);
+  step_.half = step_.h / 2;
   const auto moves = [](Move move) {
-    return [move](BodyStep step, std::vector<BodyStep>& programs) {
+    return [move](BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) {
       step.move = move;
       programs.push_back(step);
     };
@@ -183,13 +202,14 @@ void BodyOnDevice::advance(double h, std::int64_t count) {
       run(count - 1, moves(Move::kick_drift));
       return run(1, moves(Move::kick));
     case DeviceMethod::Kind::runge_kutta:
-      return run(count, [this](const BodyStep& step, std::vector<BodyStep>& programs) {
+      return run(count, [this](const BodyStep<Real>& step, std::vector<BodyStep<Real>>& programs) {
         append_stages(step, programs);
       });
   }
 }
 
-bool BodyOnDevice::left() {
+template <class Real>
+bool BodyOnDevice<Real>::left() {
   std::int32_t found = 0;
   device_.read(&found, step_.left, sizeof found);
   const std::int32_t none = 0;
@@ -197,35 +217,44 @@ bool BodyOnDevice::left() {
   return found != 0;
 }
 
-void BodyOnDevice::keep() {
+template <class Real>
+void BodyOnDevice<Real>::keep() {
   device_.copy(kept_.q, step_.q, displacements());
   device_.copy(kept_.v, step_.v, velocities());
   device_.copy(kept_.a, step_.a, velocities());
 }
 
-void BodyOnDevice::go_back() {
+template <class Real>
+void BodyOnDevice<Real>::go_back() {
   device_.copy(step_.q, kept_.q, displacements());
   device_.copy(step_.v, kept_.v, velocities());
   device_.copy(step_.a, kept_.a, velocities());
 }
 
-double BodyOnDevice::flops() const {
+template <class Real>
+double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
   return static_cast<double>(method_.evaluations()) *
          (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
           31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
 
-double BodyOnDevice::bytes() const {
+template <class Real>
+double BodyOnDevice<Real>::bytes() const {
+  constexpr double number = sizeof(Real), number_and_place = 3 * number + 4;
   double slopes = 0;  // that are read again
   for (const std::vector<long double>& row : method_.rows)
-    for (const long double weight : row) slopes += weight != 0 ? 2 * 8 : 0;
+    for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
   return static_cast<double>(method_.evaluations()) *
-             (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(double)) * step_.body.tets +
-              static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(double)) * step_.body.springs +
-              28.0 * step_.body.damps + 28.0 * static_cast<double>(patches_.rim.size()) +
-              (3 * 5 + 2) * 8.0 * step_.body.free) +
-         slopes * 3 * step_.body.free;
+             (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
+              static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
+              number_and_place * step_.body.damps +
+              number_and_place * static_cast<double>(patches_.rim.size()) +
+              (3 * 5 + 2) * number * step_.body.free) +
+         slopes * number * 3 * step_.body.free;
 }
+
+template class BodyOnDevice<double>;
+template class BodyOnDevice<float>;
 
 }  // namespace hmax

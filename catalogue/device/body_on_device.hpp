@@ -15,6 +15,8 @@
 namespace hmax {
 
 /// Steps a body by one method.
+/// @tparam Real  of all its numbers, double or float; those of the body are rounded once
+template <class Real>
 class BodyOnDevice {
  public:
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
@@ -37,32 +39,33 @@ class BodyOnDevice {
 
  private:
   [[nodiscard]] std::size_t displacements() const {
-    return sizeof(double) * 3 * static_cast<std::size_t>(patches_.points);
+    return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points);
   }
-  [[nodiscard]] std::size_t velocities() const { return sizeof(double) * 3 * patches_.mass.size(); }
-  double* numbers(std::size_t bytes) { return static_cast<double*>(device_.allocate(bytes)); }
+  [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size(); }
+  Real* numbers(std::size_t bytes) { return static_cast<Real*>(device_.allocate(bytes)); }
   template <class T>
   const T* there(const std::vector<T>& values);
-  [[nodiscard]] BodyArrays arrays();
+  const Real* there(const std::vector<double>& values);
+  [[nodiscard]] BodyArrays<Real> arrays();
   /// diag(C) / m [1/s], shape (3, free).
   [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
   /// Calls use(i, q, v) for each degree of freedom of the body with its place in the arrays of the device.
   template <class Use>
-  void visit(std::vector<double>& q, std::vector<double>& v, const Use& use) const;
+  void visit(std::vector<Real>& q, std::vector<Real>& v, const Use& use) const;
 
   /// The next `count` steps, each of the programs that append(step, programs) makes of its BodyStep.
   template <class Append>
   void run(std::int64_t count, const Append& append);
-  void append_stages(BodyStep step, std::vector<BodyStep>& programs) const;
+  void append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const;
 
   Device& device_;
   DeviceMethod method_;
   BodyPatches patches_;
-  BodyStep step_{};
-  double *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
+  BodyStep<Real> step_{};
+  Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
   struct {
-    double *q, *v, *a;
+    Real *q, *v, *a;
   } kept_{};
 };
 

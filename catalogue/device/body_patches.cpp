@@ -124,7 +124,7 @@ class Cutter {
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     made_.shared =
-        std::max(made_.shared, static_cast<std::size_t>(shared_doubles(static_cast<std::int64_t>(used.size()),
+        std::max(made_.shared, static_cast<std::size_t>(shared_numbers(static_cast<std::int64_t>(used.size()),
                                                                        static_cast<std::int64_t>(slots))));
     fits_ = fits_ && slots < PatchCorners::nowhere && used.size() < PatchCorners::nowhere;
   }

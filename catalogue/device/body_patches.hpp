@@ -34,14 +34,14 @@ struct BodyPatches {
   double watch = 0;
   std::int32_t points = 0;
   std::vector<std::int32_t> order;  ///< of each free point of the body: its number here
-  std::size_t shared = 0;           ///< shared_doubles() of the patch that needs most
+  std::size_t shared = 0;           ///< shared_numbers() of the patch that needs most
 
   [[nodiscard]] std::int32_t free() const { return static_cast<std::int32_t>(mass.size()); }
 };
 
 /// Patches of about `points` points each, by halves along the longest side of the box around them.
 /// @param body  one that suits
-/// @param most_shared  doubles that a block may share; patches become smaller until they fit
+/// @param most_shared  numbers that a block may share; patches become smaller until they fit
 /// @throws InputError  where one point alone does not fit
 BodyPatches body_patches(const TissueBody& body, std::size_t points = 128, std::size_t most_shared = 1 << 20);
 

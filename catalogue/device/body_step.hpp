@@ -36,31 +36,38 @@ struct PatchBegin {
   std::int32_t own, rim, tet, spring, push;
 };
 
-/// A body, its arrays in the memory of a device. Degrees of freedom are stored x, y, z one array after the
-/// other; the points of a patch are neighbours, and those that stand still follow the free ones.
+/// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
+/// x, y, z one array after the other; the points of a patch are neighbours, and those that stand still follow
+/// the free ones.
+template <class Real>
 struct BodyArrays {
   std::int32_t patches, points, free, tets, springs;
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
-  const PatchCorners* corners;         ///< shape (tets)
-  const double* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
-  const double *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
-  const PatchSpring* ends;             ///< of springs, shape (springs)
-  const double *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
-  double cubic;                        ///< b of phi = s + b s^3
-  const double* rest;                  ///< positions [m], shape (3, points); of springs alone
-  const PointSlots* slots;             ///< of each free point; they follow one another in a patch
-  const std::uint16_t* push_slot;      ///< slots of steady forces
-  const double* push;                  ///< these [N], x, y, z
-  const double *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
-  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
-  const double* damping;               ///< of its three dofs [kg/s], shape (3, damps)
-  const std::int32_t* damp_end;        ///< the end of these, of each free point
+  const PatchCorners* corners;       ///< shape (tets)
+  const Real* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
+  const Real *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
+  const PatchSpring* ends;           ///< of springs, shape (springs)
+  const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
+  Real cubic;                        ///< b of phi = s + b s^3
+  const Real* rest;                  ///< positions [m], shape (3, points); of springs alone
+  const PointSlots* slots;           ///< of each free point; they follow one another in a patch
+  const std::uint16_t* push_slot;    ///< slots of steady forces
+  const Real* push;                  ///< these [N], x, y, z
+  const Real *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
+  const std::int32_t* damped_by;     ///< dofs whose velocities damp a free point by the stiffness at rest
+  const Real* damping;               ///< of its three dofs [kg/s], shape (3, damps)
+  const std::int32_t* damp_end;      ///< the end of these, of each free point
   std::int32_t damps;
-  double watch;  ///< a larger displacement [m] is told
+  Real watch;  ///< a larger displacement [m] is told
   bool operator==(const BodyArrays&) const = default;
 };
+
+/// A velocity beyond it is told [m/s].
+template <class Real>
+inline constexpr Real immense = sizeof(Real) == sizeof(double) ? static_cast<Real>(1e100)
+                                                               : static_cast<Real>(1e30);
 
 /// What becomes of the accelerations.
 enum class Move : std::int32_t {
@@ -73,58 +80,61 @@ enum class Move : std::int32_t {
 
 /// The argument of the next stage of a Runge-Kutta step, y + w_0 k_0 + w_1 k_1 ..., or the end of the step,
 /// y + (w_0 k_0 + w_1 k_1 ...), as ExplicitRk adds them up.
+template <class Real>
 struct StageSum {
   static constexpr std::int32_t most = 13;
   std::int32_t stage;  ///< whose slope is found
   std::int32_t terms;  ///< at least 1
   bool is_end;
   std::int32_t slope[most];  ///< whose stages' k_j, none later than `stage`
-  double weight[most];       ///< h a_ij or h b_j, none 0
-  const double *q, *v;       ///< y, the beginning of the step, as of BodyStep
-  double* slopes;            ///< shape (stages, 2, 3, free): v and a of each
+  Real weight[most];         ///< h a_ij or h b_j, none 0
+  const Real *q, *v;         ///< y, the beginning of the step, as of BodyStep
+  Real* slopes;              ///< shape (stages, 2, 3, free): v and a of each
   bool operator==(const StageSum&) const = default;
 };
 
 /// One step, from the displacements `q` to `q_next`, shape (3, points), and from `v` to `v_next`, (3, free);
 /// a is as v. Of Runge-Kutta methods it is one stage.
+template <class Real>
 struct BodyStep {
-  BodyArrays body;
+  BodyArrays<Real> body;
   Move move;
-  double h, half;  ///< the step and its half
-  double *q, *q_next, *v, *v_next, *a;
-  double* half_v;        ///< velocities of half steps, of kicks whose forces meet predicted ones; else null
-  const double* lumped;  ///< D / m [1/s] of central differences, as KickDriftKick has it; else null
+  Real h, half;  ///< the step and its half
+  Real *q, *q_next, *v, *v_next, *a;
+  Real* half_v;        ///< velocities of half steps, of kicks whose forces meet predicted ones; else null
+  const Real* lumped;  ///< D / m [1/s] of central differences, as KickDriftKick has it; else null
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
-  StageSum sum;
+  StageSum<Real> sum;
   bool operator==(const BodyStep&) const = default;
 };
 
 /// One tetrahedron or spring, for tet_pull() and spring_pull().
+template <class Real>
 struct OneElement {
-  using V = double;
-  HMAX_DEVICE static double splat(double s) { return s; }
-  HMAX_DEVICE static double load(const double* p) { return *p; }
-  HMAX_DEVICE static double root(double s) { return std::sqrt(s); }
+  using V = Real;
+  HMAX_DEVICE static Real splat(double s) { return static_cast<Real>(s); }
+  HMAX_DEVICE static Real load(const Real* p) { return *p; }
+  HMAX_DEVICE static Real root(Real s) { return std::sqrt(s); }
 };
 
-/// Doubles that the threads of a block share: positions of `points`, forces of `slots`.
-HMAX_DEVICE constexpr std::int64_t shared_doubles(std::int64_t points, std::int64_t slots) {
+/// Numbers that the threads of a block share: positions of `points`, forces of `slots`.
+HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots) {
   return 3 * (points + slots);
 }
 
 /// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
-template <TetLaw law>
-HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t tet, std::int32_t points,
-                                           std::int32_t slots, const double* u, double* f) {
+template <TetLaw law, class Real>
+HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::int32_t tet,
+                                           std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
   const PatchCorners corners = body.corners[tet];
-  double U[3][3], g[3][3], pull[3][3];
+  Real U[3][3], g[3][3], pull[3][3];
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) {
       U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
       g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
     }
-  kernel_loops::tet_pull<OneElement, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  kernel_loops::tet_pull<OneElement<Real>, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
       f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
@@ -135,16 +145,17 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays& body, std::int32_t 
 
 /// d pull at the near end and -d pull at the far one, each at its slot.
 /// @param x  positions
-HMAX_DEVICE inline void spring_forces(const BodyArrays& body, std::int32_t spring, std::int32_t points,
-                                      std::int32_t slots, const double* x, double* f) {
+template <class Real>
+HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring, std::int32_t points,
+                                      std::int32_t slots, const Real* x, Real* f) {
   const PatchSpring ends = body.ends[spring];
-  const double* const L = body.per_length + spring;
-  const double* const tension = body.tension + spring;
-  const double b = body.cubic;
-  double d[3];
+  const Real* const L = body.per_length + spring;
+  const Real* const tension = body.tension + spring;
+  const Real b = body.cubic;
+  Real d[3];
   for (int i = 0; i < 3; ++i) d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
-  const double pull = b == 0 ? kernel_loops::spring_pull<OneElement, false>(L, tension, b, d)
-                             : kernel_loops::spring_pull<OneElement, true>(L, tension, b, d);
+  const Real pull = b == 0 ? kernel_loops::spring_pull<OneElement<Real>, false>(L, tension, b, d)
+                           : kernel_loops::spring_pull<OneElement<Real>, true>(L, tension, b, d);
   for (int i = 0; i < 3; ++i) {
     d[i] = d[i] * pull;
     if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = d[i];
@@ -153,8 +164,9 @@ HMAX_DEVICE inline void spring_forces(const BodyArrays& body, std::int32_t sprin
 }
 
 /// The sum at a point in the order of the processor. @param f  of one component
-HMAX_DEVICE inline double sum_of(const PointSlots& slots, std::int32_t first, const double* f) {
-  double sum = 0, own = 0;
+template <class Real>
+HMAX_DEVICE inline Real sum_of(const PointSlots& slots, std::int32_t first, const Real* f) {
+  Real sum = 0, own = 0;
   for (std::int32_t s = first; s < slots.before; ++s) sum = sum + f[s];
   for (std::int32_t s = slots.before; s < slots.own; ++s) own = own + f[s];
   if (slots.own > slots.before) sum = sum + own;
@@ -163,9 +175,10 @@ HMAX_DEVICE inline double sum_of(const PointSlots& slots, std::int32_t first, co
 }
 
 /// What all velocities damp degree of freedom i of free point p with, in the order of the processor [N].
-HMAX_DEVICE inline double damping_of(const BodyStep& step, std::int32_t i, std::int32_t p) {
-  const BodyArrays& body = step.body;
-  double sum = 0;
+template <class Real>
+HMAX_DEVICE inline Real damping_of(const BodyStep<Real>& step, std::int32_t i, std::int32_t p) {
+  const BodyArrays<Real>& body = step.body;
+  Real sum = 0;
   for (std::int32_t n = p == 0 ? 0 : body.damp_end[p - 1]; n < body.damp_end[p]; ++n)
     sum = sum + step.v[body.damped_by[n]] * body.damping[static_cast<std::int64_t>(i) * body.damps + n];
   return sum;
@@ -173,19 +186,21 @@ HMAX_DEVICE inline double damping_of(const BodyStep& step, std::int32_t i, std::
 
 /// What y, the displacement or velocity of a degree of freedom at the beginning of a step, becomes.
 /// @param k     its slopes, one every `next` numbers
-HMAX_DEVICE inline double stage_sum(const StageSum& sum, double y, const double* k, std::int64_t next) {
-  double all = sum.weight[0] * k[sum.slope[0] * next];
+template <class Real>
+HMAX_DEVICE inline Real stage_sum(const StageSum<Real>& sum, Real y, const Real* k, std::int64_t next) {
+  Real all = sum.weight[0] * k[sum.slope[0] * next];
   if (!sum.is_end) all = y + all;
   for (std::int32_t n = 1; n < sum.terms; ++n) all = all + sum.weight[n] * k[sum.slope[n] * next];
   return sum.is_end ? y + all : all;
 }
 
 /// Keeps the slope (v, a), and puts what follows from all of them into q and v.
-HMAX_DEVICE inline void end_stage(const BodyStep& step, std::int64_t at, std::int64_t dof, double a,
-                                  double& q, double& v) {
-  const StageSum& sum = step.sum;
+template <class Real>
+HMAX_DEVICE inline void end_stage(const BodyStep<Real>& step, std::int64_t at, std::int64_t dof, Real a,
+                                  Real& q, Real& v) {
+  const StageSum<Real>& sum = step.sum;
   const std::int64_t size = 3 * static_cast<std::int64_t>(step.body.free);
-  double* const k = sum.slopes + dof;
+  Real* const k = sum.slopes + dof;
   k[2 * sum.stage * size] = v;
   k[(2 * sum.stage + 1) * size] = a;
   q = stage_sum(sum, sum.q[at], k, 2 * size);
@@ -193,9 +208,10 @@ HMAX_DEVICE inline void end_stage(const BodyStep& step, std::int64_t at, std::in
 }
 
 /// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
-HMAX_DEVICE inline void end_kick(const BodyStep& step, std::int64_t dof, double a, double& q, double& v) {
+template <class Real>
+HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, Real a, Real& q, Real& v) {
   if (step.lumped) {
-    const double damping = step.half * step.lumped[dof];
+    const Real damping = step.half * step.lumped[dof];
     a = (a + damping * step.a[dof]) * (1 / (1 + damping));
   }
   if (step.half_v) v = step.half_v[dof];
@@ -210,19 +226,20 @@ HMAX_DEVICE inline void end_kick(const BodyStep& step, std::int64_t dof, double 
 }
 
 /// The new q and v of degree of freedom `dof`, that of component i of free point p.
-HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int32_t i, std::int32_t p) {
+template <class Real>
+HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
                      at = static_cast<std::int64_t>(i) * step.body.points + p;
-  double q = step.q[at], v = step.v[dof];
-  double all = (force + step.body.weight[dof]) - step.body.drag[p] * v;
+  Real q = step.q[at], v = step.v[dof];
+  Real all = (force + step.body.weight[dof]) - step.body.drag[p] * v;
   if (step.body.damps > 0) all = all - damping_of(step, i, p);
-  const double a = all / step.body.mass[p];
+  const Real a = all / step.body.mass[p];
   if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, a, q, v);
   if (step.move == Move::stage) end_stage(step, at, dof, a, q, v);
-  const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
-  if (!(distance <= step.body.watch && speed <= 1e100)) *step.left = 1;
+  const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
+  if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
   step.q_next[at] = q;
   step.v_next[dof] = v;
 }
@@ -231,15 +248,15 @@ HMAX_DEVICE inline void move_point(const BodyStep& step, double force, std::int3
 /// @tparam Block  threads of a block: each(count, f) calls f(0) .. f(count - 1) in any order, or at once;
 ///                barrier() ends what was begun before it
 /// @tparam law    that of the body
-/// @param shared  shared_doubles() of them
-template <TetLaw law, class Block>
-HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_t patch, double* shared) {
-  const BodyArrays& body = step.body;
+/// @param shared  shared_numbers() of them
+template <TetLaw law, class Block, class Real>
+HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch, Real* shared) {
+  const BodyArrays<Real>& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
   const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
                      slots = body.slots[to.own - 1].after;
-  double* const u = shared;
-  double* const f = shared + 3 * points;
+  Real* const u = shared;
+  Real* const f = shared + 3 * points;
   block.each(points, [&](std::int32_t p) {
     const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
     for (int i = 0; i < 3; ++i)
@@ -272,11 +289,12 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep& step, std::int32_
 }
 
 /// The first kick and drift of a run of steps, from accelerations that are known, of degree of freedom i.
-HMAX_DEVICE inline void first_kick_drift(const BodyStep& step, std::int32_t i, std::int32_t p) {
+template <class Real>
+HMAX_DEVICE inline void first_kick_drift(const BodyStep<Real>& step, std::int32_t i, std::int32_t p) {
   const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
                      at = static_cast<std::int64_t>(i) * step.body.points + p;
-  const double v = step.v[dof] + step.half * step.a[dof], q = step.q[at] + step.h * v;
-  const double distance = q < 0 ? -q : q;
+  const Real v = step.v[dof] + step.half * step.a[dof], q = step.q[at] + step.h * v;
+  const Real distance = q < 0 ? -q : q;
   if (!(distance <= step.body.watch)) *step.left = 1;
   step.q_next[at] = q;
   if (step.half_v) step.half_v[dof] = v;

@@ -17,6 +17,7 @@ struct DeviceFacts {
   double clock_mhz = 0;           ///< the highest of its processors
   std::string driver;             ///< with the version of the run time behind it
   double flops = 0;               ///< double precision, operations a second; a fused one counts as one
+  double single_flops = 0;        ///< the same of single precision
   double bytes = 0;               ///< of its memory, a second
   std::size_t shared_memory = 0;  ///< that a block may have [B]
 };
@@ -38,10 +39,12 @@ class Device {
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
 
   /// The steps one after the other, over and over again.
-  /// @param shared  doubles that a block shares, see shared_doubles()
-  virtual void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) = 0;
+  /// @param shared  numbers that a block shares, see shared_numbers()
+  virtual void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) = 0;
+  virtual void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) = 0;
   /// first_kick_drift() of all degrees of freedom.
-  virtual void begin(const BodyStep& step) = 0;
+  virtual void begin(const BodyStep<double>& step) = 0;
+  virtual void begin(const BodyStep<float>& step) = 0;
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
 };

@@ -14,7 +14,7 @@ namespace {
 
 template <std::size_t S>
 DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
-  static_assert(S <= StageSum::most);
+  static_assert(S <= StageSum<double>::most);
   DeviceMethod method{.kind = DeviceMethod::Kind::runge_kutta, .first_same_as_last = is_fsal(tableau)};
   for (std::size_t i = 1; i < S; ++i) method.rows.emplace_back(tableau.a[i].begin(), tableau.a[i].end());
   // The last row is b where the last stage is the first of the next step.

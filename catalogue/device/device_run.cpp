@@ -38,23 +38,8 @@ class Steps {
   std::int64_t count_;
 };
 
-}  // namespace
-
-std::string unsuited_for_device(const Problem& problem, const Method& method, const RunSpec& spec) {
-  if (!problem.body)
-    return fmt::format("--device gpu runs bodies on meshes, and {} is none; leave it out", problem.id);
-  if (spec.adaptive) return "--device gpu runs fixed steps; give --h in the place of tolerances";
-  if (!device_method(method))
-    return fmt::format(
-        "--device gpu does not run {}; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
-        "explicit Runge-Kutta method of hmax such as rk4",
-        method.id);
-  const std::string why = unsuited_for_patches(*problem.body);
-  return why.empty() ? why
-                     : fmt::format("--device gpu does not run this body: it {}; leave --device out", why);
-}
-
-DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec) {
+template <class Real>
+DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec) {
   const AnySystem& system = std::get<AnySystem>(problem.system);
   const DeviceMethod known = *device_method(method);
   RunRecord record;
@@ -63,7 +48,7 @@ DeviceRun run_on_device(Device& device, const Problem& problem, const Method& me
     record.outcome = Outcome::diverged;
     return {.record = std::move(record)};
   }
-  BodyOnDevice body(device, *problem.body, known);
+  BodyOnDevice<Real> body(device, *problem.body, known);
   body.set(problem.y0);
   static_cast<void>(device.seconds());
   body.start();
@@ -96,6 +81,28 @@ DeviceRun run_on_device(Device& device, const Problem& problem, const Method& me
   record.stats.steps = done;
   record.stats.rhs = known.evaluations() * (done + (diverged ? 1 : 0)) + known.first_evaluations();
   return {std::move(record), device.seconds(), body.flops(), body.bytes()};
+}
+
+}  // namespace
+
+std::string unsuited_for_device(const Problem& problem, const Method& method, const RunSpec& spec) {
+  if (!problem.body)
+    return fmt::format("--device gpu runs bodies on meshes, and {} is none; leave it out", problem.id);
+  if (spec.adaptive) return "--device gpu runs fixed steps; give --h in the place of tolerances";
+  if (!device_method(method))
+    return fmt::format(
+        "--device gpu does not run {}; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
+        "explicit Runge-Kutta method of hmax such as rk4",
+        method.id);
+  const std::string why = unsuited_for_patches(*problem.body);
+  return why.empty() ? why
+                     : fmt::format("--device gpu does not run this body: it {}; leave --device out", why);
+}
+
+DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
+                        Precision precision) {
+  return (precision == Precision::single_precision ? run_with<float> : run_with<double>)(device, problem,
+                                                                                         method, spec);
 }
 
 }  // namespace hmax

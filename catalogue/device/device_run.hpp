@@ -1,6 +1,7 @@
 /// Runs of a body on a device, with the bits of the processor.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "catalogue/device/device.hpp"
@@ -15,13 +16,17 @@ std::string unsuited_for_device(const Problem& problem, const Method& method, co
 
 /// What a run came to and what its steps took.
 struct DeviceRun {
-  RunRecord record;             ///< the one of the processor, bit by bit
+  RunRecord record;             ///< in double precision the one of the processor, bit by bit
   double seconds = 0;           ///< by events of the device, without copies
   double flops = 0, bytes = 0;  ///< of a step: operations, and what it moves from and to the memory at least
 };
 
+/// Of the numbers that a device computes with.
+enum class Precision : std::uint8_t { double_precision, single_precision };
+
 /// @param spec  one that suits; `every` is not read
 /// @throws InputError  as Device
-DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec);
+DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
+                        Precision precision = Precision::double_precision);
 
 }  // namespace hmax

@@ -16,30 +16,14 @@ struct HostBlock {
   void barrier() const {}
 };
 
-}  // namespace
-
-DeviceFacts HostDevice::facts() const {
-  return {
-      .name = "the processor", .driver = "none", .shared_memory = std::numeric_limits<std::size_t>::max()};
-}
-
-void* HostDevice::allocate(std::size_t bytes) {
-  // What nobody has written is no number.
-  memory_.emplace_back(bytes / sizeof(double) + 1, std::numeric_limits<double>::quiet_NaN());
-  return memory_.back().data();
-}
-
-void HostDevice::write(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-void HostDevice::read(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-void HostDevice::copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
-
-void HostDevice::run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) {
-  std::vector<double> memory;
+template <class Real>
+void run_all(bool backwards, std::span<const BodyStep<Real>> steps, std::size_t shared, std::int64_t times) {
+  const HostBlock block{backwards};
+  std::vector<Real> memory;
   for (std::int64_t n = 0; n < times; ++n)
-    for (const BodyStep& step : steps)
-      HostBlock{backwards_}.each(step.body.patches, [&](std::int32_t patch) {
-        memory.assign(shared, std::numeric_limits<double>::quiet_NaN());
-        const HostBlock block{backwards_};
+    for (const BodyStep<Real>& step : steps)
+      block.each(step.body.patches, [&](std::int32_t patch) {
+        memory.assign(shared, std::numeric_limits<Real>::quiet_NaN());
         if (step.body.law == TetLaw::green) body_step<TetLaw::green>(block, step, patch, memory.data());
         if (step.body.law == TetLaw::small_strain)
           body_step<TetLaw::small_strain>(block, step, patch, memory.data());
@@ -48,9 +32,36 @@ void HostDevice::run(std::span<const BodyStep> steps, std::size_t shared, std::i
       });
 }
 
-void HostDevice::begin(const BodyStep& step) {
+template <class Real>
+void begin_all(bool backwards, const BodyStep<Real>& step) {
   for (std::int32_t i = 0; i < 3; ++i)
-    HostBlock{backwards_}.each(step.body.free, [&](std::int32_t p) { first_kick_drift(step, i, p); });
+    HostBlock{backwards}.each(step.body.free, [&](std::int32_t p) { first_kick_drift(step, i, p); });
 }
+
+}  // namespace
+
+DeviceFacts HostDevice::facts() const {
+  return {
+      .name = "the processor", .driver = "none", .shared_memory = std::numeric_limits<std::size_t>::max()};
+}
+
+void* HostDevice::allocate(std::size_t bytes) {
+  memory_.emplace_back(bytes / sizeof(double) + 1);
+  // What nobody has written is no number, of either precision.
+  return std::memset(memory_.back().data(), 0xff, bytes);
+}
+
+void HostDevice::write(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+void HostDevice::read(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+void HostDevice::copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+
+void HostDevice::run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) {
+  run_all(backwards_, steps, shared, times);
+}
+void HostDevice::run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) {
+  run_all(backwards_, steps, shared, times);
+}
+void HostDevice::begin(const BodyStep<double>& step) { begin_all(backwards_, step); }
+void HostDevice::begin(const BodyStep<float>& step) { begin_all(backwards_, step); }
 
 }  // namespace hmax

@@ -21,8 +21,10 @@ class HostDevice final : public Device {
   void write(void* to, const void* from, std::size_t bytes) override;
   void read(void* to, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
-  void run(std::span<const BodyStep> steps, std::size_t shared, std::int64_t times) override;
-  void begin(const BodyStep& step) override;
+  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) override;
+  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) override;
+  void begin(const BodyStep<double>& step) override;
+  void begin(const BodyStep<float>& step) override;
   [[nodiscard]] double seconds() override { return 0; }
 
  private:

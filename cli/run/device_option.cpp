@@ -12,7 +12,7 @@
 namespace hmax {
 
 namespace {
-constexpr std::array<std::string_view, 2> device_names{"cpu", "gpu"};
+constexpr std::array<std::string_view, 2> device_names{"cpu", "gpu"}, precision_names{"single", "double"};
 }
 
 void DeviceChoice::add_to(CLI::App& command) {
@@ -20,11 +20,16 @@ void DeviceChoice::add_to(CLI::App& command) {
       command, "--device", name,
       "Where fixed steps of a body run: cpu or gpu, with the same bits and times of its own; cpu by default",
       "NAME");
+  add_text(command, "--precision", precision_name,
+           "Numbers of --device gpu: single, which err by some 1e-6, or double; double by default", "NAME");
 }
 
 void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
                          const Method& method, const RunSpec& spec) const {
   if (!name.empty()) parse_choice("--device", name, device_names);
+  if (!precision_name.empty()) parse_choice("--precision", precision_name, precision_names);
+  if (precision() == Precision::single_precision && !is_gpu())
+    throw InputError("--precision single is for --device gpu; leave it out, or give both");
   if (!is_gpu()) return;
   for (const auto& [option, given] : beside)
     if (given) throw InputError(fmt::format("--device gpu does not take {}; leave one of them out", option));
@@ -36,17 +41,18 @@ void DeviceTime::add_to(nlohmann::ordered_json& document) const {
   document["device"] = facts.name;
   document["clock_mhz"] = facts.clock_mhz;
   document["driver"] = facts.driver;
-  document["precision"] = "double";
+  document["precision"] = precision_word();
   document["device_seconds"] = seconds;
-  document["roofline"] = {{"flops_per_step", flops},
-                          {"bytes_per_step", bytes},
-                          {"flops_per_second", facts.flops},
-                          {"bytes_per_second", facts.bytes}};
+  document["roofline"] = {
+      {"flops_per_step", flops},
+      {"bytes_per_step", bytes},
+      {"flops_per_second", precision == Precision::single_precision ? facts.single_flops : facts.flops},
+      {"bytes_per_second", facts.bytes}};
 }
 
 std::string DeviceTime::words() const {
-  return fmt::format("   device {} s on {}, {} MHz, {}, double precision", short_number(seconds, 3),
-                     facts.name, short_number(facts.clock_mhz, 4), facts.driver);
+  return fmt::format("   device {} s on {}, {} MHz, {}, {} precision", short_number(seconds, 3), facts.name,
+                     short_number(facts.clock_mhz, 4), facts.driver, precision_word());
 }
 
 }  // namespace hmax

@@ -144,12 +144,12 @@ CountedRun reported_run(const Runner& runner, const RunSpec& spec, std::optional
   });
 }
 
-TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec& spec) {
+TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec& spec, Precision precision) {
   const std::unique_ptr<Device> gpu = open_gpu();
-  DeviceRun run = run_on_device(*gpu, problem, method, spec);
+  DeviceRun run = run_on_device(*gpu, problem, method, spec, precision);
   TimedRun timed{};
   timed.record = std::move(run.record);
-  timed.device = {gpu->facts(), run.seconds, run.flops, run.bytes};
+  timed.device = {gpu->facts(), precision, run.seconds, run.flops, run.bytes};
   return timed;
 }
 
@@ -568,7 +568,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
                               stop ? &*stop : nullptr, console);
   const TimedRun result =
       options.device.is_gpu()
-          ? run_on_gpu(problem, method, spec)
+          ? run_on_gpu(problem, method, spec, options.device.precision())
           : TimedRun{reported_run(runner, spec, threads, checkpoint.get(), console), threads, {}};
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};

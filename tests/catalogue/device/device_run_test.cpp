@@ -166,6 +166,36 @@ TEST(HostDevice, DivergesWhereTheProcessorDoes) {
   expect_same_divergence(device);
 }
 
+/// How far single precision is from double: the largest difference of displacements over the largest of them.
+double error_of_single(const Problem& problem, const char* method, const RunSpec& spec) {
+  HostDevice device;
+  const RunRecord expected = find_method(method).bind(problem).run(spec, {}),
+                  found =
+                      run_on_device(device, problem, find_method(method), spec, Precision::single_precision)
+                          .record;
+  EXPECT_EQ(found.outcome, expected.outcome);
+  EXPECT_EQ(found.t, expected.t);
+  EXPECT_EQ(found.stats.steps, expected.stats.steps);
+  const Eigen::Index n = expected.y.size() / 2;
+  return (found.y - expected.y).head(n).lpNorm<Eigen::Infinity>() /
+         expected.y.head(n).lpNorm<Eigen::Infinity>();
+}
+
+TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
+  const Parameters heavy{{"g", 9.81}, {"alpha", 1}};
+  const auto expect_between = [&](const char* id, const char* method, const RunSpec& spec, double least,
+                                  double most) {
+    const double error = error_of_single(make_problem(id, {.parameters = heavy}), method, spec);
+    EXPECT_LT(error, most) << id << ", " << method;
+    EXPECT_GT(error, least) << id << ", " << method;
+  };
+  for (const char* id : {"fem_green@liver", "fem_cauchy@liver", "fem_neo_hookean@liver", "mass_spring@liver"})
+    for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
+      expect_between(id, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
+  // Of many short steps each rounds a displacement that it hardly changes.
+  expect_between("fem_green@liver", "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
+}
+
 TEST(BodyPatches, OwnEachFreePointOnceWithAllItsTetrahedra) {
   const Problem problem = uneven_body(1);
   const BodyPatches patches = body_patches(*problem.body, 7);
@@ -228,6 +258,18 @@ class Gpu : public testing::Test {
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
   expect_same_on_bodies(*device);
   expect_same_stages(*device);
+}
+TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
+  HostDevice host;
+  const RunSpec spec{.t_end = 0.0203, .h = 3e-4};
+  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "mass_spring"})
+    for (const char* method : {"symplectic_euler", "central_difference", "rk4"}) {
+      const Problem problem = uneven_body(2.5, model);
+      const auto on = [&](Device& where) {
+        return run_on_device(where, problem, find_method(method), spec, Precision::single_precision).record.y;
+      };
+      EXPECT_EQ(unequal(on(*device), on(host)), 0U) << model << ", " << method;
+    }
 }
 TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
 

@@ -44,6 +44,8 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
   }
   EXPECT_EQ(shell.json(body + " --json --full --device cpu").count("device"), 0U);
   expect_refused(shell.hmax(body + " --device tpu"), "--device");
+  expect_refused(shell.hmax(body + " --precision single"), "is for --device gpu");
+  expect_refused(shell.hmax(body + " --device gpu --precision half"), "--precision");
   expect_refused(shell.hmax(body + " --device gpu --jobs 2"), "--jobs");
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
                  "bodies on meshes");

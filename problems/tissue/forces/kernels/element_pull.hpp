@@ -108,7 +108,8 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
 /// @param length_inverse, tension  where 1 / L [1/m] and k L [N] stand, for Lanes::load()
 template <class Lanes, bool cubic, class V, class Number>
 HMAX_DEVICE inline V spring_pull(const Number* length_inverse, const Number* tension, V b, const V* d) {
-  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(1e-300));
+  constexpr double least = sizeof(Number) == sizeof(double) ? 1e-300 : 1e-30;
+  const V one = Lanes::splat(1), now = Lanes::root(dot<Lanes>(d, d) + Lanes::splat(least));
   const V per_length = Lanes::load(length_inverse);
   const V pull = Lanes::load(tension) * (per_length - one / now);
   if constexpr (!cubic) return pull;
