@@ -6,6 +6,8 @@
 #include <limits>
 #include <variant>
 
+#include "core/instructions/single_powers.hpp"
+
 namespace hmax {
 
 /// What a controller says of one attempt.
@@ -95,7 +97,7 @@ class DeadbandController {
 
   /// h where err is in (0.4, 0.8], else h 0.9 err^(-1/q), at most 5 h. A rejected attempt shrinks to 0.2 h
   /// at least; an err that is not finite gives 0.1 h.
-  Verdict<Real> judge(Real error_squared, Real h) {
+  HMAX_DEVICE Verdict<Real> judge(Real error_squared, Real h) {
     if (error_squared <= 1) [[likely]] {
       if (error_squared > Real(0.16) && error_squared <= Real(0.64)) [[likely]]
         return {true, h};
@@ -109,9 +111,9 @@ class DeadbandController {
 
  private:
   /// 0.9 err^(-1/q).
-  Real factor(Real error_squared) const {
+  HMAX_DEVICE Real factor(Real error_squared) const {
     const Real bounded = std::min(error_squared, Real(1e30));
-    return Real(0.9F * std::exp2(exponent_ * std::log2(static_cast<float>(bounded))));
+    return Real(0.9F * single_exp2(exponent_ * single_log2(static_cast<float>(bounded))));
   }
   float exponent_;
 };

@@ -15,4 +15,7 @@ namespace hmax {
 void cosines(std::span<const double> x, std::span<double> out,
              InstructionSet set = instruction_sets().front());
 
+/// Whether std::cos is that of cmake/elementary_functions.cmake, whose bits cosine() has.
+bool cosines_are_those_of_musl();
+
 }  // namespace hmax
