@@ -7,6 +7,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "core/instructions/device_code.hpp"
 #include "integrators/controller.hpp"
 #include "integrators/error_norm.hpp"
 #include "integrators/initial_step.hpp"
@@ -49,7 +50,7 @@ Real rounding_of(Span<Real> span) {
 
 /// 16 eps |t|: a shorter step no longer moves time reliably.
 template <class Real>
-Real smallest_step(Real t) {
+HMAX_DEVICE Real smallest_step(Real t) {
   return std::max(16 * std::numeric_limits<Real>::epsilon() * std::abs(t), std::numeric_limits<Real>::min());
 }
 
@@ -64,13 +65,13 @@ struct Destination {
   /// A step of h, or the last one where `stretch` h reaches the end: no step passes it, and none is a
   /// sliver.
   /// @param stretch  >= 1; a last step may be that much longer than h
-  [[nodiscard]] Proposal<Real> propose(Real t, Real h, Real stretch) const {
+  [[nodiscard]] HMAX_DEVICE Proposal<Real> propose(Real t, Real h, Real stretch) const {
     if (direction * (t_end - (t + stretch * h)) <= 0) [[unlikely]]
       return {t_end - t, t_end, true};
     return {h, t + h, false};
   }
   /// h, cut to the length `longest`.
-  [[nodiscard]] Real cut(Real h, Real longest) const {
+  [[nodiscard]] HMAX_DEVICE Real cut(Real h, Real longest) const {
     return std::abs(h) > longest ? direction * longest : h;
   }
 };
@@ -203,15 +204,15 @@ class Adaptive {
   }
 
   /// The last step is stretched by up to 1 % (10 % under MATLAB's rules) rather than leaving a sliver.
-  Proposal<Real> propose(Real t) const {
+  HMAX_DEVICE Proposal<Real> propose(Real t) const {
     return destination_.propose(t, h_, matlab_rules() ? Real(1.1) : Real(1.01));
   }
 
   /// Accepts where the error norm is at most 1.
   /// @returns accept, retry with the shorter step of the controller, or give_up where that is too short
   template <class Stepper, class Sys, class State>
-  Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
-                  const State& y_new) {
+  HMAX_DEVICE Judgement judge(const Stepper& stepper, const Sys&, const Proposal<Real>& step, const State& y,
+                              const State& y_new) {
     const Verdict<Real> verdict = controller_.judge(stepper.error_squared(step.h, y, y_new, norm_), step.h);
     h_ = destination_.cut(verdict.h_next, longest_);
     if constexpr (requires { stepper.longest_step(); }) h_ = destination_.cut(h_, stepper.longest_step());
@@ -236,7 +237,7 @@ class Adaptive {
 
  private:
   /// Whether steps and end of the run follow MATLAB's rules too.
-  bool matlab_rules() const {
+  HMAX_DEVICE bool matlab_rules() const {
     if constexpr (requires { controller_.matlab_rules(); })
       return controller_.matlab_rules();
     else
@@ -244,7 +245,7 @@ class Adaptive {
   }
 
   /// give_up where the step is too short to move t, 16 eps |t|.
-  Judgement retry_or_give_up(const Proposal<Real>& step) const {
+  HMAX_DEVICE Judgement retry_or_give_up(const Proposal<Real>& step) const {
     return std::abs(h_) <= detail::smallest_step(step.t_next) ? Judgement::give_up : Judgement::retry;
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/instructions/device_code.hpp"
 #include "integrators/state.hpp"
 #include "integrators/tolerances.hpp"
 
@@ -20,7 +21,7 @@ struct WeightedRms {
   /// (1/n) sum_i (e_i / (atol_i + rtol max(|y_i|, |y_new,i|)))^2; NaN where an e_i is NaN.
   /// @param error  callable, error(i) = component i of the local error
   template <class State, class Error>
-  Real squared(const State& y, const State& y_new, const Error& error) const {
+  HMAX_DEVICE Real squared(const State& y, const State& y_new, const Error& error) const {
     Real sum{0};
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       const Real weight = detail::atol_of(atol, i) + rtol * std::max(std::abs(y[i]), std::abs(y_new[i]));

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/instructions/device_code.hpp"
 #include "integrators/system.hpp"
 
 namespace hmax {
@@ -27,15 +28,14 @@ inline constexpr bool is_small_state =
 namespace detail {
 /// f(0), ..., f(N - 1), without a loop.
 template <class F, std::size_t... D>
-inline void unrolled(F&& f, std::index_sequence<D...>) {
+HMAX_DEVICE inline void unrolled(F&& f, std::index_sequence<D...>) {
   (f(static_cast<Eigen::Index>(D)), ...);
 }
 }  // namespace detail
 
 /// Calls f(d) for each component of a small state, unrolled.
 template <class State, class F>
-requires is_small_state<State>
-inline void for_each_component(F&& f) {
+requires is_small_state<State> HMAX_DEVICE inline void for_each_component(F&& f) {
   detail::unrolled(f, std::make_index_sequence<State::SizeAtCompileTime>{});
 }
 
@@ -62,7 +62,7 @@ inline void copy_state(const State& y, State& out) {
 /// True when the squares of the components can still be summed: false for NaN, infinity and magnitudes beyond
 /// the square root of the largest number.
 template <class State>
-inline bool is_bounded(const State& y) {
+HMAX_DEVICE inline bool is_bounded(const State& y) {
   using Real = real_of<State>;
   if constexpr (is_small_state<State>) {
     // One pass without a branch: any overflow or NaN reaches the sum.
@@ -115,7 +115,7 @@ constexpr std::size_t next_weight(std::size_t j) {
 /// left + sum_{j >= J} (h weight_j) term(j) as one expression, from left to right.
 /// @tparam J  the first weight that is used; zero weights are skipped by the compiler
 template <StaticRow Row, class Real, std::size_t J, class Term, class Left>
-inline auto fold_weights(Real h, const Term& term, const Left& left) {
+HMAX_DEVICE inline auto fold_weights(Real h, const Term& term, const Left& left) {
   if constexpr (J >= Row::size)
     return left;
   else
@@ -126,7 +126,7 @@ inline auto fold_weights(Real h, const Term& term, const Left& left) {
 /// sum_j (h weight_j) term(j) as one expression; the row has at least one weight that is not zero, else it
 /// does not compile.
 template <StaticRow Row, class Real, class Term>
-inline auto weighted_sum(Real h, const Term& term) {
+HMAX_DEVICE inline auto weighted_sum(Real h, const Term& term) {
   constexpr std::size_t first = next_weight<Row>(0);
   static_assert(first < Row::size, "all weights are zero");
   return fold_weights<Row, Real, next_weight<Row>(first + 1)>(

@@ -11,6 +11,8 @@
 
 #include <Eigen/Core>
 
+#include "core/instructions/device_code.hpp"
+
 namespace hmax {
 
 /// The tolerances where none are given: an error of 1e-6 of each number, and of 1e-9 near zero.
@@ -41,7 +43,7 @@ inline constexpr bool is_by_component = requires(const Atol& atol) {
 
 /// The absolute tolerance of component i.
 template <class Atol>
-auto atol_of(const Atol& atol, Eigen::Index i) {
+HMAX_DEVICE auto atol_of(const Atol& atol, Eigen::Index i) {
   if constexpr (is_by_component<Atol>)
     return atol[i];
   else

@@ -1,14 +1,17 @@
-/// Motions of many oscillators at a time, each in a lane of the vector registers. Each is what it is alone,
-/// to the last bit.
+/// Motions of many oscillators at a time: what is run, and its running side by side in the lanes of the
+/// vector registers. Each motion is what it is alone, to the last bit.
 #pragma once
 
 #include <cstdint>
 #include <functional>
-#include <span>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
+#include "analysis/dynamics/phase_plane.hpp"
+#include "analysis/dynamics/trap.hpp"
 #include "core/instructions/instruction_set.hpp"
 #include "integrators/stepper.hpp"
 #include "integrators/tolerances.hpp"
@@ -24,34 +27,57 @@ struct OscillatorRun {
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
 };
 
-/// What is run side by side.
-struct LaneClient {
+/// Where runs come from and where they go.
+struct RunClient {
   /// The next run, which stays in its place until it has ended; null where there is none, maybe until another
   /// one has ended.
   std::function<OscillatorRun*()> next;
   /// A run has its end and its outcome.
   std::function<void(OscillatorRun& run)> ended;
-  /// Whether a run ends, as `stopped`, at a state that is about to be accepted; may be empty.
-  std::function<bool(const OscillatorRun& run, const Eigen::Vector2d& y)> is_over = {};
 };
 
-/// Runs each as integrate() does with dop_853 and a DeadbandController, with a step control and a time of its
-/// own. A lane whose run has ended takes the next one; where there is none it takes that of the last lane, so
-/// that those that are left stand side by side.
-/// @param most_attempts  of a run, after which it ends as too_many_steps
-/// @param steady         no force of any run changes in time: no cosine is computed
-/// @param set            of the vector operations; it changes times, not motions
-void run_side_by_side(const LaneClient& client, const Tolerances<double>& tolerances,
-                      std::int64_t most_attempts, bool steady, InstructionSet set);
+/// Runs all that a client has. Called by several threads at once, each with a client of its own.
+using RunMotions = std::function<void(const RunClient& client)>;
 
-/// Runs all of them by the same steps.
-using SharedSteps = std::function<void(std::span<OscillatorRun> runs)>;
+/// Where runs end as `stopped`.
+struct Arrival {
+  std::vector<NumberedTrap> traps;
+  Window window;
 
-/// Steps of one size from t = 0 to t_end by a method of tableaux::All; empty where it is no such method. All
-/// lanes stand at the same time, so the cosines of the force are computed once, here.
-/// @param method  its id
-/// @param w       of the forces of all runs [rad/s]
-/// @param h       [s], positive
-SharedSteps shared_steps(std::string_view method, double w, double t_end, double h, InstructionSet set);
+  [[nodiscard]] FateRule rule() const {
+    const Eigen::Vector2d size = window.size();
+    return {
+        traps.data(), static_cast<int>(traps.size()), {window.lower[0], window.lower[1]}, {size[0], size[1]}};
+  }
+};
+
+/// Runs as integrate() does with dop_853 and a DeadbandController, each with a step control and a time of its
+/// own.
+struct AdaptiveSteps {
+  Tolerances<double> tolerances;
+  std::int64_t most_attempts;  ///< of a run, after which it ends as too_many_steps
+  bool steady;                 ///< no force of any run changes in time: no cosine is computed
+  std::optional<Arrival> arrival = {};
+};
+
+/// Steps of one size by a method of tableaux::All. All motions stand at the same time, so the cosines of the
+/// force are computed once, beforehand.
+struct SharedSteps {
+  std::string_view method;  ///< its id
+  double w;                 ///< of the forces of all runs [rad/s]
+  double t_end, h;          ///< [s], positive; of all runs
+};
+
+/// What runs motions: the lanes of the processor, or a device. The motions are the same, to the last bit.
+struct MotionRunner {
+  std::function<RunMotions(const AdaptiveSteps&)> adaptive;
+  std::function<RunMotions(const SharedSteps&)> shared;  ///< empty where it is no such method
+  bool is_device = false;
+};
+
+/// Runs in the lanes of the processor. A lane whose adaptive run has ended takes the next one; where there is
+/// none it takes that of the last lane, so that those that are left stand side by side.
+/// @param set  of the vector operations; it changes times, not motions
+MotionRunner in_lanes(InstructionSet set = instruction_sets().front());
 
 }  // namespace hmax

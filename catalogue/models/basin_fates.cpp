@@ -4,9 +4,12 @@
 #include <memory>
 #include <span>
 
+#include <fmt/format.h>
+
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/planar.hpp"
+#include "core/errors.hpp"
 #include "integrators/state.hpp"
 
 namespace hmax {
@@ -20,30 +23,22 @@ struct Left {};
 
 /// When a motion has found its fate.
 struct Destiny {
-  std::vector<std::pair<int, Trap>> traps;  ///< by the number of the equilibrium
-  Window window;
+  Arrival arrival;
   double longest;  ///< time after which a motion is undecided [s]
 
-  Destiny(const Problem& problem, const Window& seen, const std::vector<Equilibrium>& equilibria)
-      : window(seen), longest(problem.t_end) {
+  Destiny(const Problem& problem, const Window& window, const std::vector<Equilibrium>& equilibria)
+      : arrival{.traps = {}, .window = window}, longest(problem.t_end) {
     const PlanarField field = planar_field(problem, 0, window.size());
     for (std::size_t i = 0; i < equilibria.size(); ++i) {
       const Equilibrium& e = equilibria[i];
       if (e.type != EquilibriumType::stable_node && e.type != EquilibriumType::stable_focus) continue;
-      traps.emplace_back(static_cast<int>(i), Trap(e.state, field.jacobian(e.state), window.size()));
+      arrival.traps.push_back({static_cast<int>(i), Trap(e.state, field.jacobian(e.state), window.size())});
       longest = std::max(longest, 20 * std::log(1e3) / -e.eigenvalues[0].real());
     }
   }
 
   /// Undecided while the motion has to go on.
-  [[nodiscard]] int of(const Vector2d& here) const {
-    int fate = undecided;
-    for (const auto& [number, trap] : traps)
-      if (trap.holds(here)) fate = number;
-    const auto away = (here - window.lower).cwiseAbs().array();
-    if (!(away < 1e6 * window.size().array()).all()) fate = unbounded;
-    return fate;
-  }
+  [[nodiscard]] int of(const Vector2d& here) const { return arrival.rule().of(here); }
 };
 
 }  // namespace
@@ -73,39 +68,41 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
 }
 
 FatesOf fates_of_starts(const Problem& problem, const Window& window,
-                        const std::vector<Equilibrium>& equilibria, InstructionSet set) {
+                        const std::vector<Equilibrium>& equilibria, const MotionRunner& runner) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
-  if (!oscillator || problem.stiff || is_driven(problem))
+  if (!oscillator || problem.stiff || is_driven(problem)) {
+    if (runner.is_device)
+      throw InputError(fmt::format(
+          "--device gpu finds basins of the oscillators alone, and {} is none; leave it out", problem.id));
     return [fate_of = fate_of_starts(problem, window, equilibria)](std::span<const Vector2d> starts,
                                                                    std::span<int> fates) {
       std::ranges::transform(starts, fates.begin(), fate_of);
     };
-  return [system = *oscillator, destiny = Destiny(problem, window, equilibria), set](
-             std::span<const Vector2d> starts, std::span<int> fates) {
+  }
+  const Destiny destiny(problem, window, equilibria);
+  const RunMotions run = runner.adaptive({.tolerances = basin_tolerances,
+                                          .most_attempts = adaptive_attempts,
+                                          .steady = true,
+                                          .arrival = destiny.arrival});
+  return [system = *oscillator, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
     std::vector<OscillatorRun> runs(starts.size());
     std::size_t begun = 0;
-    const auto fate = [&](const OscillatorRun& run) -> int& {
-      return fates[std::size_t(&run - runs.data())];
+    const auto next = [&]() -> OscillatorRun* {
+      for (; begun < starts.size(); ++begun) {
+        const Vector2d& y = starts[begun];
+        fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
+        if (fates[begun] != undecided) continue;
+        runs[begun] = {&system, destiny.longest, y};
+        return &runs[begun++];
+      }
+      return nullptr;
     };
-    const LaneClient client{
-        .next = [&]() -> OscillatorRun* {
-          for (; begun < starts.size(); ++begun) {
-            const Vector2d& y = starts[begun];
-            fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
-            if (fates[begun] != undecided) continue;
-            runs[begun] = {&system, destiny.longest, y};
-            return &runs[begun++];
-          }
-          return nullptr;
-        },
-        .ended =
-            [&](OscillatorRun& run) {
-              if (run.outcome == Outcome::diverged || run.outcome == Outcome::step_too_small)
-                fate(run) = unbounded;
-            },
-        .is_over = [&](const OscillatorRun& run,
-                       const Vector2d& y) { return (fate(run) = destiny.of(y)) != undecided; }};
-    run_side_by_side(client, basin_tolerances, adaptive_attempts, true, set);
+    const auto ended = [&](const OscillatorRun& each) {
+      int& fate = fates[std::size_t(&each - runs.data())];
+      if (each.outcome == Outcome::stopped) fate = destiny.of(each.y);
+      if (each.outcome == Outcome::diverged || each.outcome == Outcome::step_too_small) fate = unbounded;
+    };
+    run({next, ended});
   };
 }
 

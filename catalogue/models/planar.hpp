@@ -10,9 +10,9 @@
 
 #include "analysis/dynamics/basins.hpp"
 #include "analysis/dynamics/differences.hpp"
+#include "analysis/dynamics/oscillator_lanes.hpp"
 #include "analysis/dynamics/phase_plane.hpp"
 #include "catalogue/methods/method.hpp"
-#include "core/instructions/instruction_set.hpp"
 #include "integrators/tolerances.hpp"
 #include "results/table.hpp"
 
@@ -65,12 +65,12 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
 std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
                                                           const std::vector<Equilibrium>& equilibria);
 
-/// The same for many starts in one call, with the same fates. Runs of the oscillator go side by side in
-/// vector lanes, each with its own step control, and a lane that has ended takes the next start.
-/// @param set  of the vector operations; it changes times, not fates
+/// The same for many starts in one call, with the same fates. Runs of the oscillator go side by side, each
+/// with its own step control.
+/// @param runner  where they go; it changes times, not fates
+/// @throws InputError where a device does not run the problem
 FatesOf fates_of_starts(const Problem& problem, const Window& window,
-                        const std::vector<Equilibrium>& equilibria,
-                        InstructionSet set = instruction_sets().front());
+                        const std::vector<Equilibrium>& equilibria, const MotionRunner& runner = in_lanes());
 
 /// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
 std::array<std::string, 2> axis_names(const Problem& problem);

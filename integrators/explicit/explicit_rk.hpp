@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/instructions/device_code.hpp"
 #include "integrators/error_norm.hpp"
 #include "integrators/explicit/own_tableau.hpp"
 #include "integrators/explicit/runtime_tableau.hpp"
@@ -112,7 +113,7 @@ class StaticCoefficients {
 
   /// Calls f for the stages 1 .. s-1; the index is an integral_constant.
   template <class F>
-  static void for_each_later_stage(F&& f) {
+  HMAX_DEVICE static void for_each_later_stage(F&& f) {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       (f(std::integral_constant<std::size_t, I + 1>{}), ...);
     }

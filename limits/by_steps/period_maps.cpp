@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
-#include <list>
 #include <memory>
 #include <utility>
 
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/models/planar.hpp"
+#include "core/errors.hpp"
 #include "integrators/control.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 
@@ -49,49 +50,29 @@ struct PeriodRun : OscillatorRun {
   MapCall call;
 };
 
-PeriodRun run_of(const Driven& driven, const MapCall& call) {
-  return {{&driven.systems[call.map], driven.periods[call.map], *call.state}, call};
-}
-
-void answer(const MapCalls& calls, const MapCall& call, const OscillatorRun& run) {
-  *call.state = run.y;
-  if (run.outcome != Outcome::reached_end) call.state->setConstant(std::numeric_limits<double>::quiet_NaN());
-  calls.done(call);
-}
-
-/// Adaptive periods, each lane at its own time.
-void run_adaptive(const Driven& driven, const MapCalls& calls, InstructionSet set) {
-  std::list<PeriodRun> runs;
-  const LaneClient client{.next = [&]() -> OscillatorRun* {
-                            const auto call = calls.next();
-                            return call ? &runs.emplace_back(run_of(driven, *call)) : nullptr;
-                          },
-                          .ended =
-                              [&](OscillatorRun& run) {
-                                const MapCall call = static_cast<PeriodRun&>(run).call;
-                                answer(calls, call, run);
-                                runs.remove_if([&](const PeriodRun& each) { return &each == &run; });
-                              }};
-  run_side_by_side(client, stroboscope_tolerances, most_period_steps, false, set);
-}
-
-/// Periods of the same steps, some at a time.
-void run_shared(const Driven& driven, const MapCalls& calls, const SharedSteps& run) {
-  constexpr std::size_t at_a_time = 32;
-  std::vector<OscillatorRun> runs;
-  std::vector<MapCall> taken;
-  do {
-    runs.clear();
-    taken.clear();
-    while (taken.size() < at_a_time) {
-      const auto call = calls.next();
-      if (!call) break;
-      taken.push_back(*call);
-      runs.push_back(run_of(driven, *call));
-    }
-    run(runs);
-    for (std::size_t i = 0; i < runs.size(); ++i) answer(calls, taken[i], runs[i]);
-  } while (!runs.empty());
+/// Replaces states by their images until there are none left.
+void run_periods(const Driven& driven, const MapCalls& calls, const RunMotions& run) {
+  std::deque<PeriodRun> runs;
+  std::vector<PeriodRun*> idle;
+  const auto next = [&]() -> OscillatorRun* {
+    const auto call = calls.next();
+    if (!call) return nullptr;
+    if (idle.empty()) idle.push_back(&runs.emplace_back());
+    PeriodRun& begun = *idle.back();
+    idle.pop_back();
+    begun = {{&driven.systems[call->map], driven.periods[call->map], *call->state}, *call};
+    return &begun;
+  };
+  const auto ended = [&](OscillatorRun& each) {
+    auto& run_of_call = static_cast<PeriodRun&>(each);
+    const MapCall call = run_of_call.call;
+    *call.state = each.y;
+    if (each.outcome != Outcome::reached_end)
+      call.state->setConstant(std::numeric_limits<double>::quiet_NaN());
+    idle.push_back(&run_of_call);
+    calls.done(call);
+  };
+  run({next, ended});
 }
 
 /// The size of steps that divides the period; one that is no size stays, and steps_map() refuses it.
@@ -110,18 +91,24 @@ VectorFunction stroboscope(const Problem& problem, double period, const std::opt
 
 MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
-                        InstructionSet set) {
+                        const MotionRunner& runner) {
   if (steps && !periods.empty()) stroboscope(problem_at(0), periods.front(), steps);  // may throw
   const auto driven =
       std::make_shared<const Driven>(Driven{oscillators(problem_at, periods.size()), periods});
+  RunMotions run;
   if (!driven->systems.empty() && !steps)
-    return [driven, set](const MapCalls& calls) { run_adaptive(*driven, calls, set); };
-  SharedSteps run;
-  if (!driven->systems.empty() && driven->share_time() &&
-      fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
-    run = shared_steps(steps->method.id, driven->systems.front().parameters().w, periods.front(),
-                       size_of_steps(*steps, periods.front()), set);
-  if (run) return [driven, run](const MapCalls& calls) { run_shared(*driven, calls, run); };
+    run = runner.adaptive({stroboscope_tolerances, most_period_steps, false});
+  else if (!driven->systems.empty() && driven->share_time() &&
+           fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
+    run = runner.shared({.method = steps->method.id,
+                         .w = driven->systems.front().parameters().w,
+                         .t_end = periods.front(),
+                         .h = size_of_steps(*steps, periods.front())});
+  if (run) return [driven, run](const MapCalls& calls) { run_periods(*driven, calls, run); };
+  if (runner.is_device)
+    throw InputError(
+        "--device gpu runs periods of oscillators, adaptive ones or those of an explicit Runge-Kutta method "
+        "where all have the same w; leave it out");
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

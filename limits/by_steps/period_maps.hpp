@@ -1,4 +1,4 @@
-/// The period map of a driven problem, and those of many problems side by side in vector lanes.
+/// The period map of a driven problem, and those of many problems side by side.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "analysis/dynamics/oscillator_lanes.hpp"
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/method.hpp"
-#include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
 
@@ -30,15 +30,15 @@ VectorFunction stroboscope(const Problem& problem, double period, const std::opt
 
 /// The period maps of problem_at(i). Images have the bits of stroboscope().
 ///
-/// Maps of oscillators are applied side by side in vector lanes: adaptive ones each at a time of its own,
+/// Maps of oscillators are applied side by side: adaptive ones each at a time of its own,
 /// those of fixed steps of an explicit Runge-Kutta method at the same time, so that the cosine of the force
 /// is known beforehand for all periods; they need one w and one period. Others are applied one by one.
 /// @param problem_at  called by several threads at once where maps are applied one by one
 /// @param periods     [s], of each problem
-/// @param set         of the vector operations; it changes times, not images
-/// @throws InputError as steps_map() where the steps are fixed
+/// @param runner      where motions of oscillators go; it changes times, not images
+/// @throws InputError as steps_map() where the steps are fixed, and where a device does not run them
 MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
-                        InstructionSet set = instruction_sets().front());
+                        const MotionRunner& runner = in_lanes());
 
 }  // namespace hmax

@@ -147,7 +147,7 @@ void expect_the_fates_of_single_runs(const Problem& problem, const Window& windo
   std::vector<int> expected;
   for (const Vector2d& start : starts) expected.push_back(fate_of(start));
   for (const InstructionSet set : instruction_sets()) {
-    const FatesOf fates_of = fates_of_starts(problem, window, equilibria, set);
+    const FatesOf fates_of = fates_of_starts(problem, window, equilibria, in_lanes(set));
     std::vector<int> fates(starts.size(), 77);
     fates_of(starts, fates);
     EXPECT_EQ(fates, expected) << to_string(set);

@@ -65,7 +65,8 @@ void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
     for (VectorXd y = starts[i]; static_cast<int>(all.size()) < count;) all.push_back(y = P(y));
   }
   for (const InstructionSet set : instruction_sets()) {
-    const MapEnsemble ensemble = period_maps([&](std::size_t i) { return problems[i]; }, periods, steps, set);
+    const MapEnsemble ensemble =
+        period_maps([&](std::size_t i) { return problems[i]; }, periods, steps, in_lanes(set));
     std::vector<std::size_t> maps;
     for (std::size_t i = 0; i < starts.size(); ++i) maps.push_back(i % problems.size());
     std::vector<VectorXd> states = starts;

@@ -1,0 +1,66 @@
+/// Where a motion in the plane is known to end: neighbourhoods that it does not leave, and far away.
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "core/instructions/device_code.hpp"
+
+namespace hmax {
+
+/// A neighbourhood of a stable equilibrium that the linear flow does not leave: the ellipse u^T P u < r^2 of
+/// u = (y - y*) / size, with J^T P + P J = -1 in these units and r so small that |u| < 1e-3 inside.
+/// u^T P u is a Lyapunov function of the linear flow u' = A u, A = size^-1 J size: its derivative is u^T
+/// (A^T P + P A) u = -|u|^2 < 0. Nonlinear terms are small against this for |u| < 1e-3, which is assumed,
+/// not checked. A motion inside is counted as arrived.
+class Trap {
+ public:
+  /// @param J     at the equilibrium, all eigenvalues with negative real parts
+  /// @param size  the scale of both components, positive
+  /// @throws std::invalid_argument when J is not stable
+  Trap(const Eigen::Vector2d& equilibrium, const Eigen::Matrix2d& J, const Eigen::Vector2d& size);
+
+  /// Whether y lies inside; costs one product with a 2 x 2 matrix. False for a y that is not finite.
+  [[nodiscard]] HMAX_DEVICE bool holds(const Eigen::Vector2d& y) const {
+    const double x = y[0] - equilibrium_[0], v = y[1] - equilibrium_[1];
+    // Far away without a division: inside |u| < 1e-3.
+    if (!(std::abs(x) < 1.001e-3 * size_[0] && std::abs(v) < 1.001e-3 * size_[1])) return false;
+    const double u = x / size_[0], w = v / size_[1];
+    return u * (P_[0][0] * u + P_[0][1] * w) + w * (P_[1][0] * u + P_[1][1] * w) < bound_;
+  }
+
+ private:
+  // Plain numbers, which compilers of devices lay out as the others do.
+  double equilibrium_[2], size_[2];
+  double P_[2][2];  ///< symmetric and positive definite
+  double bound_;    ///< r^2
+};
+
+/// Where starts end that are no place of rest.
+enum Fate { undecided = -1, unbounded = -2 };
+
+/// The trap of a place of rest.
+struct NumberedTrap {
+  int number;
+  Trap trap;
+};
+
+/// When a motion has found its fate. The traps lie elsewhere.
+struct FateRule {
+  const NumberedTrap* traps;
+  int count;
+  double lower[2], size[2];  ///< of the window; a million of its sizes away a motion is unbounded
+
+  /// A number of a trap, or a Fate: undecided while the motion has to go on.
+  [[nodiscard]] HMAX_DEVICE int of(const Eigen::Vector2d& y) const {
+    int fate = undecided;
+    for (int i = 0; i < count; ++i)
+      if (traps[i].trap.holds(y)) fate = traps[i].number;
+    for (int i = 0; i < 2; ++i)
+      if (!(std::abs(y[i] - lower[i]) < 1e6 * size[i])) fate = unbounded;
+    return fate;
+  }
+};
+
+}  // namespace hmax
