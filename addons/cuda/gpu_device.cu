@@ -9,6 +9,7 @@
 
 #include <cuda_runtime.h>
 
+#include "addons/cuda/motion_kernels.cuh"
 #include "catalogue/device/device.hpp"
 #include "core/errors.hpp"
 
@@ -125,6 +126,15 @@ class Gpu final : public Device {
   }
   void begin(const BodyStep<double>& step) override { begin_all(step); }
   void begin(const BodyStep<float>& step) override { begin_all(step); }
+
+  void run(const AdaptiveMotions& motions) override {
+    timed([&] { hmax::launch(motions.steady ? adaptive_motions<true> : adaptive_motions<false>, motions, stream_); });
+  }
+  void run(const SharedMotions& motions) override {
+    with_explicit_method(motions.method, [&]<class Method>(const Method&) {
+      timed([&] { hmax::launch(shared_motions<Method>, motions, stream_); });
+    });
+  }
 
   [[nodiscard]] double seconds() override { return std::exchange(milliseconds_, 0.0) / 1e3; }
 

@@ -11,6 +11,9 @@
 
 namespace hmax {
 
+struct AdaptiveMotions;
+struct SharedMotions;
+
 /// What times on a device depend on.
 struct DeviceFacts {
   std::string name;               ///< "NVIDIA H100 80GB HBM3"
@@ -45,6 +48,9 @@ class Device {
   /// first_kick_drift() of all degrees of freedom.
   virtual void begin(const BodyStep<double>& step) = 0;
   virtual void begin(const BodyStep<float>& step) = 0;
+  /// advance_motion() of all motions.
+  virtual void run(const AdaptiveMotions& motions) = 0;
+  virtual void run(const SharedMotions& motions) = 0;
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
 };

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <limits>
 
+#include "catalogue/device/motion_program.hpp"
+
 namespace hmax {
 
 namespace {
@@ -63,5 +65,18 @@ void HostDevice::run(std::span<const BodyStep<float>> steps, std::size_t shared,
 }
 void HostDevice::begin(const BodyStep<double>& step) { begin_all(backwards_, step); }
 void HostDevice::begin(const BodyStep<float>& step) { begin_all(backwards_, step); }
+
+void HostDevice::run(const AdaptiveMotions& motions) {
+  HostBlock{backwards_}.each(static_cast<std::int32_t>(motions.count), [&](std::int32_t n) {
+    motions.steady ? advance_motion<true>(motions, n) : advance_motion<false>(motions, n);
+  });
+}
+
+void HostDevice::run(const SharedMotions& motions) {
+  with_explicit_method(motions.method, [&]<class Method>(const Method&) {
+    HostBlock{backwards_}.each(static_cast<std::int32_t>(motions.count),
+                               [&](std::int32_t n) { advance_motion<Method>(motions, n); });
+  });
+}
 
 }  // namespace hmax

@@ -25,6 +25,8 @@ class HostDevice final : public Device {
   void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) override;
   void begin(const BodyStep<double>& step) override;
   void begin(const BodyStep<float>& step) override;
+  void run(const AdaptiveMotions& motions) override;
+  void run(const SharedMotions& motions) override;
   [[nodiscard]] double seconds() override { return 0; }
 
  private:

@@ -23,6 +23,7 @@
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/tissue/body.hpp"
+#include "tests/catalogue/device/gpu.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
 namespace hmax {
@@ -240,20 +241,6 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
     EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler", fixed), part))
         << id;
 }
-
-/// What needs a card: skipped by name where there is none.
-class Gpu : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!has_gpu_module()) GTEST_SKIP() << "this build has no module for GPUs";
-    try {
-      device = open_gpu();
-    } catch (const InputError& error) {
-      GTEST_SKIP() << error.what();
-    }
-  }
-  std::unique_ptr<Device> device;
-};
 
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
   expect_same_on_bodies(*device);

@@ -1,0 +1,99 @@
+/// Motions of oscillators, one a thread: the program of devices and, in tests, of the processor.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "analysis/dynamics/oscillator_steps.hpp"
+#include "analysis/dynamics/trap.hpp"
+#include "core/instructions/cosine.hpp"
+#include "core/instructions/device_code.hpp"
+
+namespace hmax {
+
+/// A motion of adaptive steps in the memory of a device, between two launches.
+struct StoredMotion {
+  AdaptiveMotion motion;
+  OscillatorRates rates;
+  double y[2], slope[2];
+};
+
+/// Where a motion has ended.
+struct MotionEnd {
+  double y[2];
+  Outcome outcome;
+};
+
+/// Motions that go on by some attempts.
+struct AdaptiveMotions {
+  StoredMotion* motions;  ///< shape (count)
+  MotionEnd* ends;        ///< of those that have ended
+  std::int64_t count, attempts, most_attempts;
+  RmsNorm<double> norm;
+  bool steady;         ///< no force changes in time
+  bool arrives;        ///< whether the rule ends motions
+  FateRule rule;       ///< its traps lie in the memory of the device
+  std::int32_t* left;  ///< becomes 1 where a motion has not ended
+};
+
+/// The same of fixed steps with shared cosines.
+struct SharedMotion {
+  OscillatorRates rates;
+  double y[2], slope[2], bounded;
+};
+struct SharedMotions {
+  SharedMotion* motions;
+  std::int64_t count;
+  std::string_view method;  ///< an id of tableaux::All
+  const void* steps;        ///< of SharedStep<Method>
+  std::int64_t step_count;
+};
+
+/// The attempts of motion n.
+template <bool steady>
+HMAX_DEVICE void advance_motion(const AdaptiveMotions& all, std::int64_t n) {
+  StoredMotion& own = all.motions[n];
+  if (own.motion.has_ended()) return;
+  AdaptiveMotion motion = own.motion;
+  AdaptiveLanes<1> lanes;
+  lanes.norm = all.norm;
+  lanes.rk.start(0, {own.y[0], own.y[1]}, {own.slope[0], own.slope[1]});
+  lanes.oscillators.set(0, own.rates);
+  if constexpr (steady) lanes.forces[0] = lanes.oscillators.force(0, 1);
+  const auto cosines = [](std::size_t count, const auto& angles, auto& out) {
+    for (std::size_t i = 0; i < count; ++i) out[i] = cosine(angles[i]);
+  };
+  const auto is_over = [&](const Eigen::Vector2d& y) { return all.arrives && all.rule.of(y) != undecided; };
+  for (std::int64_t tried = 0; tried < all.attempts && motion.propose(all.most_attempts); ++tried) {
+    lanes.rk.set_step(0, motion.t(), motion.h());
+    attempt(lanes, std::bool_constant<steady>{}, cosines);
+    if (motion.judge(lanes.rk.error_squared(0), lanes.rk.candidate(0), is_over)) lanes.rk.accept(0);
+    if (motion.has_ended()) break;
+  }
+  const Eigen::Vector2d y = lanes.rk.state(0), slope = lanes.rk.slope(0);
+  for (int i = 0; i < 2; ++i) own.y[i] = y[i], own.slope[i] = slope[i];
+  own.motion = motion;
+  if (motion.has_ended())
+    all.ends[n] = {{y[0], y[1]}, motion.outcome()};
+  else
+    *all.left = 1;
+}
+
+/// The steps of motion n.
+template <class Method>
+HMAX_DEVICE void advance_motion(const SharedMotions& all, std::int64_t n) {
+  SharedMotion& own = all.motions[n];
+  SharedLanes<Method, 1> lanes;
+  lanes.rk.start(0, {own.y[0], own.y[1]}, {own.slope[0], own.slope[1]});
+  lanes.oscillators.set(0, own.rates);
+  lanes.bounded[0] = own.bounded;
+  const auto* const steps = static_cast<const SharedStep<Method>*>(all.steps);
+  advance(lanes, std::span(steps, static_cast<std::size_t>(all.step_count)));
+  const Eigen::Vector2d y = lanes.rk.state(0), slope = lanes.rk.slope(0);
+  for (int i = 0; i < 2; ++i) own.y[i] = y[i], own.slope[i] = slope[i];
+  own.bounded = lanes.bounded[0];
+}
+
+}  // namespace hmax

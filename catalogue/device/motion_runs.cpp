@@ -1,0 +1,187 @@
+#include "catalogue/device/motion_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <type_traits>
+#include <vector>
+
+#include "catalogue/device/motion_program.hpp"
+#include "core/errors.hpp"
+#include "core/instructions/cosines.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Eigen::Vector2d;
+
+// A launch takes milliseconds: displays are drawn between two of them.
+constexpr std::int64_t attempts_of_a_launch = 100, steps_of_a_launch = 1000;
+
+/// The device, lent to one thread at a time, and its memory, which is used again.
+class Lent {
+ public:
+  explicit Lent(Device& lent) : device(lent) {}
+
+  Device& device;
+  std::mutex one_at_a_time;
+
+  /// Room for so many, the same one in each call of the same place.
+  template <class T>
+  T* room(std::size_t place, std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    Room& own = rooms_[place];
+    if (own.bytes < count * sizeof(T)) {
+      own.bytes = std::max(count * sizeof(T), 2 * own.bytes);  // what was there stays with the device
+      own.memory = device.allocate(own.bytes);
+    }
+    return static_cast<T*>(own.memory);
+  }
+  /// The same with a copy of numbers of the processor.
+  template <class T>
+  T* copy(std::size_t place, const std::vector<T>& from) {
+    T* const to = room<T>(place, from.size());
+    if (!from.empty()) device.write(to, from.data(), from.size() * sizeof(T));
+    return to;
+  }
+  template <class T>
+  void read(std::vector<T>& to, const T* from) {
+    if (!to.empty()) device.read(to.data(), from, to.size() * sizeof(T));
+  }
+
+ private:
+  struct Room {
+    void* memory = nullptr;
+    std::size_t bytes = 0;
+  };
+  Room rooms_[4];
+};
+
+/// As many runs of a client as a call takes; those that have no start end at once.
+template <class Store>
+std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once, const Store& store) {
+  std::vector<OscillatorRun*> runs;
+  while (runs.size() < at_once) {
+    OscillatorRun* const run = client.next();
+    if (!run) break;
+    run->outcome = Outcome::diverged;
+    if (!is_bounded(run->y)) {
+      client.ended(*run);
+      continue;
+    }
+    Vector2d slope;
+    run->system->rhs(0, run->y, slope);
+    store(*run, slope);
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+/// Throws where a device would need more digits of pi.
+void require_near(const OscillatorRun& run) {
+  if (!(std::abs(run.system->parameters().w) * run.t_end < 0.99 * cosine_parts::far_angle))
+    throw InputError("--device gpu takes forces of up to 10^6 rad in a period; leave it out");
+}
+
+void run_adaptive(Lent& lent, const AdaptiveSteps& steps, std::size_t at_once, const RunClient& client) {
+  for (;;) {
+    std::vector<StoredMotion> motions;
+    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run, const Vector2d& slope) {
+      if (!steps.steady) require_near(run);
+      motions.push_back({AdaptiveMotion(steps.tolerances, *run.system, run.t_end, run.y),
+                         OscillatorRates::of(*run.system),
+                         {run.y[0], run.y[1]},
+                         {slope[0], slope[1]}});
+    });
+    if (runs.empty()) return;
+    std::vector<MotionEnd> ends(runs.size());
+    {
+      const std::scoped_lock lock(lent.one_at_a_time);
+      AdaptiveMotions all{.motions = lent.copy(0, motions),
+                          .ends = lent.room<MotionEnd>(1, ends.size()),
+                          .count = static_cast<std::int64_t>(runs.size()),
+                          .attempts = attempts_of_a_launch,
+                          .most_attempts = steps.most_attempts,
+                          .norm = {steps.tolerances.rtol, steps.tolerances.atol},
+                          .steady = steps.steady,
+                          .arrives = steps.arrival.has_value(),
+                          .rule = {},
+                          .left = nullptr};
+      if (steps.arrival) {
+        all.rule = steps.arrival->rule();
+        all.rule.traps = lent.copy(2, steps.arrival->traps);
+      }
+      std::vector<std::int32_t> left{1};
+      while (left[0] != 0) {
+        left[0] = 0;
+        all.left = lent.copy(3, left);
+        lent.device.run(all);
+        lent.read(left, all.left);
+      }
+      lent.read(ends, all.ends);
+    }
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      runs[i]->y = {ends[i].y[0], ends[i].y[1]};
+      runs[i]->outcome = ends[i].outcome;
+      client.ended(*runs[i]);
+    }
+  }
+}
+
+template <class Method>
+void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::size_t at_once,
+                const RunClient& client) {
+  for (;;) {
+    std::vector<SharedMotion> motions;
+    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run, const Vector2d& slope) {
+      motions.push_back({OscillatorRates::of(*run.system), {run.y[0], run.y[1]}, {slope[0], slope[1]}, 1.0});
+    });
+    if (runs.empty()) return;
+    {
+      const std::scoped_lock lock(lent.one_at_a_time);
+      SharedMotion* const there = lent.copy(0, motions);
+      const SharedStep<Method>* const first = lent.copy(1, steps);
+      const auto all = static_cast<std::int64_t>(steps.size());
+      for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
+        lent.device.run(SharedMotions{.motions = there,
+                                      .count = static_cast<std::int64_t>(runs.size()),
+                                      .method = Method::id,
+                                      .steps = first + done,
+                                      .step_count = std::min(steps_of_a_launch, all - done)});
+      lent.read(motions, there);
+    }
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      runs[i]->y = {motions[i].y[0], motions[i].y[1]};
+      runs[i]->outcome = motions[i].bounded != 0 ? Outcome::reached_end : Outcome::diverged;
+      client.ended(*runs[i]);
+    }
+  }
+}
+
+}  // namespace
+
+MotionRunner motions_on(Device& device, std::size_t at_once) {
+  const auto lent = std::make_shared<Lent>(device);
+  return {.adaptive = [lent, at_once](const AdaptiveSteps& steps) -> RunMotions {
+            if (!steps.steady && !cosines_are_those_of_musl())
+              throw InputError(
+                  "--device gpu has the cosines of musl, and this hmax was built without them; install "
+                  "musl-dev, then configure and build again, or leave it out");
+            return [=](const RunClient& client) { run_adaptive(*lent, steps, at_once, client); };
+          },
+          .shared =
+              [lent, at_once](const SharedSteps& asked) {
+                RunMotions found;
+                with_explicit_method(asked.method, [&]<class Method>(const Method&) {
+                  found = [=, steps = shared_steps<Method>(asked.w, asked.t_end, asked.h)](
+                              const RunClient& client) { run_shared<Method>(*lent, steps, at_once, client); };
+                });
+                return found;
+              },
+          .is_device = true};
+}
+
+}  // namespace hmax

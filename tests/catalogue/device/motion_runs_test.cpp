@@ -1,0 +1,184 @@
+/// Motions of oscillators by the programs of devices: the bits of the lanes of the processor, on the
+/// processor in every build and on a card where there is one.
+#include "catalogue/device/motion_runs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/device/host_device.hpp"
+#include "catalogue/models/planar.hpp"
+#include "catalogue/models/problems.hpp"
+#include "core/errors.hpp"
+#include "core/instructions/cosines.hpp"
+#include "tests/catalogue/device/gpu.hpp"
+
+namespace hmax {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t motion_count = 10'000;
+
+/// Oscillators of all kinds with starts near and far, some of them no numbers: what runs away is among them.
+struct Ensemble {
+  std::vector<Oscillator> systems;
+  std::vector<OscillatorRun> runs;
+
+  /// @param w  of the forces; 0: of each its own, as are the periods
+  Ensemble(std::size_t count, double w) {
+    std::mt19937_64 random(19);
+    const auto number = [&](double least, double most) {
+      return std::uniform_real_distribution<double>(least, most)(random);
+    };
+    for (std::size_t i = 0; i < count; ++i)
+      systems.emplace_back(OscillatorParameters{.m = number(0.5, 2),
+                                                .c = number(-0.2, 1),
+                                                .k1 = number(-1, 2),
+                                                .k3 = i % 7 == 0 ? -1 : number(0, 2),
+                                                .P = i % 5 == 0 ? 0 : number(-2, 8),
+                                                .w = w != 0 ? w : number(0.3, 40)});
+    for (const Oscillator& system : systems) {
+      const double size = runs.size() % 11 == 0 ? 30 : 3;
+      runs.push_back({&system,
+                      2 * std::numbers::pi / system.parameters().w,
+                      {number(-size, size), number(-size, size)}});
+    }
+    runs[count / 3].y = {1e200, 0};
+    runs[count / 2].y = {0, std::nan("")};
+  }
+};
+
+std::vector<OscillatorRun> ends_of(const RunMotions& run, std::vector<OscillatorRun> runs) {
+  std::size_t begun = 0, ended = 0;
+  run({[&]() { return begun < runs.size() ? &runs[begun++] : nullptr; }, [&](OscillatorRun&) { ++ended; }});
+  EXPECT_EQ(ended, runs.size());
+  return runs;
+}
+
+/// How many have ended in which way, after a comparison of all bits.
+std::map<Outcome, std::size_t> expect_same_ends(const RunMotions& found, const RunMotions& expected,
+                                                const std::vector<OscillatorRun>& runs) {
+  const auto there = ends_of(found, runs), here = ends_of(expected, runs);
+  std::map<Outcome, std::size_t> outcomes;
+  std::size_t unequal = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    unequal += there[i].outcome != here[i].outcome ||
+               (is_bounded(here[i].y) && std::memcmp(&there[i].y, &here[i].y, sizeof(Vector2d)) != 0);
+    ++outcomes[here[i].outcome];
+  }
+  EXPECT_EQ(unequal, 0U) << "of " << runs.size();
+  return outcomes;
+}
+
+void expect_same_shared(Device& device) {
+  const Ensemble all(motion_count, 1.3);
+  const double period = all.runs.front().t_end;
+  for (const char* method : {"rk4", "dormand_prince_54", "rk2_heun", "dop_853"}) {
+    const SharedSteps steps{.method = method, .w = 1.3, .t_end = period, .h = period / 230.5};
+    const auto outcomes =
+        expect_same_ends(motions_on(device, 3000).shared(steps), in_lanes().shared(steps), all.runs);
+    EXPECT_GT(outcomes.at(Outcome::diverged), 100U) << method;
+    EXPECT_GT(outcomes.at(Outcome::reached_end), motion_count / 2) << method;
+  }
+  const Ensemble few(70, 1.3);  // for more steps than a launch takes
+  const SharedSteps steps{.method = "rk4", .w = 1.3, .t_end = period, .h = period / 2500};
+  expect_same_ends(motions_on(device, 3000).shared(steps), in_lanes().shared(steps), few.runs);
+}
+
+void expect_same_adaptive(Device& device) {
+  const Ensemble all(motion_count, 0);
+  const auto outcomes_at = [&](double tolerance, std::int64_t most) {
+    const AdaptiveSteps steps{.tolerances = {tolerance, tolerance}, .most_attempts = most, .steady = false};
+    return expect_same_ends(motions_on(device, 3000).adaptive(steps), in_lanes().adaptive(steps), all.runs);
+  };
+  auto outcomes = outcomes_at(1e-11, 4000);
+  EXPECT_GT(outcomes[Outcome::reached_end], motion_count / 2);
+  EXPECT_GT(outcomes[Outcome::diverged] + outcomes[Outcome::step_too_small], 100U);
+  outcomes = outcomes_at(1e-6, 25);
+  EXPECT_GT(outcomes[Outcome::too_many_steps], 100U);
+}
+
+/// Two places of rest, starts that are bound to leave, and a window with one of two places.
+void expect_same_fates(Device& device) {
+  std::ptrdiff_t leave = 0;
+  for (const auto& [parameters, window] :
+       std::vector<std::pair<Parameters, Window>>{{{{"k1", -1}, {"c", 0.2}}, {{-3, -3}, {3, 3}}},
+                                                  {{{"k1", 1}, {"k3", -1}, {"c", 0.5}}, {{-3, -3}, {3, 3}}},
+                                                  {{{"k1", -1}, {"c", 0.3}}, {{0.2, -1}, {2, 1}}}}) {
+    const Problem problem = make_problem("liver_cubic", {.parameters = parameters});
+    const auto equilibria = find_equilibria(planar_field(problem, 0, window.size()), window);
+    const auto grid = [&](const MotionRunner& runner, std::size_t at_once) {
+      const std::vector<FatesOf> each(64, fates_of_starts(problem, window, equilibria, runner));
+      return basins(each, window, 110, 91, {}, at_once).fate;
+    };
+    const std::vector<int> fates = grid(motions_on(device, 3000), 4000);
+    EXPECT_EQ(fates, grid(in_lanes(), 1));
+    EXPECT_GT(std::ranges::count_if(fates, [](int fate) { return fate >= 0; }), 1000);
+    leave += std::ranges::count(fates, int{unbounded});
+  }
+  EXPECT_GT(leave, 1000);
+}
+
+TEST(HostDevice, RunsMotionsWithTheBitsOfTheLanes) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_shared(device);
+    expect_same_fates(device);
+    if (cosines_are_those_of_musl()) expect_same_adaptive(device);
+  }
+}
+
+TEST(MotionRuns, RefuseWhatHasOtherBits) {
+  HostDevice device;
+  const MotionRunner runner = motions_on(device, 10);
+  const AdaptiveSteps steps{.tolerances = {1e-9, 1e-9}, .most_attempts = 100, .steady = false};
+  const Oscillator fast({.w = 1e6});
+  if (cosines_are_those_of_musl())
+    EXPECT_THROW(ends_of(runner.adaptive(steps), {{&fast, 10, {1, 0}}}), InputError);
+  else
+    EXPECT_THROW(runner.adaptive(steps), InputError);
+  EXPECT_FALSE(runner.shared({.method = "radau_iia_5", .w = 1, .t_end = 1, .h = 0.1}));
+}
+
+TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared(*device); }
+TEST_F(Gpu, FindsBasinsWithTheBitsOfTheLanes) { expect_same_fates(*device); }
+TEST_F(Gpu, RunsAdaptiveMotionsWithTheBitsOfTheLanes) {
+  if (!cosines_are_those_of_musl()) GTEST_SKIP() << "this build has other cosines";
+  expect_same_adaptive(*device);
+}
+
+/// Told to scripts/gpu-check: what a million motions take by the events of the device.
+TEST_F(Gpu, TellsItsSpeed) {
+  constexpr std::size_t many = 1'000'000, steps_of_period = 1000;
+  std::vector<Oscillator> systems;
+  for (std::size_t i = 0; i < many; ++i)
+    systems.emplace_back(OscillatorParameters{.c = 0.05, .P = 5 + 3e-6 * static_cast<double>(i), .w = 1});
+  const double period = 2 * std::numbers::pi;
+  std::vector<OscillatorRun> runs;
+  for (const Oscillator& system : systems) runs.push_back({&system, period, {0.5, 1}});
+  const MotionRunner runner = motions_on(*device, many);
+  const auto seconds_of = [&](const RunMotions& run) {
+    ends_of(run, runs);  // warm
+    static_cast<void>(device->seconds());
+    ends_of(run, runs);
+    return device->seconds();
+  };
+  const double fixed = seconds_of(
+      runner.shared({.method = "rk4", .w = 1, .t_end = period, .h = period / double{steps_of_period}}));
+  RecordProperty("rk4_steps_per_second", std::to_string(double{many} * steps_of_period / fixed));
+  if (!cosines_are_those_of_musl()) return;
+  const double adaptive = seconds_of(
+      runner.adaptive({.tolerances = stroboscope_tolerances, .most_attempts = 1'000'000, .steady = false}));
+  RecordProperty("adaptive_periods_per_second", std::to_string(double{many} / adaptive));
+}
+
+}  // namespace
+}  // namespace hmax
