@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/device/motion_runs.hpp"
 #include "catalogue/models/planar.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
@@ -89,6 +90,9 @@ void require_one_view(const PhaseOptions& options) {
     throw InputError("--at is for equilibria, and a stroboscopic view has none; leave it out");
   if (!options.bifurcation.empty() && !options.window.empty())
     throw InputError("--bifurcation has no --window; remove it");
+  options.device.check({{"--poincare", options.poincare}, {"--follow", options.follow}});
+  if (options.device.is_gpu() && !options.basins && options.bifurcation.empty())
+    throw InputError("--device gpu is for the many motions of --basins and --bifurcation; leave it out");
 }
 
 /// The name of the figure of the view that is asked for.
@@ -377,6 +381,17 @@ PhasePlane plane_of(const PhaseView& view) {
   return plane;
 }
 
+MotionRunner runner_on(Device* device, std::size_t at_once) {
+  return device ? motions_on(*device, at_once) : in_lanes();
+}
+
+void add_time(Device* device, Json& document, std::string& text) {
+  if (!device) return;
+  const DeviceTime time{.facts = device->facts(), .seconds = device->seconds()};
+  time.add_to(document);
+  text += time.words() + "\n";
+}
+
 void deliver(const Figure& figure, const PhaseOptions& options, Json& document, std::string& text,
              Console& console) {
   const FigureFiles files = draw(figure, options.output, figure_name(options));
@@ -413,6 +428,7 @@ void add_phase(CLI::App& app, Console& console) {
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),
            "FOLDER");
+  options->device.add_to(command, "the motions of oscillators of --basins and --bifurcation");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);

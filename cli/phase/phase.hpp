@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
+#include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/methods/method.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/console.hpp"
+#include "cli/shared/device_option.hpp"
 #include "plots/curves.hpp"
 
 namespace hmax {
@@ -27,6 +29,7 @@ struct PhaseOptions {
   std::string bifurcation, periods, skip, points;
   std::optional<double> period, from, to;
   std::optional<double> time_limit;
+  DeviceChoice device;
 };
 
 /// A problem of two states as it is looked at: autonomous, or frozen at an instant.
@@ -85,6 +88,12 @@ std::vector<Eigen::Vector2d> starts_of(const PhaseView& view);
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into);
 /// Field, nullclines, equilibria, and an orbit from each of the starts.
 PhasePlane plane_of(const PhaseView& view);
+
+/// Where motions run: on the device, or in the lanes of the processor where there is none.
+/// @param at_once  motions of one call of the device
+MotionRunner runner_on(Device* device, std::size_t at_once);
+/// What the motions on a device, if there is one, have taken: a line for people and keys.
+void add_time(Device* device, nlohmann::ordered_json& document, std::string& text);
 
 /// Draws into the folder of --output and says what came of it: a line for people and the key `figure`.
 void deliver(const Figure& figure, const PhaseOptions& options, nlohmann::ordered_json& document,

@@ -16,6 +16,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Columns or rows of a grid: 400 MB of fates; and of one that is drawn as rectangles.
+constexpr std::int64_t most_cells = 10'000, most_drawn_cells = 4000;
+/// That a card runs together, while other threads begin and judge theirs.
+constexpr std::size_t starts_at_once = 1 << 17;
+
 bool attracts(const Equilibrium& e) {
   return e.type == EquilibriumType::stable_node || e.type == EquilibriumType::stable_focus;
 }
@@ -33,14 +38,14 @@ void require_attractor(const PhaseView& view) {
         view.problem.id));
 }
 
-/// Columns and rows of --cells, "200" or "200,100".
-std::pair<int, int> grid_of(const std::string& cells) {
+/// Columns and rows of --cells, "200" or "200,100". @param most  of either
+std::pair<int, int> grid_of(const std::string& cells, std::int64_t most) {
   const std::size_t comma = std::min(cells.find(','), cells.size());
   const std::int64_t columns = cells.empty() ? 120 : parse_count("--cells", cells.substr(0, comma), 2);
   const std::int64_t rows =
       comma == cells.size() ? (columns * 3 + 3) / 4 : parse_count("--cells", cells.substr(comma + 1), 2);
-  if (const std::int64_t most = std::max(columns, rows); most > 4000)
-    throw InputError(fmt::format("--cells is {}, more than the limit of 4000; take fewer", most));
+  if (const std::int64_t asked = std::max(columns, rows); asked > most)
+    throw InputError(fmt::format("--cells is {}, more than the limit of {}; take fewer", asked, most));
   return {static_cast<int>(columns), static_cast<int>(rows)};
 }
 
@@ -82,18 +87,21 @@ Figure picture(const PhaseView& view, const Basins& found) {
 void phase_basins(const PhaseOptions& options, Console& console) {
   const PhaseView view = view_of(options);
   require_attractor(view);
-  const auto [columns, rows] = grid_of(options.cells);
+  const auto [columns, rows] = grid_of(options.cells, options.output.empty() ? most_cells : most_drawn_cells);
+  const std::unique_ptr<Device> device = options.device.open();
+  const MotionRunner runner = runner_on(device.get(), starts_at_once);
   Progress progress(console, "basins");
   const auto& interrupted = interrupt_flag();
   // A problem for each thread: some systems have one workspace.
   std::vector<FatesOf> fates_of;
   while (fates_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
     fates_of.push_back(fates_of_starts(fates_of.empty() ? view.still : frozen(options.problem.make(), 0),
-                                       view.window, view.equilibria));
-  const Basins found = basins(fates_of, view.window, columns, rows, [&](double share) {
+                                       view.window, view.equilibria, runner));
+  const auto going = [&](double share) {
     progress.update(share);
     return !interrupted;
-  });
+  };
+  const Basins found = basins(fates_of, view.window, columns, rows, going, device ? starts_at_once : 1);
   if (interrupted) throw Interrupted{};
 
   Json document = document_of(view);
@@ -118,6 +126,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   document["undecided"] = found.share(undecided);
   std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console) +
                      fmt::format("motions: {}\n", in_words(basin_tolerances));
+  add_time(device.get(), document, text);
   if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
   if (console.json) return console.print_json(document);
   console.print(text);

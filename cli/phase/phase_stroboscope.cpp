@@ -433,11 +433,12 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const auto problem_at = [&](std::size_t i) { return with_value(options.problem, name, values[i]); };
   const std::vector<double> periods = periods_of_force(options, values);
   check_length(options, problem_at, periods, steps, seen);
+  const std::unique_ptr<Device> device = options.device.open();
   // One motion after the other makes no ensemble.
   const MapEnsemble maps =
       options.follow
           ? one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); })
-          : period_maps(problem_at, periods, steps);
+          : period_maps(problem_at, periods, steps, runner_on(device.get(), values.size() / jobs() + 1));
   Progress progress(console, "bifurcation");
   const auto& interrupted = interrupt_flag();
   const auto columns =
@@ -462,6 +463,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
   text += table.text(console) + fmt::format("motions: {}\n", motions_in_words(steps));
+  add_time(device.get(), document, text);
   if (!options.output.empty()) {
     const auto names = axis_names(first);
     std::string parameters;

@@ -149,7 +149,7 @@ TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec&
   DeviceRun run = run_on_device(*gpu, problem, method, spec, precision);
   TimedRun timed{};
   timed.record = std::move(run.record);
-  timed.device = {gpu->facts(), precision, run.seconds, run.flops, run.bytes};
+  timed.device = {gpu->facts(), run.seconds, run.flops, run.bytes, precision};
   return timed;
 }
 
@@ -659,7 +659,8 @@ void add_run(CLI::App& app, Console& console) {
   add_text(command, "--max-steps", options->max_steps,
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options->checkpoint.add_to(command);
-  options->device.add_to(command);
+  options->device.add_to(command, "fixed steps of a body");
+  options->device.add_precision_to(command);
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
   set_callback(command, [options, &console] { run_or_stop(*options, console); });

@@ -8,8 +8,8 @@
 #include "catalogue/methods/run.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/run/checkpoint_option.hpp"
-#include "cli/run/device_option.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/device_option.hpp"
 
 namespace hmax {
 

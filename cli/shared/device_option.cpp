@@ -1,4 +1,4 @@
-#include "cli/run/device_option.hpp"
+#include "cli/shared/device_option.hpp"
 
 #include <array>
 #include <string_view>
@@ -15,17 +15,21 @@ namespace {
 constexpr std::array<std::string_view, 2> device_names{"cpu", "gpu"}, precision_names{"single", "double"};
 }
 
-void DeviceChoice::add_to(CLI::App& command) {
+void DeviceChoice::add_to(CLI::App& command, std::string_view what) {
   add_text(
       command, "--device", name,
-      "Where fixed steps of a body run: cpu or gpu, with the same bits and times of its own; cpu by default",
+      fmt::format("Where {} run: cpu or gpu, with the same bits and times of its own; cpu by default", what),
       "NAME");
+}
+
+void DeviceChoice::add_precision_to(CLI::App& command) {
   add_text(command, "--precision", precision_name,
            "Numbers of --device gpu: single, which err by some 1e-6, or double; double by default", "NAME");
 }
 
-void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
-                         const Method& method, const RunSpec& spec) const {
+std::unique_ptr<Device> DeviceChoice::open() const { return is_gpu() ? open_gpu() : nullptr; }
+
+void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside) const {
   if (!name.empty()) parse_choice("--device", name, device_names);
   if (!precision_name.empty()) parse_choice("--precision", precision_name, precision_names);
   if (precision() == Precision::single_precision && !is_gpu())
@@ -33,21 +37,28 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   if (!is_gpu()) return;
   for (const auto& [option, given] : beside)
     if (given) throw InputError(fmt::format("--device gpu does not take {}; leave one of them out", option));
+}
+
+void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
+                         const Method& method, const RunSpec& spec) const {
+  check(beside);
+  if (!is_gpu()) return;
   if (const std::string why = unsuited_for_device(problem, method, spec); !why.empty()) throw InputError(why);
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {
-  document["cpu_seconds"] = nullptr;
+  if (document.contains("cpu_seconds")) document["cpu_seconds"] = nullptr;
   document["device"] = facts.name;
   document["clock_mhz"] = facts.clock_mhz;
   document["driver"] = facts.driver;
   document["precision"] = precision_word();
   document["device_seconds"] = seconds;
-  document["roofline"] = {
-      {"flops_per_step", flops},
-      {"bytes_per_step", bytes},
-      {"flops_per_second", precision == Precision::single_precision ? facts.single_flops : facts.flops},
-      {"bytes_per_second", facts.bytes}};
+  if (flops > 0)
+    document["roofline"] = {
+        {"flops_per_step", flops},
+        {"bytes_per_step", bytes},
+        {"flops_per_second", precision == Precision::single_precision ? facts.single_flops : facts.flops},
+        {"bytes_per_second", facts.bytes}};
 }
 
 std::string DeviceTime::words() const {

@@ -1,8 +1,10 @@
-/// The options --device and --precision of `hmax run`.
+/// The options --device and --precision.
 #pragma once
 
 #include <initializer_list>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -15,11 +17,19 @@ namespace hmax {
 struct DeviceChoice {
   std::string name, precision_name;
 
-  void add_to(CLI::App& command);
+  /// @param what  in its help: "fixed steps of a body"
+  void add_to(CLI::App& command, std::string_view what);
   [[nodiscard]] bool is_gpu() const { return name == "gpu"; }
+  /// --precision of it
+  void add_precision_to(CLI::App& command);
   [[nodiscard]] Precision precision() const {
     return precision_name == "single" ? Precision::single_precision : Precision::double_precision;
   }
+  /// The first card; null where steps stay on the processor. @throws InputError as open_gpu()
+  [[nodiscard]] std::unique_ptr<Device> open() const;
+  /// @throws InputError  for words that are none, a precision without a GPU, and for an option beside it that
+  /// a GPU does not take
+  void check(std::initializer_list<std::pair<const char*, bool>> beside) const;
   /// @param beside  other options, and whether they are given, that a GPU does not take
   /// @throws InputError  for words that are none, a precision without a GPU, for one of these, and for what a
   /// GPU does not run
@@ -30,10 +40,10 @@ struct DeviceChoice {
 /// What the steps of a run on a device took, and on which: never a CPU time.
 struct DeviceTime {
   DeviceFacts facts;
+  double seconds = 0, flops = 0, bytes = 0;  ///< see DeviceRun; of motions in the plane the seconds alone
   Precision precision = Precision::double_precision;
-  double seconds = 0, flops = 0, bytes = 0;  ///< see DeviceRun
 
-  /// Puts it into the document of a run, whose `cpu_seconds` become null.
+  /// Puts it into a document, whose `cpu_seconds`, if there are, become null.
   void add_to(nlohmann::ordered_json& document) const;
   [[nodiscard]] std::string words() const;
   [[nodiscard]] const char* precision_word() const {
