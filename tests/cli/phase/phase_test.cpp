@@ -333,6 +333,29 @@ TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
   EXPECT_TRUE(says(read_text(shell / "figure/basins.gp"), "boxxyerror"));
 }
 
+TEST(Phase, RunsMotionsOnAGpuWithTheSameBitsOrSaysWhyNot) {
+  const Shell shell;
+  for (
+      const std::string asked :
+      {"phase --problem liver_cubic --set k1=-1 --set c=0.2 --basins --cells 40 --window -3,3,-3,3 --json",
+       "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 6 --json",
+       "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 6 --method rk4 --h 0.1 --json"}) {
+    const Told told = shell.hmax(asked + " --device gpu");
+    if (told.exit_code == 0) {
+      Json on_gpu = told.json();
+      EXPECT_GT(on_gpu.at("device_seconds"), 0);
+      for (const char* key : {"device", "clock_mhz", "driver", "precision", "device_seconds"})
+        on_gpu.erase(key);
+      EXPECT_EQ(on_gpu, shell.json(asked));
+    } else {
+      expect_refused(told, "leave out --device");
+    }
+  }
+  expect_refused(shell.hmax("phase --problem liver_cubic --device gpu"), "--bifurcation");
+  expect_refused(shell.hmax("phase --problem liver_forced --poincare --device gpu"), "--poincare");
+  expect_refused(shell.hmax("phase --problem liver_cubic --device tpu"), "--device");
+}
+
 TEST(Phase, BasinsHaveTheRowsThatAreAskedFor) {
   const Shell shell;
   const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --window -3,3,-3,3 --cells ";
@@ -365,6 +388,7 @@ TEST(Phase, RefusesBasinsOfNothing) {
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,1"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,20,30"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,1e6"), "--cells");
+  expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 4001 --output figure"), "4000");
   expect_refused(shell.hmax("phase --problem liver_cubic --cells 10"), "--basins");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --poincare"), "one of them");
 }
