@@ -145,6 +145,7 @@ TEST(MotionRuns, RefuseWhatHasOtherBits) {
     EXPECT_THROW(ends_of(runner.adaptive(steps), {{&fast, 10, {1, 0}}}), InputError);
   else
     EXPECT_THROW(runner.adaptive(steps), InputError);
+  EXPECT_THROW(fates_of_starts(make_problem("van_der_pol"), {{-1, -1}, {1, 1}}, {}, runner), InputError);
   EXPECT_FALSE(runner.shared({.method = "radau_iia_5", .w = 1, .t_end = 1, .h = 0.1}));
 }
 

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "analysis/dynamics/poincare.hpp"
+#include "catalogue/device/host_device.hpp"
+#include "catalogue/device/motion_runs.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/problems.hpp"
@@ -162,19 +164,36 @@ TEST(PeriodMaps, MakeTheDiagramOfSingleRuns) {
   };
   const std::vector<double> periods(values.size(), 2 * std::acos(-1.0));
   const FixedSteps steps{find_method("rk4"), 0.1};
-  const auto lanes =
-      bifurcation(period_maps(problem_at, periods, steps), values, Vector2d(0.5, 1), 20, 16, false);
   const auto single =
       bifurcation(one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); }),
                   values, Vector2d(0.5, 1), 20, 16, false);
-  ASSERT_EQ(lanes.size(), values.size());
   ASSERT_EQ(single.size(), values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    EXPECT_EQ(lanes[i].motion.settling, single[i].motion.settling);
-    EXPECT_EQ(lanes[i].motion.period, single[i].motion.period);
-    EXPECT_EQ(lanes[i].motion.followed, single[i].motion.followed);
-    expect_equal(lanes[i].motion.looks, single[i].motion.looks, std::to_string(values[i]));
+  HostDevice device;
+  for (const MotionRunner& runner : {in_lanes(), motions_on(device, 3)}) {
+    const auto many =
+        bifurcation(period_maps(problem_at, periods, steps, runner), values, Vector2d(0.5, 1), 20, 16, false);
+    ASSERT_EQ(many.size(), values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      EXPECT_EQ(many[i].motion.settling, single[i].motion.settling);
+      EXPECT_EQ(many[i].motion.period, single[i].motion.period);
+      EXPECT_EQ(many[i].motion.followed, single[i].motion.followed);
+      expect_equal(many[i].motion.looks, single[i].motion.looks, std::to_string(values[i]));
+    }
   }
+}
+
+TEST(PeriodMaps, SayWhatNoDeviceRuns) {
+  HostDevice device;
+  const auto make = [&](const char* method, double second_w) {
+    return period_maps(
+        [&](std::size_t i) {
+          return liver({{"w", i == 0 ? 1 : second_w}});
+        },
+        {6.0, 6.0}, FixedSteps{find_method(method), 0.1}, motions_on(device, 3));
+  };
+  EXPECT_TRUE(make("rk4", 1));
+  EXPECT_THROW(make("rk4", 2), InputError);
+  EXPECT_THROW(make("radau_iia_5", 1), InputError);
 }
 
 }  // namespace
