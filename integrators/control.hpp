@@ -127,7 +127,7 @@ class FixedStep {
   }
 
   /// t_next = t0 + (n + 1) h, or t_end for the last step.
-  Proposal<Real> propose(Real) const {
+  HMAX_DEVICE Proposal<Real> propose(Real) const {
     if (n_ == last_) [[unlikely]]
       return {last_h_, span_.t_end, true};
     return {h_, at(n_ + 1), false};
@@ -135,7 +135,7 @@ class FixedStep {
 
   /// Every attempt that made a candidate is accepted: there is no error test.
   template <class Stepper, class Sys, class State>
-  Judgement judge(const Stepper&, const Sys&, const Proposal<Real>&, const State&, const State&) {
+  HMAX_DEVICE Judgement judge(const Stepper&, const Sys&, const Proposal<Real>&, const State&, const State&) {
     ++n_;
     return Judgement::accept;
   }
@@ -151,7 +151,7 @@ class FixedStep {
 
  private:
   /// t0 + n h.
-  [[nodiscard]] Real at(std::int64_t n) const { return span_.t0 + static_cast<Real>(n) * h_; }
+  [[nodiscard]] HMAX_DEVICE Real at(std::int64_t n) const { return span_.t0 + static_cast<Real>(n) * h_; }
 
   Real h_;  ///< signed; 0 where it does not lead to the end
   Span<Real> span_{};

@@ -130,15 +130,19 @@ class Gpu final : public Device {
   void run(const AdaptiveMotions& motions) override {
     timed([&] { hmax::launch(motions.steady ? adaptive_motions<true> : adaptive_motions<false>, motions, stream_); });
   }
-  void run(const SharedMotions& motions) override {
-    with_explicit_method(motions.method, [&]<class Method>(const Method&) {
-      timed([&] { hmax::launch(shared_motions<Method>, motions, stream_); });
-    });
-  }
+  void run(const SharedMotions& motions) override { run_fixed(motions); }
+  void run(const OwnMotions& motions) override { run_fixed(motions); }
 
   [[nodiscard]] double seconds() override { return std::exchange(milliseconds_, 0.0) / 1e3; }
 
  private:
+  template <class Motions>
+  void run_fixed(const Motions& motions) {
+    with_explicit_method(motions.method, [&]<class Method>(const Method&) {
+      timed([&] { hmax::launch(fixed_motions<Method, Motions>, motions, stream_); });
+    });
+  }
+
   static std::string version(int number) {
     return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
   }

@@ -24,8 +24,8 @@ __global__ void __launch_bounds__(motions_of_a_block) adaptive_motions(const Ada
   if (const std::int64_t n = number_of_thread(); n < all.count) advance_motion<steady>(all, n);
 }
 
-template <class Method>
-__global__ void __launch_bounds__(motions_of_a_block) shared_motions(const SharedMotions all) {
+template <class Method, class Motions>
+__global__ void __launch_bounds__(motions_of_a_block) fixed_motions(const Motions all) {
   if (const std::int64_t n = number_of_thread(); n < all.count) advance_motion<Method>(all, n);
 }
 

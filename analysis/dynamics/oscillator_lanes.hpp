@@ -25,6 +25,7 @@ struct OscillatorRun {
   double t_end;                            ///< [s], positive
   Eigen::Vector2d y;                       ///< its start, then its end
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
+  double h = 0;                            ///< [s], positive: of fixed steps of its own
 };
 
 /// Where runs come from and where they go.
@@ -72,6 +73,8 @@ struct SharedSteps {
 struct MotionRunner {
   std::function<RunMotions(const AdaptiveSteps&)> adaptive;
   std::function<RunMotions(const SharedSteps&)> shared;  ///< empty where it is no such method
+  /// Fixed steps of each run's own size and w by such a method; no function where runs go one by one.
+  std::function<RunMotions(std::string_view method)> own_steps = {};
   bool is_device = false;
 };
 

@@ -187,37 +187,61 @@ template <std::size_t N, class Steady, class Cosines>
   lanes.rk.weigh(lanes.norm);
 }
 
-// ---- fixed steps, all motions at one time
+// ---- fixed steps
 
-/// A step of all motions: its size and cos(w t) at each stage.
+/// A step of one w, maybe of many motions: its size and cos(w t) at each stage.
 template <class Method>
 struct SharedStep {
   double h;
   std::array<double, Method::tableau.stages> cosine;
 };
 
-/// Those that ExplicitRk takes with FixedStep from t = 0 to t_end.
+/// Those that ExplicitRk takes with FixedStep from t = 0 to t_end, one after the other.
+class CosineSteps {
+ public:
+  /// @param w [rad/s];  @param t_end, h [s], positive
+  CosineSteps(double w, double t_end, double h) : control_(h), w_(w) {
+    control_.start(0, Oscillator(), Span<double>{0, t_end}, Eigen::Vector2d());
+  }
+
+  /// Whether the last one has been told.
+  [[nodiscard]] HMAX_DEVICE bool are_done() const { return done_; }
+
+  /// @param cosine  the function
+  template <class Method, class Cosine>
+  HMAX_DEVICE SharedStep<Method> next(const Cosine& cosine) {
+    using Tableau = StaticCoefficients<Method>;
+    const Proposal<double> proposed = control_.propose(t_);
+    SharedStep<Method> step{proposed.h, {}};
+    // The first stage takes the force from the end of the step before where a stage stands there.
+    step.cosine[0] = end_known_ ? end_ : cosine(w_ * t_);
+    Tableau::for_each_later_stage([&](auto i) {
+      constexpr std::size_t first = Tableau::first_at_node_of(i);
+      constexpr auto node = static_cast<double>(Tableau::node(i));
+      step.cosine[i] = first == i ? cosine(w_ * (t_ + node * proposed.h)) : step.cosine[first];
+    });
+    control_.judge(0, 0, proposed, 0, 0);
+    t_ = proposed.t_next;
+    done_ = proposed.last;
+    if constexpr (Tableau::first_at_end() < Tableau::stages()) {
+      end_ = step.cosine[Tableau::first_at_end()];
+      end_known_ = true;
+    }
+    return step;
+  }
+
+ private:
+  FixedStep<double> control_;
+  double w_, t_ = 0, end_ = 0;  ///< the cosine at the end of the step before
+  bool end_known_ = false, done_ = false;
+};
+
+/// All of them.
 template <class Method>
 std::vector<SharedStep<Method>> shared_steps(double w, double t_end, double h) {
-  using Tableau = StaticCoefficients<Method>;
   std::vector<SharedStep<Method>> steps;
-  FixedStep<double> control(h);
-  control.start(0, Oscillator(), Span<double>{0, t_end}, Eigen::Vector2d());
-  double t = 0;
-  // The first stage of a step takes the force from the end of the step before where a stage stands there.
-  double first = std::cos(w * t);
-  for (bool last = false; !last;) {
-    const Proposal<double> next = control.propose(t);
-    SharedStep<Method>& step = steps.emplace_back(SharedStep<Method>{next.h, {}});
-    step.cosine[0] = first;
-    for (std::size_t i = 1; i < step.cosine.size(); ++i)
-      step.cosine[i] = std::cos(w * (t + static_cast<double>(Tableau::node(i)) * next.h));
-    control.judge(0, Oscillator(), next, Eigen::Vector2d(), Eigen::Vector2d());
-    t = next.t_next;
-    last = next.last;
-    constexpr std::size_t at_end = Tableau::first_at_end();
-    first = at_end < step.cosine.size() ? step.cosine[at_end] : std::cos(w * t);
-  }
+  for (CosineSteps all(w, t_end, h); !all.are_done();)
+    steps.push_back(all.next<Method>([](double angle) { return std::cos(angle); }));
   return steps;
 }
 

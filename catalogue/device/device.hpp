@@ -13,6 +13,7 @@ namespace hmax {
 
 struct AdaptiveMotions;
 struct SharedMotions;
+struct OwnMotions;
 
 /// What times on a device depend on.
 struct DeviceFacts {
@@ -51,6 +52,7 @@ class Device {
   /// advance_motion() of all motions.
   virtual void run(const AdaptiveMotions& motions) = 0;
   virtual void run(const SharedMotions& motions) = 0;
+  virtual void run(const OwnMotions& motions) = 0;
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
 };

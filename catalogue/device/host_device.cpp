@@ -40,6 +40,14 @@ void begin_all(bool backwards, const BodyStep<Real>& step) {
     HostBlock{backwards}.each(step.body.free, [&](std::int32_t p) { first_kick_drift(step, i, p); });
 }
 
+template <class Motions>
+void run_fixed(const HostBlock& block, const Motions& motions) {
+  with_explicit_method(motions.method, [&]<class Method>(const Method&) {
+    block.each(static_cast<std::int32_t>(motions.count),
+               [&](std::int32_t n) { advance_motion<Method>(motions, n); });
+  });
+}
+
 }  // namespace
 
 DeviceFacts HostDevice::facts() const {
@@ -72,11 +80,7 @@ void HostDevice::run(const AdaptiveMotions& motions) {
   });
 }
 
-void HostDevice::run(const SharedMotions& motions) {
-  with_explicit_method(motions.method, [&]<class Method>(const Method&) {
-    HostBlock{backwards_}.each(static_cast<std::int32_t>(motions.count),
-                               [&](std::int32_t n) { advance_motion<Method>(motions, n); });
-  });
-}
+void HostDevice::run(const SharedMotions& motions) { run_fixed(HostBlock{backwards_}, motions); }
+void HostDevice::run(const OwnMotions& motions) { run_fixed(HostBlock{backwards_}, motions); }
 
 }  // namespace hmax

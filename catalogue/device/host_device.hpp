@@ -27,6 +27,7 @@ class HostDevice final : public Device {
   void begin(const BodyStep<float>& step) override;
   void run(const AdaptiveMotions& motions) override;
   void run(const SharedMotions& motions) override;
+  void run(const OwnMotions& motions) override;
   [[nodiscard]] double seconds() override { return 0; }
 
  private:

@@ -38,17 +38,32 @@ struct AdaptiveMotions {
   std::int32_t* left;  ///< becomes 1 where a motion has not ended
 };
 
-/// The same of fixed steps with shared cosines.
-struct SharedMotion {
+/// A motion of fixed steps.
+struct FixedMotion {
   OscillatorRates rates;
-  double y[2], slope[2], bounded;
+  double y[2], slope[2];
+  double bounded;  ///< see SharedLanes
 };
+
+/// Motions that go on by steps of the same size and w.
 struct SharedMotions {
-  SharedMotion* motions;
+  FixedMotion* motions;  ///< shape (count)
   std::int64_t count;
   std::string_view method;  ///< an id of tableaux::All
   const void* steps;        ///< of SharedStep<Method>
   std::int64_t step_count;
+};
+
+/// The same of steps of their own.
+struct OwnMotion : FixedMotion {
+  CosineSteps steps;
+};
+struct OwnMotions {
+  OwnMotion* motions;
+  std::int64_t count;
+  std::string_view method;
+  std::int64_t most_steps;
+  std::int32_t* left;  ///< becomes 1 where a motion has further steps
 };
 
 /// The attempts of motion n.
@@ -81,19 +96,39 @@ HMAX_DEVICE void advance_motion(const AdaptiveMotions& all, std::int64_t n) {
     *all.left = 1;
 }
 
-/// The steps of motion n.
-template <class Method>
-HMAX_DEVICE void advance_motion(const SharedMotions& all, std::int64_t n) {
-  SharedMotion& own = all.motions[n];
+/// What steps(lanes) makes of a motion.
+template <class Method, class Steps>
+HMAX_DEVICE void with_lanes(FixedMotion& own, const Steps& steps) {
   SharedLanes<Method, 1> lanes;
   lanes.rk.start(0, {own.y[0], own.y[1]}, {own.slope[0], own.slope[1]});
   lanes.oscillators.set(0, own.rates);
   lanes.bounded[0] = own.bounded;
-  const auto* const steps = static_cast<const SharedStep<Method>*>(all.steps);
-  advance(lanes, std::span(steps, static_cast<std::size_t>(all.step_count)));
+  steps(lanes);
   const Eigen::Vector2d y = lanes.rk.state(0), slope = lanes.rk.slope(0);
   for (int i = 0; i < 2; ++i) own.y[i] = y[i], own.slope[i] = slope[i];
   own.bounded = lanes.bounded[0];
+}
+
+/// The steps of motion n.
+template <class Method>
+HMAX_DEVICE void advance_motion(const SharedMotions& all, std::int64_t n) {
+  with_lanes<Method>(all.motions[n], [&](auto& lanes) {
+    const auto* const steps = static_cast<const SharedStep<Method>*>(all.steps);
+    advance(lanes, std::span(steps, static_cast<std::size_t>(all.step_count)));
+  });
+}
+template <class Method>
+HMAX_DEVICE void advance_motion(const OwnMotions& all, std::int64_t n) {
+  OwnMotion& own = all.motions[n];
+  CosineSteps steps = own.steps;
+  with_lanes<Method>(own, [&](auto& lanes) {
+    for (std::int64_t done = 0; done < all.most_steps && !steps.are_done(); ++done) {
+      const auto step = steps.template next<Method>([](double angle) { return cosine(angle); });
+      advance(lanes, std::span(&step, 1));
+    }
+  });
+  own.steps = steps;
+  if (!steps.are_done()) *all.left = 1;
 }
 
 }  // namespace hmax

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -80,6 +81,26 @@ std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once
   return runs;
 }
 
+/// One launch after the other until no motion is left.
+template <class Motions>
+void run_to_end(Lent& lent, Motions& all) {
+  std::vector<std::int32_t> left{1};
+  while (left[0] != 0) {
+    left[0] = 0;
+    all.left = lent.copy(3, left);
+    lent.device.run(all);
+    lent.read(left, all.left);
+  }
+}
+
+/// @throws InputError  where the cosines of a device have other bits
+void require_own_cosines() {
+  if (!cosines_are_those_of_musl())
+    throw InputError(
+        "--device gpu has the cosines of musl, and this hmax was built without them; install musl-dev, then "
+        "configure and build again, or leave it out");
+}
+
 /// Throws where a device would need more digits of pi.
 void require_near(const OscillatorRun& run) {
   if (!(std::abs(run.system->parameters().w) * run.t_end < 0.99 * cosine_parts::far_angle))
@@ -114,13 +135,7 @@ void run_adaptive(Lent& lent, const AdaptiveSteps& steps, std::size_t at_once, c
         all.rule = steps.arrival->rule();
         all.rule.traps = lent.copy(2, steps.arrival->traps);
       }
-      std::vector<std::int32_t> left{1};
-      while (left[0] != 0) {
-        left[0] = 0;
-        all.left = lent.copy(3, left);
-        lent.device.run(all);
-        lent.read(left, all.left);
-      }
+      run_to_end(lent, all);
       lent.read(ends, all.ends);
     }
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -131,26 +146,24 @@ void run_adaptive(Lent& lent, const AdaptiveSteps& steps, std::size_t at_once, c
   }
 }
 
-template <class Method>
-void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::size_t at_once,
-                const RunClient& client) {
+/// Fixed steps.
+/// @param store     store(run, motion): what lies on the device
+/// @param launches  launches(motions, count): all steps of motions that lie there
+template <class Motion, class Store, class Launches>
+void run_fixed(Lent& lent, std::size_t at_once, const RunClient& client, const Store& store,
+               const Launches& launches) {
   for (;;) {
-    std::vector<SharedMotion> motions;
+    std::vector<Motion> motions;
     const auto runs = some_of(client, at_once, [&](const OscillatorRun& run, const Vector2d& slope) {
-      motions.push_back({OscillatorRates::of(*run.system), {run.y[0], run.y[1]}, {slope[0], slope[1]}, 1.0});
+      motions.push_back(store(
+          run,
+          FixedMotion{OscillatorRates::of(*run.system), {run.y[0], run.y[1]}, {slope[0], slope[1]}, 1.0}));
     });
     if (runs.empty()) return;
     {
       const std::scoped_lock lock(lent.one_at_a_time);
-      SharedMotion* const there = lent.copy(0, motions);
-      const SharedStep<Method>* const first = lent.copy(1, steps);
-      const auto all = static_cast<std::int64_t>(steps.size());
-      for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
-        lent.device.run(SharedMotions{.motions = there,
-                                      .count = static_cast<std::int64_t>(runs.size()),
-                                      .method = Method::id,
-                                      .steps = first + done,
-                                      .step_count = std::min(steps_of_a_launch, all - done)});
+      Motion* const there = lent.copy(0, motions);
+      launches(there, static_cast<std::int64_t>(runs.size()));
       lent.read(motions, there);
     }
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -161,15 +174,46 @@ void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::s
   }
 }
 
+template <class Method>
+void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::size_t at_once,
+                const RunClient& client) {
+  run_fixed<FixedMotion>(
+      lent, at_once, client, [](const OscillatorRun&, const FixedMotion& motion) { return motion; },
+      [&](FixedMotion* motions, std::int64_t count) {
+        const SharedStep<Method>* const first = lent.copy(1, steps);
+        const auto all = static_cast<std::int64_t>(steps.size());
+        for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
+          lent.device.run(SharedMotions{.motions = motions,
+                                        .count = count,
+                                        .method = Method::id,
+                                        .steps = first + done,
+                                        .step_count = std::min(steps_of_a_launch, all - done)});
+      });
+}
+
+void run_own(Lent& lent, std::string_view method, std::size_t at_once, const RunClient& client) {
+  run_fixed<OwnMotion>(
+      lent, at_once, client,
+      [](const OscillatorRun& run, const FixedMotion& motion) {
+        require_near(run);
+        return OwnMotion{motion, CosineSteps(motion.rates.w, run.t_end, run.h)};
+      },
+      [&](OwnMotion* motions, std::int64_t count) {
+        OwnMotions all{.motions = motions,
+                       .count = count,
+                       .method = method,
+                       .most_steps = steps_of_a_launch / 10,
+                       .left = nullptr};
+        run_to_end(lent, all);
+      });
+}
+
 }  // namespace
 
 MotionRunner motions_on(Device& device, std::size_t at_once) {
   const auto lent = std::make_shared<Lent>(device);
   return {.adaptive = [lent, at_once](const AdaptiveSteps& steps) -> RunMotions {
-            if (!steps.steady && !cosines_are_those_of_musl())
-              throw InputError(
-                  "--device gpu has the cosines of musl, and this hmax was built without them; install "
-                  "musl-dev, then configure and build again, or leave it out");
+            if (!steps.steady) require_own_cosines();
             return [=](const RunClient& client) { run_adaptive(*lent, steps, at_once, client); };
           },
           .shared =
@@ -178,6 +222,15 @@ MotionRunner motions_on(Device& device, std::size_t at_once) {
                 with_explicit_method(asked.method, [&]<class Method>(const Method&) {
                   found = [=, steps = shared_steps<Method>(asked.w, asked.t_end, asked.h)](
                               const RunClient& client) { run_shared<Method>(*lent, steps, at_once, client); };
+                });
+                return found;
+              },
+          .own_steps =
+              [lent, at_once](std::string_view method) {
+                RunMotions found;
+                with_explicit_method(method, [&]<class Method>(const Method&) {
+                  require_own_cosines();
+                  found = [=](const RunClient& client) { run_own(*lent, Method::id, at_once, client); };
                 });
                 return found;
               },

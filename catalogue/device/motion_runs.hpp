@@ -12,8 +12,8 @@ namespace hmax {
 /// device, the others begin and judge theirs.
 /// @param device   outlives the runs
 /// @param at_once  motions of one call of the device, at most: a thread that has more takes several calls
-/// @throws InputError  from `adaptive`, where cosines are not those of musl; from its runs, for forces of
-/// more
+/// @throws InputError  from `adaptive` and `own_steps`, where cosines are not those of musl; from their runs,
+/// for forces of more
 ///                     than some 10^6 rad; and as Device
 MotionRunner motions_on(Device& device, std::size_t at_once);
 

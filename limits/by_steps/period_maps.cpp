@@ -24,6 +24,7 @@ constexpr std::int64_t most_shared_steps = 100'000;
 struct Driven {
   std::vector<Oscillator> systems;
   std::vector<double> periods;
+  std::vector<double> sizes = {};  ///< of fixed steps
 
   [[nodiscard]] bool share_time() const {
     const double w = systems.front().parameters().w;
@@ -61,6 +62,7 @@ void run_periods(const Driven& driven, const MapCalls& calls, const RunMotions& 
     PeriodRun& begun = *idle.back();
     idle.pop_back();
     begun = {{&driven.systems[call->map], driven.periods[call->map], *call->state}, *call};
+    if (!driven.sizes.empty()) begun.h = driven.sizes[call->map];
     return &begun;
   };
   const auto ended = [&](OscillatorRun& each) {
@@ -93,22 +95,25 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
                         const MotionRunner& runner) {
   if (steps && !periods.empty()) stroboscope(problem_at(0), periods.front(), steps);  // may throw
-  const auto driven =
-      std::make_shared<const Driven>(Driven{oscillators(problem_at, periods.size()), periods});
+  const auto driven = std::make_shared<Driven>(Driven{oscillators(problem_at, periods.size()), periods});
   RunMotions run;
-  if (!driven->systems.empty() && !steps)
+  if (!driven->systems.empty() && !steps) {
     run = runner.adaptive({stroboscope_tolerances, most_period_steps, false});
-  else if (!driven->systems.empty() && driven->share_time() &&
-           fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
-    run = runner.shared({.method = steps->method.id,
-                         .w = driven->systems.front().parameters().w,
-                         .t_end = periods.front(),
-                         .h = size_of_steps(*steps, periods.front())});
+  } else if (!driven->systems.empty()) {
+    for (const double period : periods) driven->sizes.push_back(size_of_steps(*steps, period));
+    if (driven->share_time() && fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
+      run = runner.shared({.method = steps->method.id,
+                           .w = driven->systems.front().parameters().w,
+                           .t_end = periods.front(),
+                           .h = driven->sizes.front()});
+    else if (runner.own_steps)
+      run = runner.own_steps(steps->method.id);
+  }
   if (run) return [driven, run](const MapCalls& calls) { run_periods(*driven, calls, run); };
   if (runner.is_device)
     throw InputError(
-        "--device gpu runs periods of oscillators, adaptive ones or those of an explicit Runge-Kutta method "
-        "where all have the same w; leave it out");
+        "--device gpu runs periods of oscillators, adaptive ones or those of an explicit Runge-Kutta method; "
+        "leave it out");
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

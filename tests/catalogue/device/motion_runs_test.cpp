@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -93,6 +95,24 @@ void expect_same_shared(Device& device) {
   expect_same_ends(motions_on(device, 3000).shared(steps), in_lanes().shared(steps), few.runs);
 }
 
+/// Beside steps that are shared by a single motion.
+void expect_same_own_steps(Device& device) {
+  Ensemble all(motion_count, 0);
+  for (std::size_t i = 0; i < all.runs.size(); ++i)
+    all.runs[i].h = all.runs[i].t_end / (80.0 + static_cast<double>(i % 90));
+  for (const std::string_view method : {"rk4", "dormand_prince_54", "explicit_euler", "rk4_38"}) {
+    const auto expected = [method](const RunClient& client) {
+      while (OscillatorRun* run = client.next()) {
+        const SharedSteps steps{
+            .method = method, .w = run->system->parameters().w, .t_end = run->t_end, .h = run->h};
+        in_lanes().shared(steps)({[&] { return std::exchange(run, nullptr); }, client.ended});
+      }
+    };
+    const auto outcomes = expect_same_ends(motions_on(device, 3000).own_steps(method), expected, all.runs);
+    EXPECT_GT(outcomes.at(Outcome::reached_end), motion_count / 2) << method;
+  }
+}
+
 void expect_same_adaptive(Device& device) {
   const Ensemble all(motion_count, 0);
   const auto outcomes_at = [&](double tolerance, std::int64_t most) {
@@ -132,7 +152,9 @@ TEST(HostDevice, RunsMotionsWithTheBitsOfTheLanes) {
     HostDevice device(backwards);
     expect_same_shared(device);
     expect_same_fates(device);
-    if (cosines_are_those_of_musl()) expect_same_adaptive(device);
+    if (!cosines_are_those_of_musl()) continue;
+    expect_same_own_steps(device);
+    expect_same_adaptive(device);
   }
 }
 
@@ -151,9 +173,10 @@ TEST(MotionRuns, RefuseWhatHasOtherBits) {
 
 TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared(*device); }
 TEST_F(Gpu, FindsBasinsWithTheBitsOfTheLanes) { expect_same_fates(*device); }
-TEST_F(Gpu, RunsAdaptiveMotionsWithTheBitsOfTheLanes) {
+TEST_F(Gpu, RunsMotionsOfOwnCosinesWithTheBitsOfTheLanes) {
   if (!cosines_are_those_of_musl()) GTEST_SKIP() << "this build has other cosines";
   expect_same_adaptive(*device);
+  expect_same_own_steps(*device);
 }
 
 /// Told to scripts/gpu-check: what a million motions take by the events of the device.
@@ -178,6 +201,9 @@ TEST_F(Gpu, TellsItsSpeed) {
   if (!cosines_are_those_of_musl()) return;
   const double adaptive = seconds_of(
       runner.adaptive({.tolerances = stroboscope_tolerances, .most_attempts = 1'000'000, .steady = false}));
+  for (OscillatorRun& run : runs) run.h = period / double{steps_of_period};
+  RecordProperty("rk4_own_steps_per_second",
+                 std::to_string(double{many} * steps_of_period / seconds_of(runner.own_steps("rk4"))));
   RecordProperty("adaptive_periods_per_second", std::to_string(double{many} / adaptive));
 }
 

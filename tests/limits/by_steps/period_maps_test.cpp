@@ -13,6 +13,7 @@
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
+#include "core/instructions/cosines.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -182,18 +183,37 @@ TEST(PeriodMaps, MakeTheDiagramOfSingleRuns) {
   }
 }
 
+/// A diagram over w: each motion has a period and steps of its own.
+TEST(PeriodMaps, OfManyPeriodsAreThoseOfSingleRunsOnADevice) {
+  HostDevice device;
+  const std::vector<double> values{0.9, 1.0, 1.1, 1.7};
+  const auto problem_at = [&](std::size_t i) {
+    return liver({{"m", 1}, {"c", 0.2}, {"k1", 0}, {"k3", 1}, {"P", 3}, {"w", values[i]}});
+  };
+  std::vector<double> periods;
+  for (const double w : values) periods.push_back(2 * std::acos(-1.0) / w);
+  const FixedSteps steps{find_method("rk4"), 0.1};
+  const auto single =
+      bifurcation(period_maps(problem_at, periods, steps), values, Vector2d(0.5, 1), 20, 16, false);
+  if (!cosines_are_those_of_musl()) {
+    EXPECT_THROW(period_maps(problem_at, periods, steps, motions_on(device, 3)), InputError);
+    return;
+  }
+  const auto there = bifurcation(period_maps(problem_at, periods, steps, motions_on(device, 3)), values,
+                                 Vector2d(0.5, 1), 20, 16, false);
+  ASSERT_EQ(there.size(), single.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    expect_equal(there[i].motion.looks, single[i].motion.looks, std::to_string(values[i]));
+}
+
 TEST(PeriodMaps, SayWhatNoDeviceRuns) {
   HostDevice device;
-  const auto make = [&](const char* method, double second_w) {
-    return period_maps(
-        [&](std::size_t i) {
-          return liver({{"w", i == 0 ? 1 : second_w}});
-        },
-        {6.0, 6.0}, FixedSteps{find_method(method), 0.1}, motions_on(device, 3));
+  const auto make = [&](const char* method) {
+    return period_maps([](std::size_t) { return liver({}); }, {6.0}, FixedSteps{find_method(method), 0.1},
+                       motions_on(device, 3));
   };
-  EXPECT_TRUE(make("rk4", 1));
-  EXPECT_THROW(make("rk4", 2), InputError);
-  EXPECT_THROW(make("radau_iia_5", 1), InputError);
+  EXPECT_TRUE(make("rk4"));
+  EXPECT_THROW(make("radau_iia_5"), InputError);
 }
 
 }  // namespace
