@@ -68,6 +68,8 @@ struct StepGraph {
   }
 };
 
+__global__ void count_evaluations(std::int64_t* evaluated, std::int64_t more) { *evaluated += more; }
+
 /// Freed at its end; errors come with the next call.
 struct FreeMemory {
   void operator()(void* memory) const { cudaFree(memory); }
@@ -114,15 +116,20 @@ class Gpu final : public Device {
     memory_.emplace_back(memory);
     return memory;
   }
+  void release(void* memory) override {
+    std::erase_if(memory_, [&](const auto& each) { return each.get() == memory; });
+  }
   void write(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyHostToDevice); }
   void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
   void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
 
-  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) override {
-    run_all(steps, graph_, shared, times);
+  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
+           std::int64_t* evaluated) override {
+    run_all(steps, graph_, shared, times, evaluated);
   }
-  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) override {
-    run_all(steps, single_graph_, shared, times);
+  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
+           std::int64_t* evaluated) override {
+    run_all(steps, single_graph_, shared, times, evaluated);
   }
   void begin(const BodyStep<double>& step) override { begin_all(step); }
   void begin(const BodyStep<float>& step) override { begin_all(step); }
@@ -153,16 +160,17 @@ class Gpu final : public Device {
   }
 
   template <class Real>
-  void run_all(std::span<const BodyStep<Real>> steps, StepGraph<Real>& graph, std::size_t shared, std::int64_t times) {
+  void run_all(std::span<const BodyStep<Real>> steps, StepGraph<Real>& graph, std::size_t shared, std::int64_t times,
+               std::int64_t* evaluated) {
     const std::size_t bytes = shared * sizeof(Real);
     check(cudaFuncSetAttribute(body_steps_of<Real>(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize,
                                static_cast<int>(bytes)),
           "has too little shared memory");
     const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
-    if (times >= of_graph) capture(steps, graph, bytes, of_graph);
+    if (times >= of_graph) capture(steps, graph, bytes, of_graph, evaluated);
     timed([&] {
       for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph.graph, stream_), "does not step");
-      launch(steps, bytes, times);
+      launch(steps, bytes, times, evaluated);
     });
   }
 
@@ -173,20 +181,25 @@ class Gpu final : public Device {
   }
 
   template <class Real>
-  void launch(std::span<const BodyStep<Real>> steps, std::size_t bytes, std::int64_t times) {
-    for (std::int64_t n = 0; n < times; ++n)
-      for (const BodyStep<Real>& step : steps)
+  void launch(std::span<const BodyStep<Real>> steps, std::size_t bytes, std::int64_t times, std::int64_t* evaluated) {
+    std::int32_t before = 0;
+    for (std::int64_t n = 0; n < times; ++n, before += static_cast<std::int32_t>(steps.size()))
+      for (BodyStep<Real> step : steps) {
+        step.evaluation += before;
         body_steps_of<Real>(step.body.law)<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
+      }
+    if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(evaluated, before);
   }
 
   /// A graph of steps, unless it is the one that is there.
   template <class Real>
-  void capture(std::span<const BodyStep<Real>> steps, StepGraph<Real>& kept, std::size_t bytes, std::int64_t times) {
+  void capture(std::span<const BodyStep<Real>> steps, StepGraph<Real>& kept, std::size_t bytes, std::int64_t times,
+               std::int64_t* evaluated) {
     if (kept.graph && std::equal(steps.begin(), steps.end(), kept.of.begin(), kept.of.end())) return;
     if (kept.graph) cudaGraphExecDestroy(std::exchange(kept.graph, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
-    launch(steps, bytes, times);
+    launch(steps, bytes, times, evaluated);
     check(cudaStreamEndCapture(stream_, &graph), "makes no graph");
     const cudaError_t made = cudaGraphInstantiate(&kept.graph, graph, 0);
     cudaGraphDestroy(graph);

@@ -14,7 +14,8 @@ template <class Real>
 BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
     : device_(device),
       method_(std::move(method)),
-      patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(Real))) {
+      patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(Real))),
+      loads_(body.settings().forces) {
   step_ = {.body = arrays(),
            .move = Move::start,
            .h = 0,
@@ -26,8 +27,13 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .a = numbers(velocities()),
            .half_v = nullptr,
            .lumped = nullptr,
-           .left = static_cast<std::int32_t*>(device.allocate(sizeof(std::int32_t))),
+           .left = static_cast<std::int32_t*>(allocate(sizeof(std::int32_t))),
+           .loads = nullptr,
+           .next_loads = 0,
+           .evaluated = nullptr,
+           .evaluation = 0,
            .sum = {}};
+  place_loads();
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
@@ -36,6 +42,44 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
   for (Real*& q : stage_q_) q = numbers(displacements());
   for (Real*& v : stage_v_) v = numbers(velocities());
+}
+
+template <class Real>
+BodyOnDevice<Real>::~BodyOnDevice() {
+  for (void* const memory : memory_) device_.release(memory);
+}
+
+template <class Real>
+void* BodyOnDevice<Real>::allocate(std::size_t bytes) {
+  memory_.push_back(device_.allocate(bytes));
+  return memory_.back();
+}
+
+template <class Real>
+void BodyOnDevice<Real>::place_loads() {
+  const bool driven =
+      std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
+  const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.evaluations() : 1);
+  load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, 3 * loads_.size() * rows));
+  evaluated_ = static_cast<std::int64_t*>(allocate(sizeof(std::int64_t)));
+  step_.loads = load_table_;
+  step_.evaluated = evaluated_;
+  step_.next_loads = driven ? 3 * static_cast<std::int32_t>(loads_.size()) : 0;
+  const double start = 0;
+  set_times({&start, 1});
+}
+
+template <class Real>
+void BodyOnDevice<Real>::set_times(std::span<const double> times) {
+  std::vector<Real> table;
+  for (const double t : times)
+    for (const PressingForce& load : loads_) {
+      const Eigen::Vector3d force = load.profile.value(t) * load.force;
+      for (const double each : force) table.push_back(static_cast<Real>(each));
+    }
+  if (!table.empty()) device_.write(load_table_, table.data(), sizeof(Real) * table.size());
+  const std::int64_t none = 0;
+  device_.write(evaluated_, &none, sizeof none);
 }
 
 template <class Real>
@@ -74,7 +118,8 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .rest = there(p.rest),
           .slots = there(p.slots),
           .push_slot = there(p.push_slot),
-          .push = there(p.push),
+          .push_load = there(p.push_load),
+          .push_share = there(p.push_share),
           .weight = there(p.weight),
           .drag = there(p.drag),
           .mass = there(p.mass),
@@ -88,7 +133,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
 template <class Real>
 template <class T>
 const T* BodyOnDevice<Real>::there(const std::vector<T>& values) {
-  void* const to = device_.allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
+  void* const to = allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
   if (!values.empty()) device_.write(to, values.data(), values.size() * sizeof(T));
   return static_cast<const T*>(to);
 }
@@ -145,9 +190,11 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
   swap();
   append(step_, programs);
   swap();
-  if (count > 1) device_.run(std::span<const BodyStep<Real>>(programs), patches_.shared, count / 2);
+  for (std::size_t i = 0; i < programs.size(); ++i) programs[i].evaluation = static_cast<std::int32_t>(i);
+  if (count > 1)
+    device_.run(std::span<const BodyStep<Real>>(programs), patches_.shared, count / 2, evaluated_);
   if (count % 2 == 0) return;
-  device_.run(std::span<const BodyStep<Real>>(programs.data(), one), patches_.shared, 1);
+  device_.run(std::span<const BodyStep<Real>>(programs.data(), one), patches_.shared, 1, evaluated_);
   swap();
 }
 

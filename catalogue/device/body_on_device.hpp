@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,11 +20,24 @@ namespace hmax {
 template <class Real>
 class BodyOnDevice {
  public:
+  /// At most so many steps at a time.
+  static constexpr std::int64_t most_steps = 4096;
+
+  /// @param device  outlives this
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
+  BodyOnDevice(const BodyOnDevice&) = delete;
+  BodyOnDevice& operator=(const BodyOnDevice&) = delete;
+  ~BodyOnDevice();
+
+  [[nodiscard]] const DeviceMethod& method() const { return method_; }
+  /// Whether loads change with time, so that steps need set_times().
+  [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
   /// @param y  shape (dim)
   void set(const Eigen::VectorXd& y);
   [[nodiscard]] Eigen::VectorXd get();
+  /// Where the evaluations that follow stand [s]: 0 of a start, or those of all steps of advance().
+  void set_times(std::span<const double> times);
   /// What a step needs besides (q, v): the acceleration, of methods that kick.
   void start();
   void advance(double h, std::int64_t count);
@@ -42,11 +56,13 @@ class BodyOnDevice {
     return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points);
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size(); }
-  Real* numbers(std::size_t bytes) { return static_cast<Real*>(device_.allocate(bytes)); }
+  void* allocate(std::size_t bytes);
+  Real* numbers(std::size_t bytes) { return static_cast<Real*>(allocate(bytes)); }
   template <class T>
   const T* there(const std::vector<T>& values);
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
+  void place_loads();
   /// diag(C) / m [1/s], shape (3, free).
   [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
@@ -62,6 +78,10 @@ class BodyOnDevice {
   Device& device_;
   DeviceMethod method_;
   BodyPatches patches_;
+  std::vector<PressingForce> loads_;
+  std::vector<void*> memory_;
+  Real* load_table_ = nullptr;
+  std::int64_t* evaluated_ = nullptr;
   BodyStep<Real> step_{};
   Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
   struct {

@@ -85,14 +85,19 @@ std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Springs& springs, std:
   return terms;
 }
 
-/// What steady loads add to each point of the mesh, in their order.
-std::vector<std::vector<Eigen::Vector3d>> pushes_of(const TissueBody& body) {
-  std::vector<std::vector<Eigen::Vector3d>> pushes(at(static_cast<Index>(body.mesh().point_count())));
-  for (const PressingForce& load : body.settings().forces) {
-    const Eigen::Vector3d force = load.profile.value(0) * load.force;
-    for (std::size_t i = 0; i < load.points.size(); ++i)
-      pushes[at(load.points[i])].push_back(load.shares[i] * force);
-  }
+/// A load at one of its points.
+struct Push {
+  std::int32_t load;
+  double share;
+};
+
+/// What loads add to each point of the mesh, in their order.
+std::vector<std::vector<Push>> pushes_of(const TissueBody& body) {
+  std::vector<std::vector<Push>> pushes(at(static_cast<Index>(body.mesh().point_count())));
+  const std::vector<PressingForce>& loads = body.settings().forces;
+  for (std::size_t n = 0; n < loads.size(); ++n)
+    for (std::size_t i = 0; i < loads[n].points.size(); ++i)
+      pushes[at(loads[n].points[i])].push_back({static_cast<std::int32_t>(n), loads[n].shares[i]});
   return pushes;
 }
 
@@ -221,9 +226,10 @@ class Cutter {
       for (const std::int32_t spring : terms.own) give(of_springs_, spring, 0);
       ends.own = static_cast<std::uint16_t>(next);
       for (const std::int32_t spring : terms.far_after) give(of_springs_, spring, 1);
-      for (const Eigen::Vector3d& push : pushes_[at(p)]) {
+      for (const Push& push : pushes_[at(p)]) {
         made_.push_slot.push_back(static_cast<std::uint16_t>(next++));
-        made_.push.insert(made_.push.end(), push.begin(), push.end());
+        made_.push_load.push_back(push.load);
+        made_.push_share.push_back(push.share);
       }
       ends.after = static_cast<std::uint16_t>(next);
     }
@@ -269,7 +275,7 @@ class Cutter {
   Tetrahedra tetrahedra_;
   Springs springs_;
   std::vector<Terms> terms_;
-  std::vector<std::vector<Eigen::Vector3d>> pushes_;
+  std::vector<std::vector<Push>> pushes_;
   std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
   std::map<std::int32_t, Slots> of_tetrahedra_, of_springs_;  ///< of a patch
   std::vector<std::size_t> tets_;
@@ -291,7 +297,6 @@ std::string unsuited_for_patches(const TissueBody& body) {
   if (!springs.empty() && springs.front().has_dampers()) return "has dampers";
   if (!settings.tools.empty()) return "meets a tool";
   if (!settings.elastic_supports.empty()) return "lies on springs";
-  if (!body.is_autonomous()) return "has a load or a support that changes with time";
   for (const Support& support : settings.supports)
     if (!support.travel.isZero(0)) return "has a support that is moved";
   return {};

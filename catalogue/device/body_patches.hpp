@@ -28,7 +28,8 @@ struct BodyPatches {
   double cubic = 0;
   std::vector<PointSlots> slots;
   std::vector<std::uint16_t> push_slot;
-  std::vector<double> push, weight, drag, mass;
+  std::vector<std::int32_t> push_load;
+  std::vector<double> push_share, weight, drag, mass;
   std::vector<std::int32_t> damped_by, damp_end;
   std::vector<double> damping;
   double watch = 0;

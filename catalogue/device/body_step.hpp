@@ -53,8 +53,9 @@ struct BodyArrays {
   Real cubic;                        ///< b of phi = s + b s^3
   const Real* rest;                  ///< positions [m], shape (3, points); of springs alone
   const PointSlots* slots;           ///< of each free point; they follow one another in a patch
-  const std::uint16_t* push_slot;    ///< slots of steady forces
-  const Real* push;                  ///< these [N], x, y, z
+  const std::uint16_t* push_slot;    ///< slots of loads
+  const std::int32_t* push_load;     ///< which load pushes there
+  const Real* push_share;            ///< the share of it that does
   const Real *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
   const std::int32_t* damped_by;     ///< dofs whose velocities damp a free point by the stiffness at rest
   const Real* damping;               ///< of its three dofs [kg/s], shape (3, damps)
@@ -105,6 +106,12 @@ struct BodyStep {
   const Real* lumped;  ///< D / m [1/s] of central differences, as KickDriftKick has it; else null
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
+  /// Forces of the loads [N], x, y, z of each, shape (evaluations, loads, 3); of steady ones those of one
+  /// evaluation.
+  const Real* loads;
+  std::int32_t next_loads;        ///< numbers from one evaluation to the next; 0: loads are steady
+  const std::int64_t* evaluated;  ///< how many evaluations `loads` has before those of a Device::run()
+  std::int32_t evaluation;        ///< which one after them this is
   StageSum<Real> sum;
   bool operator==(const BodyStep&) const = default;
 };
@@ -262,9 +269,11 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
     for (int i = 0; i < 3; ++i)
       u[i * points + p] = step.q[static_cast<std::int64_t>(i) * body.points + point];
   });
+  const Real* const loads = step.loads + (*step.evaluated + step.evaluation) * step.next_loads;
   block.each(to.push - from.push, [&](std::int32_t n) {
+    const std::int32_t push = from.push + n;
     for (int i = 0; i < 3; ++i)
-      f[i * slots + body.push_slot[from.push + n]] = body.push[3 * (from.push + n) + i];
+      f[i * slots + body.push_slot[push]] = body.push_share[push] * loads[3 * body.push_load[push] + i];
   });
   block.barrier();
   block.each(to.tet - from.tet,

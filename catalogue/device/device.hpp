@@ -38,14 +38,18 @@ class Device {
   [[nodiscard]] virtual DeviceFacts facts() const = 0;
   /// Freed with the device.
   [[nodiscard]] virtual void* allocate(std::size_t bytes) = 0;
+  virtual void release(void* memory) = 0;
   virtual void write(void* to, const void* from, std::size_t bytes) = 0;
   virtual void read(void* to, const void* from, std::size_t bytes) = 0;
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
 
-  /// The steps one after the other, over and over again.
-  /// @param shared  numbers that a block shares, see shared_numbers()
-  virtual void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) = 0;
-  virtual void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) = 0;
+  /// The steps one after the other, over and over again, each at its evaluation of the loads.
+  /// @param shared     numbers that a block shares, see shared_numbers()
+  /// @param evaluated  BodyStep::evaluated of the steps; it grows by their number
+  virtual void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
+                   std::int64_t* evaluated) = 0;
+  virtual void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
+                   std::int64_t* evaluated) = 0;
   /// first_kick_drift() of all degrees of freedom.
   virtual void begin(const BodyStep<double>& step) = 0;
   virtual void begin(const BodyStep<float>& step) = 0;

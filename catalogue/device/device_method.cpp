@@ -17,12 +17,20 @@ DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
   static_assert(S <= StageSum<double>::most);
   DeviceMethod method{.kind = DeviceMethod::Kind::runge_kutta, .first_same_as_last = is_fsal(tableau)};
   for (std::size_t i = 1; i < S; ++i) method.rows.emplace_back(tableau.a[i].begin(), tableau.a[i].end());
+  method.nodes.assign(tableau.c.begin(), tableau.c.end());
   // The last row is b where the last stage is the first of the next step.
   if (!method.first_same_as_last) method.rows.emplace_back(tableau.b.begin(), tableau.b.end());
   return method;
 }
 
 }  // namespace
+
+void DeviceMethod::append_times(double t, double h, std::optional<double> before,
+                                std::vector<double>& times) const {
+  if (kind == Kind::kicks) return times.push_back(t + h);
+  times.push_back(first_same_as_last ? before.value_or(t) : t);
+  for (std::size_t i = 1; i < rows.size(); ++i) times.push_back(t + static_cast<double>(nodes[i]) * h);
+}
 
 std::optional<DeviceMethod> device_method(const Method& method) {
   using Kind = DeviceMethod::Kind;

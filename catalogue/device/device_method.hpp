@@ -19,6 +19,7 @@ struct DeviceMethod {
   /// Of Runge-Kutta methods: what the slopes are multiplied with in the argument of each later stage, then at
   /// the end of the step. Without a last stage that is the first of the next step.
   std::vector<std::vector<long double>> rows{};
+  std::vector<long double> nodes{};  ///< c_i of its stages
   bool first_same_as_last = false;
 
   /// Evaluations of a step, and of those before the first one.
@@ -28,6 +29,9 @@ struct DeviceMethod {
   [[nodiscard]] std::int64_t first_evaluations() const {
     return kind == Kind::kicks || first_same_as_last ? 1 : 0;
   }
+  /// Appends where the evaluations of a step from t to t + h stand.
+  /// @param before  t + h of the step before [s], where there was one
+  void append_times(double t, double h, std::optional<double> before, std::vector<double>& times) const;
 };
 
 /// Nothing where no device runs it.

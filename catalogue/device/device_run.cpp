@@ -1,14 +1,16 @@
 #include "catalogue/device/device_run.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
-
-#include <fmt/format.h>
+#include <vector>
 
 #include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "core/errors.hpp"
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"
 #include "problems/tissue/body.hpp"
@@ -16,8 +18,6 @@
 namespace hmax {
 
 namespace {
-
-constexpr std::int64_t steps_at_once = 4096;
 
 /// The steps of a run from zero to its end, the last one of its own length.
 class Steps {
@@ -27,6 +27,8 @@ class Steps {
     control_.start(0, system, Span<double>{0, spec.t_end}, y0);
   }
   [[nodiscard]] std::int64_t count() const { return count_; }
+  /// Where step n begins [s].
+  [[nodiscard]] double begin(std::int64_t n) { return n > 0 ? step(n - 1).t_next : 0; }
   [[nodiscard]] Proposal<double> step(std::int64_t n) {
     auto place = [n](std::int64_t& at) { at = n; };
     control_.visit_state(place);
@@ -38,35 +40,58 @@ class Steps {
   std::int64_t count_;
 };
 
+/// Tells a body whose loads change with time where the evaluations of `count` steps stand.
 template <class Real>
-DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec) {
+void set_times(BodyOnDevice<Real>& body, Steps& steps, std::int64_t first, std::int64_t count) {
+  if (!body.is_driven()) return;
+  std::vector<double> times;
+  std::optional<double> before;
+  if (first > 0) before = steps.begin(first - 1) + steps.step(first - 1).h;
+  for (std::int64_t n = first; n < first + count; ++n) {
+    const double t = steps.begin(n), h = steps.step(n).h;
+    body.method().append_times(t, h, before, times);
+    before = t + h;
+  }
+  body.set_times(times);
+}
+
+/// @param sink  may be empty
+template <class Real>
+RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSpec& spec, const Sink& sink) {
   const AnySystem& system = std::get<AnySystem>(problem.system);
-  const DeviceMethod known = *device_method(method);
+  const std::int64_t seen_every = sink ? spec.seen_every : BodyOnDevice<Real>::most_steps;
   RunRecord record;
   record.y = problem.y0;
+  if (sink) sink(0, problem.y0);
   if (!admits(system, problem.y0)) {
     record.outcome = Outcome::diverged;
-    return {.record = std::move(record)};
+    return record;
   }
-  BodyOnDevice<Real> body(device, *problem.body, known);
+  const double start = 0;
   body.set(problem.y0);
-  static_cast<void>(device.seconds());
+  if (body.is_driven()) body.set_times({&start, 1});
   body.start();
   Steps steps(spec, system, problem.y0);
-  std::int64_t done = 0, most = steps_at_once;
+  std::int64_t done = 0, most = BodyOnDevice<Real>::most_steps;
+  const auto advance_to = [&](std::int64_t end) {
+    done = end;
+    if (sink && (done % seen_every == 0 || done == steps.count())) sink(steps.begin(done), body.get());
+  };
   while (done < steps.count()) {
     const Proposal<double> next = steps.step(done);
-    const std::int64_t count = next.last ? 1 : std::min(most, steps.count() - 1 - done);
+    const std::int64_t count =
+        next.last ? 1 : std::min({most, steps.count() - 1 - done, seen_every - done % seen_every});
     body.keep();
+    set_times(body, steps, done, count);
     body.advance(next.h, count);
     if (!body.left()) {
-      done += count;
-      most = std::min(2 * most, steps_at_once);
+      most = std::min(2 * most, BodyOnDevice<Real>::most_steps);
+      advance_to(done + count);
     } else if (count > 1) {  // again, to look at its steps one by one
       body.go_back();
       most = count / 2;
     } else if (admits(system, body.get())) {
-      ++done;
+      advance_to(done + 1);
     } else {
       body.go_back();
       record.outcome = Outcome::diverged;
@@ -75,34 +100,76 @@ DeviceRun run_with(Device& device, const Problem& problem, const Method& method,
     }
   }
   const bool diverged = record.outcome == Outcome::diverged;
-  record.t_state = done > 0 ? steps.step(done - 1).t_next : 0;
+  record.t_state = steps.begin(done);
   if (!diverged) record.t = record.t_state;
   record.y = body.get();
   record.stats.steps = done;
-  record.stats.rhs = known.evaluations() * (done + (diverged ? 1 : 0)) + known.first_evaluations();
+  record.stats.rhs =
+      body.method().evaluations() * (done + (diverged ? 1 : 0)) + body.method().first_evaluations();
+  return record;
+}
+
+template <class Real>
+DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec) {
+  BodyOnDevice<Real> body(device, *problem.body, *device_method(method));
+  static_cast<void>(device.seconds());
+  RunRecord record = run_body(body, problem, spec, {});
   return {std::move(record), device.seconds(), body.flops(), body.bytes()};
 }
 
 }  // namespace
 
-std::string unsuited_for_device(const Problem& problem, const Method& method, const RunSpec& spec) {
-  if (!problem.body)
-    return fmt::format("--device gpu runs bodies on meshes, and {} is none; leave it out", problem.id);
-  if (spec.adaptive) return "--device gpu runs fixed steps; give --h in the place of tolerances";
+std::string unsuited_for_device(const Problem& problem, const Method& method) {
+  if (!problem.body) return "runs on a GPU for bodies on meshes alone";
   if (!device_method(method))
-    return fmt::format(
-        "--device gpu does not run {}; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
-        "explicit Runge-Kutta method of hmax such as rk4",
-        method.id);
+    return "runs on no GPU; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an explicit "
+           "Runge-Kutta method of hmax such as rk4";
   const std::string why = unsuited_for_patches(*problem.body);
-  return why.empty() ? why
-                     : fmt::format("--device gpu does not run this body: it {}; leave --device out", why);
+  return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }
 
 DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
                         Precision precision) {
   return (precision == Precision::single_precision ? run_with<float> : run_with<double>)(device, problem,
                                                                                          method, spec);
+}
+
+Method on_device(Method method, const std::shared_ptr<Device>& device) {
+  /// What the device has of the body that was bound last, and the time of all runs.
+  struct Kept {
+    std::shared_ptr<const TissueBody> body{};
+    std::shared_ptr<BodyOnDevice<double>> there{};
+    double seconds = 0;
+  };
+  method.device = std::make_shared<const DeviceFacts>(device->facts());
+  method.unsuited = [own = method](const Problem& problem) {
+    std::string why = own.unsuited ? own.unsuited(problem) : "";
+    return why.empty() ? unsuited_for_device(problem, own) : why;
+  };
+  const std::optional<DeviceMethod> known = device_method(method);
+  method.bind = [own = method, known, device, kept = std::make_shared<Kept>()](const Problem& problem) {
+    if (const std::string why = own.unsuited(problem); !why.empty()) throw InputError(own.id + " " + why);
+    if (kept->body != problem.body) {
+      kept->there.reset();
+      kept->there = std::make_shared<BodyOnDevice<double>>(*device, *problem.body, *known);
+      kept->body = problem.body;
+    }
+    Runner runner;
+    runner.seconds = [device, kept] { return kept->seconds += device->seconds(); };
+    runner.run = [problem, device, there = kept->there](const RunSpec& spec, const Sink& sink) {
+      if (spec.adaptive || spec.every > 0)
+        throw InputError(
+            "a GPU runs fixed steps, and shows nothing between them; give --h, and leave --every out");
+      return run_body(*there, problem, spec, sink);
+    };
+    runner.repeat = [run = runner.run, end = std::make_shared<Eigen::VectorXd>()](
+                        const RunSpec& spec, std::int64_t runs) -> const Eigen::VectorXd& {
+      for (std::int64_t i = 0; i < runs; ++i) *end = run(spec, {}).y;
+      return *end;
+    };
+    return runner;
+  };
+  return method;
 }
 
 }  // namespace hmax

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "catalogue/device/device.hpp"
@@ -10,9 +11,12 @@
 
 namespace hmax {
 
-/// Why no device runs this, a sentence without its end; empty where one does: fixed steps of an explicit
-/// structural method on a body that unsuited_for_patches() says nothing against.
-std::string unsuited_for_device(const Problem& problem, const Method& method, const RunSpec& spec);
+/// Why no device runs fixed steps of the method on the problem, "runs ..."; empty where one does.
+std::string unsuited_for_device(const Problem& problem, const Method& method);
+
+/// The method with its runs on a device: fixed steps with the bits of the processor, and times of the device.
+/// Its runners share what the device has of the body that was bound last: one runs at a time.
+Method on_device(Method method, const std::shared_ptr<Device>& device);
 
 /// What a run came to and what its steps took.
 struct DeviceRun {

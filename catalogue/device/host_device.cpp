@@ -1,13 +1,19 @@
 #include "catalogue/device/host_device.hpp"
 
+#include <chrono>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "catalogue/device/motion_program.hpp"
 
 namespace hmax {
 
 namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 struct HostBlock {
   bool backwards;
@@ -19,10 +25,11 @@ struct HostBlock {
 };
 
 template <class Real>
-void run_all(bool backwards, std::span<const BodyStep<Real>> steps, std::size_t shared, std::int64_t times) {
+void run_all(bool backwards, std::span<const BodyStep<Real>> steps, std::size_t shared, std::int64_t times,
+             std::int64_t* evaluated) {
   const HostBlock block{backwards};
   std::vector<Real> memory;
-  for (std::int64_t n = 0; n < times; ++n)
+  for (std::int64_t n = 0; n < times; ++n) {
     for (const BodyStep<Real>& step : steps)
       block.each(step.body.patches, [&](std::int32_t patch) {
         memory.assign(shared, std::numeric_limits<Real>::quiet_NaN());
@@ -32,6 +39,8 @@ void run_all(bool backwards, std::span<const BodyStep<Real>> steps, std::size_t 
         if (step.body.law == TetLaw::neo_hookean)
           body_step<TetLaw::neo_hookean>(block, step, patch, memory.data());
       });
+    *evaluated += static_cast<std::int64_t>(steps.size());
+  }
 }
 
 template <class Real>
@@ -50,26 +59,36 @@ void run_fixed(const HostBlock& block, const Motions& motions) {
 
 }  // namespace
 
+double HostDevice::seconds() { return std::exchange(seconds_, 0); }
+
 DeviceFacts HostDevice::facts() const {
   return {
       .name = "the processor", .driver = "none", .shared_memory = std::numeric_limits<std::size_t>::max()};
 }
 
 void* HostDevice::allocate(std::size_t bytes) {
-  memory_.emplace_back(bytes / sizeof(double) + 1);
+  std::vector<double> memory(bytes / sizeof(double) + 1);
   // What nobody has written is no number, of either precision.
-  return std::memset(memory_.back().data(), 0xff, bytes);
+  void* const place = std::memset(memory.data(), 0xff, bytes);
+  memory_.emplace(place, std::move(memory));
+  return place;
 }
+
+void HostDevice::release(void* memory) { memory_.erase(memory); }
 
 void HostDevice::write(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 void HostDevice::read(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 void HostDevice::copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 
-void HostDevice::run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) {
-  run_all(backwards_, steps, shared, times);
+void HostDevice::run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
+                     std::int64_t* evaluated) {
+  const double begun = now();
+  run_all(backwards_, steps, shared, times, evaluated);
+  seconds_ += now() - begun;
 }
-void HostDevice::run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) {
-  run_all(backwards_, steps, shared, times);
+void HostDevice::run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
+                     std::int64_t* evaluated) {
+  run_all(backwards_, steps, shared, times, evaluated);
 }
 void HostDevice::begin(const BodyStep<double>& step) { begin_all(backwards_, step); }
 void HostDevice::begin(const BodyStep<float>& step) { begin_all(backwards_, step); }

@@ -2,6 +2,7 @@
 /// there is no device.
 #pragma once
 
+#include <map>
 #include <span>
 #include <vector>
 
@@ -18,21 +19,26 @@ class HostDevice final : public Device {
 
   [[nodiscard]] DeviceFacts facts() const override;
   [[nodiscard]] void* allocate(std::size_t bytes) override;
+  void release(void* memory) override;
   void write(void* to, const void* from, std::size_t bytes) override;
   void read(void* to, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
-  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times) override;
-  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times) override;
+  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
+           std::int64_t* evaluated) override;
+  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
+           std::int64_t* evaluated) override;
   void begin(const BodyStep<double>& step) override;
   void begin(const BodyStep<float>& step) override;
   void run(const AdaptiveMotions& motions) override;
   void run(const SharedMotions& motions) override;
   void run(const OwnMotions& motions) override;
-  [[nodiscard]] double seconds() override { return 0; }
+  /// Of steps of bodies in double precision alone.
+  [[nodiscard]] double seconds() override;
 
  private:
   bool backwards_;
-  std::vector<std::vector<double>> memory_;
+  double seconds_ = 0;
+  std::map<void*, std::vector<double>> memory_;
 };
 
 }  // namespace hmax

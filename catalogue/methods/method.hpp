@@ -24,6 +24,7 @@ namespace hmax {
 using ExtendedSystem = BasicAnySystem<long double>;
 
 class TissueBody;    // problems/tissue/body.hpp
+struct DeviceFacts;  // catalogue/device/device.hpp
 struct MatrixModel;  // problems/matrices/matrix_model.hpp
 
 /// A problem with all its numbers fixed.
@@ -107,6 +108,7 @@ struct Method {
   /// does.
   std::function<std::string(const Problem&)> unsuited{};
   std::function<Runner(const Problem&)> bind{};
+  std::shared_ptr<const DeviceFacts> device{};  ///< that runs it, in times of its own; null: the processor
   /// Null for methods that only run adaptively, and for those whose steps couple all points of a body.
   std::shared_ptr<const Amplification> amplification{};
 

@@ -50,10 +50,12 @@ struct RunSpec {
   double h_max =
       std::numeric_limits<double>::infinity();  ///< of an adaptive run [s]; infinity: a tenth of the span
   Controllers control = Controllers::deadband;
-  JacobianUpdate jacobian{};     ///< read by methods that linearise
-  NewtonSettings newton{};       ///< read by methods that iterate
-  LinearSolve linear_solve{};    ///< of symmetric sparse equations, which second-order systems lead to
-  double every = 0;              ///< output interval [s]; 0: none, the sink then sees every accepted step
+  JacobianUpdate jacobian{};   ///< read by methods that linearise
+  NewtonSettings newton{};     ///< read by methods that iterate
+  LinearSolve linear_solve{};  ///< of symmetric sparse equations, which second-order systems lead to
+  double every = 0;            ///< output interval [s]; 0: none, the sink then sees every accepted step
+  /// Of runs on a device, whose states must be read: every so many-th step is seen, and the last one.
+  std::int64_t seen_every = 1;
   ImplicitWork* work = nullptr;  ///< where a run leaves, before each call of its sink, what was done so far
   std::int64_t max_steps = 1'000'000'000;
 };
@@ -81,6 +83,9 @@ struct Runner {
   /// earlier one, but for the stages of states of dynamic size.
   /// @returns the last accepted state of the last run, shape (dim); valid until the next call
   std::function<const Eigen::VectorXd&(const RunSpec&, std::int64_t runs)> repeat;
+
+  /// The time that runs have taken so far by the clock of their device [s]; null: they take CPU time.
+  std::function<double()> seconds{};
 
   /// End state of a fixed-step run in long double, shape (dim); null where that does not exist.
   std::function<Eigen::Vector<long double, Eigen::Dynamic>(double h, double t_end)> end_state_extended;

@@ -43,7 +43,9 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
                          const Method& method, const RunSpec& spec) const {
   check(beside);
   if (!is_gpu()) return;
-  if (const std::string why = unsuited_for_device(problem, method, spec); !why.empty()) throw InputError(why);
+  if (spec.adaptive) throw InputError("--device gpu runs fixed steps; give --h in the place of tolerances");
+  if (const std::string why = unsuited_for_device(problem, method); !why.empty())
+    throw InputError(fmt::format("{} {}; or leave --device out", method.id, why));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {

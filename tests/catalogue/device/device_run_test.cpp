@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -39,9 +40,26 @@ std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
 
 void expect_same(Device& device, const Problem& problem, const std::string& id, const RunSpec& spec) {
   const Method method = find_method(id);
-  ASSERT_EQ(unsuited_for_device(problem, method, spec), "");
-  const RunRecord expected = method.bind(problem).run(spec, {}),
-                  found = run_on_device(device, problem, method, spec).record;
+  ASSERT_EQ(unsuited_for_device(problem, method), "");
+  const Method there = on_device(method, std::shared_ptr<Device>(&device, [](Device*) {}));
+  using Points = std::vector<std::pair<double, Eigen::VectorXd>>;
+  const auto into = [](Points& points) {
+    return [&points](double t, const Eigen::Ref<const Eigen::VectorXd>& y) { points.emplace_back(t, y); };
+  };
+  Points steps, seen;
+  RunSpec seldom = spec;
+  seldom.seen_every = 7;
+  const RunRecord expected = method.bind(problem).run(spec, into(steps)),
+                  found = there.bind(problem).run(seldom, into(seen));
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (i % 7 != 0 && (i + 1 < steps.size() || expected.outcome == Outcome::diverged)) continue;
+    ASSERT_LT(n, seen.size());
+    EXPECT_EQ(seen[n].first, steps[i].first) << id;
+    EXPECT_EQ(unequal(seen[n].second, steps[i].second), 0U) << id << " at " << steps[i].first;
+    ++n;
+  }
+  EXPECT_EQ(n, seen.size());
   EXPECT_EQ(found.outcome, expected.outcome);
   EXPECT_EQ(found.t, expected.t);
   EXPECT_EQ(found.t_state, expected.t_state);
@@ -125,6 +143,21 @@ void expect_same_on_bodies(Device& device) {
       expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
 }
 
+/// Loads that come, go and oscillate.
+void expect_same_under_driven_loads(Device& device) {
+  const Problem steady = uneven_body(2.5);
+  TissueSettings settings = steady.body->settings();
+  using Kind = TimeProfile::Kind;
+  settings.forces[0].profile = {.kind = Kind::ramp, .start = 0.002, .rise = 0.01};
+  settings.forces[1].profile = {.kind = Kind::sine, .start = 0.001, .omega = 300};
+  settings.forces.push_back(settings.forces[0]);
+  settings.forces.back().profile = {};
+  const Problem body = body_of(steady.body->mesh(), settings);
+  for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                             "rk4", "rk2s", "dormand_prince_54", "bogacki_shampine_32"})
+    expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+}
+
 /// Every explicit Runge-Kutta method of the house.
 void expect_same_stages(Device& device) {
   const auto each = [&](const Problem& problem, const RunSpec& spec) {
@@ -157,6 +190,7 @@ void expect_same_divergence(Device& device) {
 TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
+    expect_same_under_driven_loads(device);
     expect_same_on_bodies(device);
     expect_same_stages(device);
   }
@@ -222,27 +256,28 @@ TEST(BodyPatches, BecomeSmallerUntilTheyFit) {
 
 TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   const Problem body = make_problem("fem_green@cube:n=2");
-  const RunSpec fixed{.t_end = 1, .h = 0.1};
-  const auto why = [&](const Problem& problem, const char* method, const RunSpec& spec) {
-    return unsuited_for_device(problem, find_method(method), spec);
+  const auto why = [&](const Problem& problem, const char* method) {
+    return unsuited_for_device(problem, find_method(method));
   };
   const auto has = [](const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4", fixed), "bodies on meshes"));
-  EXPECT_TRUE(has(why(body, "ode45", {.t_end = 1, .adaptive = true}), "fixed steps"));
-  EXPECT_TRUE(has(why(body, "rkc_2", fixed), "does not run rkc_2"));
+  EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
+  EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
+  const Method there = on_device(find_method("ode45"), std::make_shared<HostDevice>());
+  EXPECT_THROW(there.bind(body).run({.t_end = 1, .adaptive = true, .rtol = 1e-3, .atol = 1e-3}, {}),
+               InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
            {"fem_corotational@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
-           {"fem_green/breathing@cube:n=2", {}, "changes"}})
-    EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler", fixed), part))
-        << id;
+           {"fem_green/breathing@cube:n=2", {}, "moved"}})
+    EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler"), part)) << id;
 }
 
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
+  expect_same_under_driven_loads(*device);
   expect_same_on_bodies(*device);
   expect_same_stages(*device);
 }
