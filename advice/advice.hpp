@@ -16,6 +16,7 @@
 #include "advice/motion/user_motion.hpp"
 #include "advice/proof.hpp"
 #include "advice/uncertainty.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "results/advice_record.hpp"
 
@@ -32,6 +33,9 @@ struct AdviceQuestion {
   double proof = 60;  ///< simulated seconds that the recommended row must hold for; fewer of slow models [s]
   std::vector<Method> methods{};       ///< to choose from
   std::optional<UserMotion> motion{};  ///< in place of the probing motion
+  /// That runs all motions of methods that it can, in times of its own; null: the processor. The methods to
+  /// choose from are on it.
+  std::shared_ptr<Device> device{};
 
   [[nodiscard]] double frame() const { return 1 / rate; }
   [[nodiscard]] double frame_budget() const { return budget.value_or(frame()); }

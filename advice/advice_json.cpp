@@ -13,6 +13,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What runs the motions, as `hmax run --device gpu` tells it; null: the processor.
+Json device_json(const AdviceQuestion& question) {
+  if (!question.device) return nullptr;
+  const DeviceFacts facts = question.device->facts();
+  return {{"device", facts.name},
+          {"clock_mhz", facts.clock_mhz},
+          {"driver", facts.driver},
+          {"precision", "double"}};
+}
+
 /// An inverted element; null where there is none.
 Json to_json(const std::optional<Inversion>& inversion) {
   if (!inversion) return nullptr;
@@ -145,6 +155,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"tolerance", question.tolerance},
       {"budget_ms", 1e3 * question.frame_budget()},
       {"machine", summary(fingerprint())},
+      {"device", device_json(question)},
       {"rows", std::move(rows)},
       {"long_runs", to_json(advice.proof)},
       {"proof", to_json(advice.proof)},  // the old name

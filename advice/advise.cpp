@@ -11,6 +11,7 @@
 #include "advice/shown_material.hpp"
 #include "advice/step_search.hpp"
 #include "advice/time_limit.hpp"
+#include "catalogue/device/device_run.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/resisting_model.hpp"
 #include "core/errors.hpp"
@@ -311,7 +312,9 @@ class Search {
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
     ExplicitLimits limits = explicit_limits(model.near);
     if (question_.least_error) limits.central = 0;  // errors that are ranked must be seen apart
-    model.reference = reference_motion(model.motion, question_.frame(), question_.tolerance, watch_, limits);
+    model.reference = reference_motion(
+        model.motion, question_.frame(), question_.tolerance, watch_, limits,
+        question_.device ? FindMethod([this](std::string_view id) { return placed(id); }) : FindMethod());
     advice_.scale = model.reference.scale;
     advice_.reference_error = model.reference.error_bound;
     advice_.inversion = first_inversion(model.motion, model.reference);
@@ -325,6 +328,14 @@ class Search {
     });
     advice_.stiffened = model.stiffened;
     advice_.model = model_;
+  }
+
+  /// The method, on the device of the question where that runs it.
+  [[nodiscard]] Method placed(std::string_view id) const {
+    Method method = find_method(id);
+    return unsuited_for_device(model_->motion.problem, method).empty()
+               ? on_device(std::move(method), question_.device)
+               : method;
   }
 
   /// In the order of the first answer, which is that of AnalysedModel::limits.

@@ -51,13 +51,14 @@ std::optional<StepTime> time_of_steps(const Candidate& candidate, const Problem&
   constexpr std::int64_t least_steps = 3, enough_steps = 256;
   const PinnedThread pinned;
   const Runner runner = candidate.method.bind(problem);
-  const double begun = thread_cpu_seconds();
+  const auto clock = clock_of(runner);
+  const double begun = clock();
   double first = 0, last = 0;
   std::int64_t step = -1, timed = 0, look_at = 1;
   const Sink sink = [&](double, const Eigen::Ref<const Eigen::VectorXd>&) {
     // The clock takes as long as a step of few numbers.
     if (++step != look_at) return;
-    last = thread_cpu_seconds() - begun;
+    last = clock() - begun;
     timed = step;
     if (step == 1) first = last;
     if (watcher) watcher();

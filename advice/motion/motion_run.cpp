@@ -23,13 +23,16 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   constexpr std::int64_t least_frames = 5, looked_every = 256;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double h = frame / static_cast<double>(steps_per_frame);
-  std::int64_t step = -1;
+  // Instants are ends of frames.
+  const std::int64_t seen_every = runner.seconds ? steps_per_frame : 1;
+  const auto clock = clock_of(runner);
+  std::int64_t step = -seen_every;
   std::size_t instant = 0;
   ImplicitWork work;
   std::int64_t newton = 0, linear_iterations = 0;  // up to the frame before
-  double last = thread_cpu_seconds(), start = last;
+  double last = clock(), start = last;
   const auto look_at_the_clock = [&] {
-    const double now = thread_cpu_seconds();
+    const double now = clock();
     const bool in_first = step < steps_per_frame;
     if (step == steps_per_frame) start = now;
     const std::int64_t begun = std::max(least_frames, step / steps_per_frame);
@@ -41,9 +44,9 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     throw TooSlow{};
   };
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    ++step;
+    step += seen_every;
     if (step % steps_per_frame == 0 && step > 0) {
-      const double now = thread_cpu_seconds();
+      const double now = clock();
       (step == steps_per_frame ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
       result.newton.push_back(static_cast<double>(work.newton - newton));
       result.linear_iterations.push_back(static_cast<double>(work.linear_iterations - linear_iterations));
@@ -56,10 +59,11 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
       if (watcher) watcher();
       if (std::isfinite(most_per_frame)) look_at_the_clock();
     }
-    if (step % steps_per_frame == 0) last = thread_cpu_seconds();
+    if (step % steps_per_frame == 0) last = clock();
   };
   RunSpec spec = candidate.spec(h, frames * frame);
   spec.work = &work;
+  spec.seen_every = seen_every;
   RunRecord record;
   try {
     record = runner.run(spec, sink);
@@ -133,9 +137,10 @@ MotionRun run_motion(const Candidate& candidate, const ProbingMotion& motion,
     return static_cast<std::size_t>(
         std::ranges::count_if(frames_s, [&](double s) { return s > length.budget; }));
   };
-  const double begun = thread_cpu_seconds();
+  const auto clock = clock_of(runner);
+  const double begun = clock();
   MotionRun result = run();
-  const double taken = thread_cpu_seconds() - begun;
+  const double taken = clock() - begun;
   result.missed = late(result.frames_s);
   const std::size_t frames = result.frames_s.size();
   if (!result.reached_end() || !is_late(result.missed, frames) || is_surely_late(result.missed, frames) ||

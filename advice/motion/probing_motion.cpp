@@ -157,17 +157,20 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
 }
 
 /// The state at each of some instants, by a method at h; nothing where a step is not solved.
-std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, const char* method, double h,
-                                                    const std::vector<double>& at, const Watcher& watcher) {
+/// @param at  multiples of the second one, which is one of h
+std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, const Method& method,
+                                                    double h, const std::vector<double>& at,
+                                                    const Watcher& watcher) {
   std::vector<Eigen::VectorXd> states;
-  const RunSpec spec{.t_end = motion.t_end, .h = h, .max_steps = 100'000'000};
-  const RunRecord record = find_method(method)
-                               .bind(motion.problem)
-                               .run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-                                 if (watcher) watcher();
-                                 if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h)
-                                   states.emplace_back(y);
-                               });
+  const RunSpec spec{.t_end = motion.t_end,
+                     .h = h,
+                     .seen_every = at.size() > 1 ? std::llround(at[1] / h) : 1,
+                     .max_steps = 100'000'000};
+  const RunRecord record =
+      method.bind(motion.problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        if (watcher) watcher();
+        if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
+      });
   if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
   return states;
 }
@@ -216,14 +219,14 @@ std::vector<ReferenceMethod> reference_methods(double frame, const ExplicitLimit
 /// Fills states, scale and bound of `reference`.
 /// @returns whether the last halving changes little enough; false as soon as the order of the method tells
 /// that it needs more of them than `by` has
-bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, double tolerance,
-                        ReferenceMotion& reference, const Watcher& watcher) {
+bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, const Method& method,
+                        double tolerance, ReferenceMotion& reference, const Watcher& watcher) {
   const double goal = tolerance / 10;
-  const int order = find_method(by.method).order;
+  const int order = method.order;
   std::optional<std::vector<Eigen::VectorXd>> coarse;
   double h = by.h;
   for (int halving = 0; halving <= by.halvings; ++halving, h /= 2) {
-    auto fine = sampled(motion, by.method, h, reference.t, watcher);
+    auto fine = sampled(motion, method, h, reference.t, watcher);
     if (fine && coarse) {
       reference.scale = scale_of(*fine);
       double change = 0;
@@ -244,10 +247,12 @@ bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, 
 /// @throws InputError  where no method is steady
 ReferenceMotion steady_reference(const ProbingMotion& motion, double frame, double tolerance,
                                  const ExplicitLimits& limits, ReferenceMotion reference,
-                                 const Watcher& watcher) {
+                                 const Watcher& watcher, const FindMethod& find) {
   const std::vector<ReferenceMethod> methods = reference_methods(frame, limits);
   for (const ReferenceMethod& by : methods)
-    if (halve_until_steady(motion, by, tolerance, reference, watcher)) return reference;
+    if (halve_until_steady(motion, by, find ? find(by.method) : find_method(by.method), tolerance, reference,
+                           watcher))
+      return reference;
   throw InputError(fmt::format(
       "no reference of {} to {:.2g} is found: {} still changes by {:.2g} where its step is halved; give a larger "
       "--tolerance, a smaller load or a model that holds it",
@@ -332,14 +337,15 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
 }
 
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
-                                 const Watcher& watcher, const ExplicitLimits& limits) {
+                                 const Watcher& watcher, const ExplicitLimits& limits,
+                                 const FindMethod& find) {
   constexpr double most_instants = 50;
   const double frames = std::max(1.0, std::floor(motion.t_end / frame * (1 + 1e-12)));
   const double stride = std::ceil(frames / most_instants);
   ReferenceMotion reference;
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
   if (motion.problem.body)
-    return steady_reference(motion, frame, tolerance, limits, std::move(reference), watcher);
+    return steady_reference(motion, frame, tolerance, limits, std::move(reference), watcher, find);
   const Reference exact = make_reference(motion.problem, motion.t_end);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
   for (const double t : reference.t) {

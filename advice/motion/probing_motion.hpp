@@ -1,7 +1,9 @@
 /// The motion by which steps are judged: pressed, held and released, or the problem's own.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -64,15 +66,20 @@ struct ExplicitLimits {
   double rk4 = 0;
 };
 
+/// The method of an id, as the runs of a reference make it: find_method(), or on a device.
+using FindMethod = std::function<Method(std::string_view id)>;
+
 /// At most 50 instants. A body: a part of a frame of at most 10 ms, a half, a quarter, ... of it, until the
 /// last halving changes nothing by more than `tolerance` / 10; the change bounds the error. By central
 /// differences from 0.8 of their limit where three halvings suffice, or by rk4 from half of its limit, both
 /// only from steps of 50 us or more; else by newmark. Others: the reference of the catalogue.
 /// @param frame      [s]
 /// @param tolerance  relative to the scale
+/// @param find       empty: find_method()
 /// @throws InputError  where no step is solved, or 12 halvings do not suffice
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
-                                 const Watcher& watcher = {}, const ExplicitLimits& limits = {});
+                                 const Watcher& watcher = {}, const ExplicitLimits& limits = {},
+                                 const FindMethod& find = {});
 
 /// The distance of a state from the reference: of a body the largest distance of a point, relative to the
 /// scale; of others the largest of the states, each relative to its own range.

@@ -52,9 +52,10 @@ WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, do
   const std::int64_t often = std::max<std::int64_t>(1, stride / 4);
   const CpuClock clock = cpu_clock();
   const double begun = clock();
-  std::int64_t step = -1;
+  const std::int64_t seen_every = candidate.method.device ? often : 1;
+  std::int64_t step = -seen_every;
   const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    ++step;
+    step += seen_every;
     if (step % often != 0) return;
     if (watcher) watcher();
     if (clock() - begun > most_seconds) throw TooLong{};
@@ -66,7 +67,9 @@ WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, do
     if (!run.inversion) run.inversion = inversion_at(problem, t, y);
     if (step % stride == 0) run.positions.emplace_back(y.head(n));
   };
-  run.end = candidate.method.bind(problem).run(candidate.spec(h, t_end), sink);
+  RunSpec spec = candidate.spec(h, t_end);
+  spec.seen_every = seen_every;
+  run.end = candidate.method.bind(problem).run(spec, sink);
   if (!run.inversion && run.end.y.size() == problem.y0.size())
     run.inversion = inversion_at(problem, run.end.t_state, run.end.y);
   return run;
@@ -86,11 +89,11 @@ struct Pair {
 /// The end of a run whose neighbour ended by an exception.
 struct NeighbourEnded {};
 
-/// first(watch) and second(watch), of bodies on two threads. What a watcher throws, which the calling thread
-/// alone asks, ends both.
-void side_by_side(const Problem& problem, const Watcher& watcher,
+/// first(watch) and second(watch), at once on two threads or one after the other. What a watcher throws,
+/// which the calling thread alone asks, ends both.
+void side_by_side(bool at_once, const Watcher& watcher,
                   const std::array<std::function<void(const Watcher& watch)>, 2>& runs) {
-  if (!problem.body) {
+  if (!at_once) {
     for (const auto& run : runs) run(watcher);
     return;
   }
@@ -121,13 +124,14 @@ Pair neighbours(const Candidate& candidate, const Problem& problem, double scale
   for (Eigen::Index i = 0; i < n; ++i)
     beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
   Pair pair;
-  side_by_side(problem, watcher,
+  const bool at_once = problem.body && !candidate.method.device;
+  side_by_side(at_once, watcher,
                {[&](const Watcher& watch) {
                   pair.run = watched_run(candidate, problem, h, t_end, most_seconds, watch);
                 },
                 [&](const Watcher& watch) {
                   // On two threads nobody waits for the other.
-                  if (!problem.body && pair.run.end.outcome != Outcome::reached_end) return;
+                  if (!at_once && pair.run.end.outcome != Outcome::reached_end) return;
                   pair.beside = watched_run(candidate, beside, h, t_end, most_seconds, watch);
                 }});
   if (!pair.ended()) return pair;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <ctime>
 
+#include "catalogue/methods/run.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {
@@ -30,6 +31,10 @@ double thread_cpu_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
 
 CpuClock cpu_clock() {
   return threads() > 1 ? [] { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); } : CpuClock(thread_cpu_seconds);
+}
+
+std::function<double()> clock_of(const Runner& runner) {
+  return runner.seconds ? runner.seconds : thread_cpu_seconds;
 }
 
 double elapsed_seconds() {

@@ -18,6 +18,10 @@ double thread_cpu_seconds();
 using CpuClock = double (*)();
 CpuClock cpu_clock();
 
+struct Runner;  // catalogue/methods/run.hpp
+/// The clock of what its runs take: of their device, or thread_cpu_seconds() [s].
+std::function<double()> clock_of(const Runner& runner);
+
 /// Of a clock that only goes forwards [s].
 double elapsed_seconds();
 

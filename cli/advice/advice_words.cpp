@@ -139,9 +139,14 @@ std::string words_of_frozen(const AdviceRow& row, const Problem& problem) {
       problem.body ? ", by default the body without loads" : "");
 }
 
+/// Whose time frames take.
+std::string_view time_word(const AdviceQuestion& question) {
+  return question.device ? "time of the device" : "CPU time";
+}
+
 /// Why it is the recommended row: beside the next of those that suit and are no ties, and the most accurate
 /// of those that are cheaper and do not suit.
-std::string words_of_choice(const AdviceRow& best, const Advice& advice) {
+std::string words_of_choice(const AdviceRow& best, const Advice& advice, const AdviceQuestion& question) {
   const AdviceRow *next = nullptr, *cheaper = nullptr;
   std::size_t suitable = 0;
   for (const AdviceRow& row : advice.rows) {
@@ -157,8 +162,9 @@ std::string words_of_choice(const AdviceRow& best, const Advice& advice) {
     return fmt::format("; {} takes {} times as much", row.candidate.words(),
                        short_number(row.frame.p50 / best.frame.p50, 2));
   };
-  std::string words = suitable == 1 ? "the only row that suits"
-                                    : fmt::format("the least CPU time of {} rows that suit", suitable);
+  std::string words = suitable == 1
+                          ? "the only row that suits"
+                          : fmt::format("the least {} of {} rows that suit", time_word(question), suitable);
   if (std::ranges::find(advice.rows, AdviceVerdict::predicted, &AdviceRow::verdict) != advice.rows.end())
     words += ", of those that were run";
   if (next) words += takes(*next);
@@ -169,8 +175,13 @@ std::string words_of_choice(const AdviceRow& best, const Advice& advice) {
 /// What was measured of the recommended row.
 void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, const Advice& advice,
                   const AdviceQuestion& question) {
+  if (question.device) {
+    const DeviceFacts device = question.device->facts();
+    facts.emplace_back("device", fmt::format("{}, {} MHz, {}, double precision", device.name,
+                                             short_number(device.clock_mhz, 4), device.driver));
+  }
   if (!question.least_error && advice.rows.size() > 1)
-    facts.emplace_back("chosen as", words_of_choice(row, advice));
+    facts.emplace_back("chosen as", words_of_choice(row, advice, question));
   facts.emplace_back("stability", words_of_limit(row));
   facts.emplace_back("limited by", sentence_of_bound(row, question.least_error));
   if (const std::string frozen = words_of_frozen(row, problem); !frozen.empty())
@@ -180,7 +191,7 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
                                  row.error <= advice.reference_error ? "that of the reference, at most " : "",
                                  percent(row.error), error_scale(problem)));
   facts.emplace_back(
-      "CPU time",
+      fmt::format("{} time", question.device ? "device" : "CPU"),
       fmt::format("{} ms per frame (median), {} ms (99 %), {} ms (maximum); {} times real time",
                   milliseconds(row.frame.p50), milliseconds(row.frame.p99), milliseconds(row.frame.max),
                   short_number(row.realtime_factor(question.rate), 3)));
@@ -414,14 +425,14 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
                 : advice.stage == AdviceStage::done
                     ? "no motion was run: single steps are too slow or unstable"
                     : "no motion was run";
-  text.question =
-      fmt::format("{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}",
-                  short_number(question.rate), percent(question.tolerance), error_scale(problem),
-                  problem.body && advice.scale > 0
-                      ? fmt::format(" ({} mm from the start of the motion)", milliseconds(advice.scale))
-                      : "",
-                  milliseconds(question.frame_budget()),
-                  question.least_error ? "the smallest error" : "the lowest CPU time");
+  text.question = fmt::format(
+      "{} Hz, error at most {} of the {}{}, frames of at most {} ms; best is {}", short_number(question.rate),
+      percent(question.tolerance), error_scale(problem),
+      problem.body && advice.scale > 0
+          ? fmt::format(" ({} mm from the start of the motion)", milliseconds(advice.scale))
+          : "",
+      milliseconds(question.frame_budget()),
+      question.least_error ? "the smallest error" : fmt::format("the lowest {}", time_word(question)));
   const std::string missing = words_of_missing(advice, interrupted);
   if (const AdviceRow* best = advice.recommended()) {
     text.answer = words_of_step(*best);

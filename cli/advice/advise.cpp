@@ -25,6 +25,7 @@
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/device_option.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -43,6 +44,7 @@ namespace {
 
 struct AdviseOptions {
   ProblemChoice problem;
+  DeviceChoice device;
   std::optional<double> rate, tolerance, budget, within;
   std::string methods, frames, out, output, motion;
   std::vector<std::string> motion_at;
@@ -70,6 +72,26 @@ std::vector<Method> named_methods(const AdviseOptions& options, const Problem& p
     chosen.left_out.insert(chosen.left_out.end(), not_tried.begin(), not_tried.end());
   warn_of_left_out(console, chosen.left_out);
   return std::move(chosen.methods);
+}
+
+/// Puts the methods on the device; what it does not run is left out, with a warning where a user has named
+/// it.
+/// @throws InputError  where it runs none
+void place_on_device(const AdviseOptions& options, const Problem& problem, AdviceQuestion& question,
+                     Console& console) {
+  question.device = options.device.open();
+  if (!question.device) return;
+  std::vector<LeftOut> left_out;
+  std::erase_if(question.methods, [&](const Method& method) {
+    std::string why = unsuited_for_device(problem, method);
+    if (!why.empty()) left_out.push_back({method.id, why});
+    return !why.empty();
+  });
+  if (question.methods.empty())
+    throw InputError(fmt::format("--device gpu runs none of these methods: {} {}", left_out.front().id,
+                                 left_out.front().why));
+  if (!options.methods.empty()) warn_of_left_out(console, left_out);
+  for (Method& method : question.methods) method = on_device(std::move(method), question.device);
 }
 
 /// Whether a scene of SOFA is asked for, else a page.
@@ -158,6 +180,7 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
           ? choose_methods(writes_scene(options) ? sofa_methods() : simulator_methods(), {problem})
           : named_methods(options, problem, console);
   if (writes_scene(options)) keep_methods_of_sofa(options, problem, question.methods);
+  place_on_device(options, problem, question, console);
   return question;
 }
 
@@ -273,6 +296,8 @@ void keep(const AdviseOptions& options, const Problem& problem, const AdviceQues
 
 void advise_on(const AdviseOptions& options, Console& console) {
   if (!options.out.empty()) refuse_copies("hmax advise --out");
+  // Stores and pages have CPU times.
+  options.device.check({{"--out", !options.out.empty()}, {"--output", !options.output.empty()}});
   check_names(options);
   const Problem problem = options.problem.make();
   const AdviceQuestion question = question_of(options, problem, console);
@@ -350,6 +375,7 @@ void add_advise(CLI::App& app, Console& console) {
       "Page of HTML with the whole answer and its figures, which needs no other file; or FILE.scn, the body as a "
       "scene of SOFA with what is recommended of its solvers; none by default",
       "FILE");
+  options->device.add_to(command, "motions of a body");
   add_force(command);
   add_jobs(command);
   set_callback(command, [options, &console] { advise_on(*options, console); });

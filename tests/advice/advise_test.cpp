@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "advice/step_search.hpp"
+#include "catalogue/device/device_run.hpp"
+#include "catalogue/device/host_device.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
@@ -34,6 +38,31 @@ TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
   EXPECT_EQ(time_to_meet(row, 0.2), 2e-3);
   row.candidate.method.order = 0;
   EXPECT_NEAR(time_to_meet(row, 0.01), 16 * 2e-3, 1e-15);
+}
+
+/// The same question to the processor and to a device, here programs of devices on the processor.
+TEST(Advise, OnADeviceHasTheMotionsOfTheProcessor) {
+  const Problem problem = cube("press");
+  AdviceQuestion question{.rate = 100, .budget = 10, .frames = 60, .material = false, .proof = 0.1};
+  for (const char* id : {"symplectic_euler", "rk4"}) question.methods.push_back(find_method(id));
+  const Advice here = advise(problem, question);
+  question.device = std::make_shared<HostDevice>();
+  for (Method& method : question.methods) method = on_device(std::move(method), question.device);
+  const Advice there = advise(problem, question);
+  EXPECT_EQ(there.reference_error, here.reference_error);
+  ASSERT_EQ(there.rows.size(), here.rows.size());
+  for (const AdviceRow& row : there.rows) {
+    const auto same = std::ranges::find(here.rows, row.candidate.words(),
+                                        [](const AdviceRow& each) { return each.candidate.words(); });
+    ASSERT_NE(same, here.rows.end());
+    EXPECT_TRUE(row.candidate.method.device);
+    EXPECT_TRUE(is_suitable(row)) << row.status;
+    EXPECT_EQ(row.h, same->h);
+    EXPECT_EQ(row.h_max, same->h_max);
+    EXPECT_EQ(row.error, same->error);
+    EXPECT_EQ(row.frames, same->frames);
+    EXPECT_GT(row.frame.p50, 0);
+  }
 }
 
 TEST(ProbingMotion, PressesHoldsAndReleases) {
