@@ -63,10 +63,7 @@ StaticSettings settings_of(const StaticOptions& options) {
       parse_choice("--linear", options.linear.empty() ? inner[0] : options.linear, inner);
   for (const InnerSolver each : {InnerSolver::direct, InnerSolver::sor, InnerSolver::conjugate_gradients})
     if (name_of(each) == linear) settings.inner = each;
-  const auto count = [](std::string_view name, const std::string& text, int& into) {
-    if (!text.empty()) into = count_of(name, text);
-  };
-  count("--iterations", options.iterations, settings.iterations);
+  if (!options.iterations.empty()) settings.iterations = count_of("--iterations", options.iterations);
   if (!options.load_steps.empty()) settings.load_steps = count_of("--load-steps", options.load_steps);
   settings.tolerance = options.tolerance.value_or(settings.tolerance);
   settings.inner_tolerance = options.inner_tolerance;
@@ -213,52 +210,43 @@ void refuse_ignored(const StaticOptions& options) {
   const bool compares = !options.compare.empty();
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   const bool iterative = compares || (!options.linear.empty() && options.linear != "direct");
-  struct Ignored {
-    const char* option;
-    bool given;
-    const char* why;
-  };
+  const bool linear = options.solver == "linear" && !frames;
+  const bool steps = !options.load_steps.empty(), iterations = !options.iterations.empty();
   if (!compares) refuse_style_without_figure("--compare FOLDER");
-  const auto refuse = [](std::initializer_list<Ignored> all) {
-    for (const auto& [option, given, why] : all)
-      if (given) throw InputError(fmt::format("{} {}", option, why));
-  };
   if ((compares || frames) && is_given(options.jobs))
     throw InputError(
         "--compare, --pseudo-dynamic and --frames compare times of one thread; leave --jobs out");
   if (compares && frames)
     throw InputError("--compare and --pseudo-dynamic or --frames are both given; choose one of them");
-  if (compares)
-    refuse(
-        {{"--solver", !options.solver.empty(),
-          "cannot be combined with --compare, which runs every solver; remove it"},
-         {"--linear", !options.linear.empty(),
-          "cannot be combined with --compare, which runs every solver; remove it"},
-         {"--output", !options.output.empty(),
-          "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"}});
-  if (frames)
-    refuse({{"--output", !options.output.empty(),
-             "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
-            {"--load-steps", !options.load_steps.empty(),
-             "cannot be combined with frames, each is a load step; give --frames"},
-            {"--iterations", !options.iterations.empty(),
-             "cannot be combined with frames; give --pseudo-dynamic NUMBER"},
-            {"--no-line-search", options.no_line_search, "is always on in frames; remove it"}});
-  if (!iterative)
-    refuse(
-        {{"--linear-tolerance", options.inner_tolerance.has_value(),
-          "is of iterative linear solvers, and direct has none; leave it out, or take --linear sor or cg"}});
-  if (!compares && options.linear != "sor")
-    refuse({{"--relaxation", options.relaxation.has_value(),
-             "is of sor alone; leave it out, or take --linear sor"}});
-  if (options.solver == "linear" && !frames) {
-    const char* why =
-        "cannot be combined with --solver linear, which solves one system; remove it, or take newton";
-    refuse({{"--load-steps", !options.load_steps.empty(), why},
-            {"--iterations", !options.iterations.empty(), why},
-            {"--tolerance", options.tolerance.has_value(), why},
-            {"--no-line-search", options.no_line_search, why}});
-  }
+  constexpr const char* runs_all = "cannot be combined with --compare, which runs every solver; remove it";
+  constexpr const char* one_system =
+      "cannot be combined with --solver linear, which solves one system; remove it, or take newton";
+  struct Ignored {
+    bool here;  ///< where the option has no say
+    const char* option;
+    bool given;
+    const char* why;
+  };
+  const Ignored all[]{
+      {compares, "--solver", !options.solver.empty(), runs_all},
+      {compares, "--linear", !options.linear.empty(), runs_all},
+      {compares, "--output", !options.output.empty(),
+       "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"},
+      {frames, "--output", !options.output.empty(),
+       "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
+      {frames, "--load-steps", steps, "cannot be combined with frames, each is a load step; give --frames"},
+      {frames, "--iterations", iterations, "cannot be combined with frames; give --pseudo-dynamic NUMBER"},
+      {frames, "--no-line-search", options.no_line_search, "is always on in frames; remove it"},
+      {!iterative, "--linear-tolerance", options.inner_tolerance.has_value(),
+       "is of iterative linear solvers, and direct has none; leave it out, or take --linear sor or cg"},
+      {!compares && options.linear != "sor", "--relaxation", options.relaxation.has_value(),
+       "is of sor alone; leave it out, or take --linear sor"},
+      {linear, "--load-steps", steps, one_system},
+      {linear, "--iterations", iterations, one_system},
+      {linear, "--tolerance", options.tolerance.has_value(), one_system},
+      {linear, "--no-line-search", options.no_line_search, one_system}};
+  for (const auto& [here, option, given, why] : all)
+    if (here && given) throw InputError(fmt::format("{} {}", option, why));
 }
 
 /// What a command with these options cannot do with a body.
