@@ -1,12 +1,14 @@
 #include "cli/stability/operating_point.hpp"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
 #include "cli/shared/options.hpp"
+#include "cli/stability/row_progress.hpp"
 #include "core/errors.hpp"
 #include "core/size_limits.hpp"
 #include "problems/tissue/body.hpp"
@@ -49,8 +51,16 @@ void announce_equilibrium(Console& console, const Problem& problem, AskedState a
       problem.body->dofs(), std::ceil(seconds), gigabytes));
 }
 
-LinearisationProgress::LinearisationProgress(Progress& progress)
-    : ticker_(5,
-              [this, &progress](int seconds) { progress.update(0, words_of_search(residual_, seconds)); }) {}
+OperatingPoint operating_point(const Problem& problem, const OperatingPointChoice& choice,
+                               const std::string& task, Console& console) {
+  const AskedState at = choice.of(problem);
+  announce_equilibrium(console, problem, at);
+  Progress progress(console, task);
+  std::atomic<double> residual = 0;  // before the first
+  // From a thread of its own: neither a long step of the search nor the iteration for the fastest mode calls
+  // anybody.
+  const Ticker ticker(5, [&](int seconds) { progress.update(0, words_of_search(residual, seconds)); });
+  return operating_point(problem, at, [&](double found) { residual = found; });
+}
 
 }  // namespace hmax

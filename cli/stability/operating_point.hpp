@@ -1,12 +1,10 @@
 /// The state of a body that a subcommand asks about: --at rest|equilibrium.
 #pragma once
 
-#include <atomic>
 #include <string>
 
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
-#include "cli/stability/row_progress.hpp"
 #include "limits/predict.hpp"
 
 namespace CLI {
@@ -27,21 +25,10 @@ struct OperatingPointChoice {
 /// of small bodies and of those at rest.
 void announce_equilibrium(Console& console, const Problem& problem, AskedState at);
 
-/// Shows in a line of progress, from the fifth second on, that the linear model of a large body is being
-/// made: the residual of the search for its equilibrium, and the time. From a thread of its own, because
-/// neither a long step of that search nor the iteration for the fastest mode calls anybody.
-class LinearisationProgress {
- public:
-  /// @param progress  is left alone once this has ended
-  explicit LinearisationProgress(Progress& progress);
-
-  [[nodiscard]] EquilibriumWatcher watcher() {
-    return [this](double residual) { residual_ = residual; };
-  }
-
- private:
-  std::atomic<double> residual_ = 0;  ///< 0 before the first
-  Ticker ticker_;                     // last: the other must be there
-};
+/// The point that is asked for, announced. A line of progress shows from the fifth second on the residual of
+/// the search for the equilibrium of a large body, and the time.
+/// @throws InputError  as OperatingPointChoice::of()
+OperatingPoint operating_point(const Problem& problem, const OperatingPointChoice& choice,
+                               const std::string& task, Console& console);
 
 }  // namespace hmax

@@ -1,4 +1,4 @@
-/// hmax stability modes
+/// hmax stability modes, and hmax stability matrices: what free motion is made of, and its matrices as files
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +10,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "cli/bodies/body_words.hpp"
+#include "cli/bodies/matrix_files.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -248,13 +249,7 @@ void modes(const ModesOptions& options, Console& console) {
   const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
-  const AskedState at = options.at.of(problem);
-  announce_equilibrium(console, problem, at);
-  const OperatingPoint point = [&] {
-    Progress progress(console, "modes");
-    LinearisationProgress shown(progress);
-    return operating_point(problem, at, shown.watcher());
-  }();
+  const OperatingPoint point = operating_point(problem, options.at, "modes", console);
   const MechanicalPart& part = *point.model.mechanical;
   if (!part.symmetric)
     throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
@@ -262,6 +257,19 @@ void modes(const ModesOptions& options, Console& console) {
   if (!options.output.empty()) write_shapes(options.output, body, reports);
   if (console.json) return console.print_json(to_json(options, problem, point, reports));
   console.print(in_words(problem, point, reports, console));
+}
+
+struct MatricesOptions {
+  ProblemChoice problem;
+  OperatingPointChoice at;
+  std::string output;
+};
+
+void matrices(const MatricesOptions& options, Console& console) {
+  if (options.output.empty()) throw InputError("no folder is given; add --output FOLDER");
+  const Problem problem = options.problem.make();
+  options.problem.remark_idle(console, problem);
+  write_matrices(problem, operating_point(problem, options.at, "matrices", console), options.output, console);
 }
 
 }  // namespace
@@ -283,6 +291,24 @@ void add_stability_modes(CLI::App& stability, Console& console) {
   add_force(command);
   add_jobs(command);
   set_callback(command, [options, &console] { modes(*options, console); });
+}
+
+void add_stability_matrices(CLI::App& stability, Console& console) {
+  CLI::App& command = add_command(
+      stability, console, "matrices", "Write stiffness, mass and damping of a model as Matrix Market files",
+      {"hmax stability matrices --mesh phantom --material liver:male_normal --at rest --output phantom",
+       "hmax stability matrices --problem spring_chain --output chain --json"});
+  const auto options = std::make_shared<MatricesOptions>();
+  options->problem.add_to(command);
+  options->at.add_to(command);
+  add_text(
+      command, "--output", options->output,
+      "Folder of stiffness.mtx, mass.mtx and damping.mtx, or of jacobian.mtx of a first-order model; it is "
+      "made if needed; of a body stiffness.dof names the unknowns",
+      "FOLDER");
+  add_force(command);
+  add_jobs(command);
+  set_callback(command, [options, &console] { matrices(*options, console); });
 }
 
 }  // namespace hmax
