@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -20,8 +22,12 @@
 #include "core/numbers.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
 #include "problems/mesh/mesh_quality.hpp"
+#include "problems/tissue/body.hpp"
 #include "problems/tissue/forces/kernels/kernels.hpp"
+#include "problems/tissue/sofa_scene.hpp"
+#include "results/table.hpp"
 #include "studies/organ_rates.hpp"
+#include "studies/scale_study.hpp"
 
 namespace hmax {
 
@@ -96,6 +102,69 @@ void deflections(TissuePage& tissue) {
     bodies.title = fmt::format("The liver under {:g} N: elements deform more than springs", pressing);
   bodies.colours = colours_of(BodyValue::displacement, bodies.views);
   tissue.draw(bodies, "springs_and_elements");
+}
+
+constexpr double frame_step = 0.005, shown_time = 1;  // [s]
+constexpr double drawn_force = 0.3;                   // [N]
+
+/// A liver of the table's stiffness k [kPa] and damping c [N s/m], as c over its mass.
+struct Shown {
+  double k, c;
+};
+// One row of stiffnesses with the damping between, one of dampings with the stiffness between.
+constexpr std::array<Shown, 6> shown_livers{{{4.3, 6}, {5.3, 6}, {6.7, 6}, {5.3, 4.5}, {5.3, 6}, {5.3, 8}}};
+
+/// The farthest that the body goes when the force begins to act.
+BodyView farthest(const Problem& problem) {
+  const TissueBody& body = *problem.body;
+  double most = -1, at = 0;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(body.dofs());
+  const RunRecord record = find_method("linearly_implicit_euler")
+                               .bind(problem)
+                               .run({.t_end = shown_time, .h = frame_step},
+                                    [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                      const double displacement = largest_displacement(y.head(body.dofs()));
+                                      if (displacement <= most) return;
+                                      most = displacement;
+                                      at = t;
+                                      q = y.head(body.dofs());
+                                    });
+  if (record.outcome != Outcome::reached_end)
+    throw InputError(fmt::format("{} ended at t = {:g} s; this is a defect", problem.id, record.t));
+  BodyView view = body_view(body, at, q, BodyValue::displacement);
+  view.notes = {fmt::format("{:.3g} mm at t = {:.3g} s", 1000 * most, at)};
+  return view;
+}
+
+/// Springs and finite elements over stiffness and damping: figure 9 of the liver study, with scenes of SOFA.
+void figure_9(TissuePage& tissue) {
+  std::set<std::string> scenes;
+  for (const char* model : {"mass_spring", "fem_green"}) {
+    BodyPicture bodies{
+        .title = model == std::string_view("mass_spring")
+                     ? "Springs: the farthest that the body goes when a force begins to press"
+                     : "Finite elements: the farthest that the body goes when a force begins to press",
+        .columns = 3};
+    for (const Shown& each : shown_livers) {
+      const Problem problem =
+          study_tissue(model, tissue.options.mesh(), "press",
+                       {{"E", 1000 * each.k}, {"alpha", each.c / 1.45}, {"force", drawn_force}});
+      bodies.views.push_back(farthest(problem));
+      bodies.views.back().title = fmt::format("k = {:g} kPa, c = {:g} N s/m", each.k, each.c);
+      bodies.caption = made_of(problem) +
+                       fmt::format(
+                           " {:g} N press. Rayleigh damping alpha = c / (1.45 kg); linearly_implicit_euler, "
+                           "h = {:g} s. E and alpha as above each picture.",
+                           drawn_force, frame_step);
+      const std::string name = fmt::format("figure_9_{}_k{:g}_c{:g}.scn", model, each.k, each.c);
+      write_file(tissue.page.folder / name, sofa_text(*problem.body, {frame_step}));
+      if (!scenes.insert(name).second) continue;
+      tissue.page.link(name, name);
+      tissue.page.values["scenes"].push_back(name);
+    }
+    bodies.colours = colours_of(BodyValue::displacement, bodies.views);
+    tissue.draw(bodies, fmt::format("figure_9_{}", model));
+  }
 }
 
 /// Displacement against force, all models, both meshes.
@@ -241,6 +310,56 @@ void costs(TissuePage& tissue) {
   tissue.document["step_ratio"] = steps;
   tissue.judge("four_times", judged(four(forces), four(plain)),
                {{"plain", plain}, {"vector", forces}, {"step", steps}});
+}
+
+struct Cost {
+  const char* name;
+  double ScaleRow::*seconds;
+};
+constexpr std::array<Cost, 6> costs_of_size{{{"implicit step, CG", &ScaleRow::implicit_step},
+                                             {"import of a file", &ScaleRow::import},
+                                             {"largest eigenvalue", &ScaleRow::eigenvalue},
+                                             {"stiffness", &ScaleRow::stiffness},
+                                             {"explicit step", &ScaleRow::explicit_step},
+                                             {"forces", &ScaleRow::force}}};
+
+/// The largest cost of a tetrahedron over the smallest.
+double spread(const std::vector<ScaleRow>& rows, double ScaleRow::*seconds) {
+  double low = std::numeric_limits<double>::infinity(), high = 0;
+  for (const ScaleRow& row : rows) {
+    const double each = row.*seconds / static_cast<double>(row.tetrahedra);
+    low = std::min(low, each);
+    high = std::max(high, each);
+  }
+  return high / low;
+}
+
+/// What meshes cost as they grow.
+void costs_over_size(TissuePage& tissue, const std::function<void(const std::string&)>& progress) {
+  const std::vector<std::string> sizes =
+      tissue.options.quick ? std::vector<std::string>{"ball:n=2", "ball:n=4"} : scale_meshes();
+  const std::vector<ScaleRow> rows =
+      scale_study(sizes, tissue.page.folder, [&](double, const std::string& mesh) { progress(mesh); });
+  Panel panel{.x = {.label = "tetrahedra [1]", .logarithmic = true},
+              .y = {.label = "CPU time for each tetrahedron [ns]", .logarithmic = true}};
+  int k = 0;
+  for (const Cost& cost : costs_of_size) {
+    Curve curve{.label = cost.name, .style = family_style(k++, true)};
+    for (const ScaleRow& row : rows) {
+      curve.x.push_back(static_cast<double>(row.tetrahedra));
+      curve.y.push_back(1e9 * row.*cost.seconds / static_cast<double>(row.tetrahedra));
+    }
+    panel.curves.push_back(std::move(curve));
+  }
+  tissue.page.draw({.title = "What a tetrahedron costs in meshes of a thousand to a million",
+                    .panels = {panel},
+                    .footer = "fem_green, one thread; " + tissue.options.machine,
+                    .panel_height = 380},
+                   "costs_over_size");
+  tissue.document["sizes"] = rows;
+  tissue.page.values["sizes"] = {{"meshes", rows},
+                                 {"force_spread", spread(rows, &ScaleRow::force)},
+                                 {"step_spread", spread(rows, &ScaleRow::explicit_step)}};
 }
 
 }  // namespace

@@ -63,9 +63,6 @@ void particle_limits(TissuePage& tissue);
 /// The largest stable step while a body is loaded, and while it moves.
 void path_limits(TissuePage& tissue);
 
-/// Springs and finite elements over stiffness and damping, with scenes of SOFA.
-void figure_9(TissuePage& tissue);
-
 /// Small strain and Green's strain of a body that is turned as a whole.
 void turned_body(TissuePage& tissue);
 
@@ -74,10 +71,6 @@ void kept_volume(TissuePage& tissue);
 
 /// Explicit Runge-Kutta methods: stages, order, limits.
 void order_and_stages(TissuePage& tissue);
-
-/// Orders of explicit Runge-Kutta methods over their stages, beside the least number of stages.
-/// @param methods  stages and order of each
-void order_figure(TissuePage& tissue, const std::vector<std::array<int, 2>>& methods);
 
 /// h lambda of the modes in the regions of explicit methods, at several masses.
 void regions_and_eigenvalues(TissuePage& tissue);
@@ -118,8 +111,5 @@ void identified_thigh(TissuePage& tissue, const std::function<void(const std::st
 /// The image of an echograph on a synthetic thigh of voxels, deformed by a linear rule and by finite
 /// elements.
 void echographic_image(TissuePage& tissue, const std::function<void(const std::string&)>& progress);
-
-/// What meshes cost as they grow.
-void costs_over_size(TissuePage& tissue, const std::function<void(const std::string&)>& progress);
 
 }  // namespace hmax

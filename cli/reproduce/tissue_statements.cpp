@@ -103,26 +103,4 @@ void body_from_its_motion(TissuePage& tissue) {
       {{"off", off}, {"misfit", right.misfit}, {"springs", springs.misfit}, {"young", springs.young}});
 }
 
-void order_figure(TissuePage& tissue, const std::vector<std::array<int, 2>>& methods) {
-  // The least number of stages of an explicit method of order 1 to 8 [hairer1993solving, II.5].
-  constexpr std::array least{1, 2, 3, 4, 6, 7, 9, 11};
-  Curve bound{.label = "least possible", .style = {.colour = 7, .dash = 1, .width = 1.4}};
-  for (std::size_t p = 0; p < least.size(); ++p) {
-    bound.x.push_back(least[p]);
-    bound.y.push_back(static_cast<double>(p + 1));
-  }
-  Curve ours{.label = "methods of hmax", .style = {.colour = 0, .marker = 7}, .line = false};
-  for (const auto& [stages, order] : methods) {
-    ours.x.push_back(stages);
-    ours.y.push_back(order);
-  }
-  Panel panel{.x = {.label = "stages [1]"}, .y = {.label = "order [1]", .range = Range{0.5, 8.5}}};
-  panel.curves = {bound, ours};
-  tissue.page.draw({.title = "Beyond order 4 an order costs more than a stage",
-                    .panels = {panel},
-                    .footer = "explicit Runge-Kutta methods; stages of an error estimate count",
-                    .panel_height = 280},
-                   "order_and_stages");
-}
-
 }  // namespace hmax

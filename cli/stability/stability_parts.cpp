@@ -9,7 +9,6 @@
 #include "analysis/amplification/part_amplification.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
-#include "cli/shared/region_shape.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 

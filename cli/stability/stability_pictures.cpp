@@ -8,7 +8,6 @@
 
 #include "analysis/amplification/limits.hpp"
 #include "cli/shared/console.hpp"
-#include "cli/shared/region_shape.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 
@@ -128,6 +127,15 @@ std::string upto(double value) {
 }
 
 }  // namespace
+
+RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves) {
+  RegionShape shape{.label = label};
+  for (const RegionCurve& curve : curves) {
+    shape.loops.emplace_back();
+    for (const auto z : curve.points) shape.loops.back().push_back({z.real(), z.imag()});
+  }
+  return shape;
+}
 
 void expect_look(const Formula& formula, const PlaneLook& look) {
   if (look.per_evaluation && formula.evaluations < 1)

@@ -26,6 +26,9 @@ struct PlaneLook {
   int cells = 400;
 };
 
+/// The boundary of a region, in the plane of z = h lambda, as figures take it.
+RegionShape shape_of(const std::string& label, const std::vector<RegionCurve>& curves);
+
 /// @throws InputError where a formula cannot be looked at so
 void expect_look(const Formula& formula, const PlaneLook& look);
 
