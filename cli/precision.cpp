@@ -17,7 +17,6 @@
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
-#include "cli/shared/shard_option.hpp"
 #include "core/errors.hpp"
 #include "core/process/temporary_folder.hpp"
 #include "plots/draw.hpp"

@@ -15,7 +15,6 @@
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
-#include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
@@ -203,13 +202,8 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   }
   if (std::ranges::any_of(rows, &Fidelity::contradiction)) console.exit_code = Exit::failed;
   print_rows(rows, problem, options, question, console);
-  if (!options.output.empty()) {
-    const DrawnSvg drawn = drawn_svg(figure_of(rows, problem, options), "fidelity");
-    if (drawn.problem.empty())
-      write_file(options.output, drawn.svg);
-    else
-      console.remark(fmt::format("the figure {} is not drawn: {}", options.output, drawn.problem));
-  }
+  if (!options.output.empty())
+    write_svg(options.output, figure_of(rows, problem, options), "fidelity", "figure", console);
   if (interrupted) throw *interrupted;
 }
 

@@ -15,7 +15,6 @@
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
-#include "cli/shared/shard_option.hpp"
 #include "core/errors.hpp"
 #include "plots/figure.hpp"
 #include "plots/pages/report.hpp"

@@ -9,7 +9,6 @@
 #include "catalogue/methods/method.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
-#include "cli/shared/stop_flag.hpp"
 
 namespace hmax {
 

@@ -20,7 +20,6 @@
 #include "cli/run/run_options.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
-#include "cli/shared/drawn_svg.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
@@ -459,14 +458,8 @@ bool draw_picture(const RunOptions& options, const WatchedRun& run, const RunRec
                   Console& console) {
   if (!options.picture.wanted()) return false;
   const auto& [problem, method, runner, spec] = run;
-  if (!problem.body) {
-    const DrawnSvg drawn = drawn_svg(motion_figure(run, record), "motion");
-    if (!drawn.problem.empty())
-      console.remark(fmt::format("the picture {} is not drawn: {}", options.picture.file, drawn.problem));
-    else
-      write_file(options.picture.file, drawn.svg);
-    return drawn.problem.empty();
-  }
+  if (!problem.body)
+    return write_svg(options.picture.file, motion_figure(run, record), "motion", "picture", console);
   if (record.outcome == Outcome::diverged) {
     console.remark(fmt::format(
         "the picture {} is not drawn, since what has diverged has no shape; {}", options.picture.file,

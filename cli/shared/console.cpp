@@ -16,7 +16,6 @@
 #include "catalogue/input/suggest.hpp"
 #include "cli/shared/last_resort.hpp"
 #include "cli/shared/shown_text.hpp"
-#include "cli/shared/stop_flag.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/part_file.hpp"
@@ -80,8 +79,6 @@ std::size_t width_of(std::string_view text) {
   }
   return width;
 }
-
-/// What people read where a number has none of the digits they expect.
 
 bool is_number_in_words(std::string_view cell) {
   return cell.empty() || cell == "-" || cell == no_number || cell == too_large || cell == too_low ||

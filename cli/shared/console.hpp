@@ -96,6 +96,18 @@ struct Interrupted {
 /// does.
 const std::atomic<bool>& interrupt_flag();
 
+/// While one lives, Ctrl-C, SIGTERM and SIGHUP set a flag in place of ending the program: for a task that
+/// saves its state before it ends. A second signal ends the program at once.
+class StopFlag {
+ public:
+  StopFlag();
+  ~StopFlag();
+  StopFlag(const StopFlag&) = delete;
+  StopFlag& operator=(const StopFlag&) = delete;
+
+  [[nodiscard]] bool is_set() const;
+};
+
 /// Called once by main.
 void install_interrupt_handler();
 

@@ -2,14 +2,18 @@
 
 #include <array>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 
-#include "cli/shared/console.hpp"
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "core/parallel_for.hpp"
-#include "plots/figure.hpp"
+#include "core/process/temporary_folder.hpp"
+#include "plots/draw.hpp"
+#include "plots/gnuplot.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -93,6 +97,57 @@ std::filesystem::path store_path(const std::string& out) {
     throw InputError(fmt::format(
         "--out is '{}', but must be a plain name or the path of a file that ends in .sqlite", out));
   return std::filesystem::path("results") / "runs" / (out + ".sqlite");
+}
+
+void add_shard(CLI::App& command, std::string& shard) {
+  add_text(command, "--shard", shard,
+           "Measure only part I of N, like 3/8, into a store of its own; `hmax merge` makes one of all",
+           "I/N");
+}
+
+std::optional<Shard> shard_from(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos)
+    throw InputError(fmt::format("--shard is '{}'; write part I of N as I/N, like 3/8", text));
+  const std::int64_t index = parse_count("I of --shard I/N", text.substr(0, slash), 1);
+  const std::int64_t count = parse_count("N of --shard I/N", text.substr(slash + 1), 1);
+  constexpr std::int64_t most = 1'000'000;
+  if (index > count || count > most)
+    throw InputError(
+        fmt::format("--shard {} does not exist; shards count from 1 to N, and N is at most {}", text, most));
+  return Shard{.index = static_cast<int>(index), .count = static_cast<int>(count)};
+}
+
+namespace {
+
+/// The SVG with the mark of files of hmax, drawn in a folder that does not stay.
+/// @throws InputError  where it cannot be drawn
+std::string svg_of(const Figure& figure, const std::string& name) {
+  if (!gnuplot_available())
+    throw InputError("gnuplot is not installed; apt-get install gnuplot-nox, then ask again");
+  const TemporaryFolder folder;
+  const FigureFiles made = draw(figure, folder.path(), name);
+  if (!made.drawn()) throw InputError(made.problem);
+  std::ifstream in(made.base.string() + ".svg", std::ios::binary);
+  std::string svg{std::istreambuf_iterator<char>(in), {}};
+  // Behind the line that says it is XML.
+  return svg.insert(svg.find('\n') + 1, "<!-- " + std::string(own_mark) + " -->\n");
+}
+
+}  // namespace
+
+bool write_svg(const std::string& file, const Figure& figure, const std::string& name, std::string_view what,
+               Console& console) {
+  std::string svg;
+  try {
+    svg = svg_of(figure, name);
+  } catch (const InputError& error) {
+    console.remark(fmt::format("the {} {} is not drawn: {}", what, file, error.what()));
+    return false;
+  }
+  write_file(file, svg);
+  return true;
 }
 
 }  // namespace hmax

@@ -8,7 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "bench/timing/sweep.hpp"
+#include "cli/shared/console.hpp"
 #include "cli/shared/options.hpp"
+#include "plots/figure.hpp"
 
 namespace hmax {
 
@@ -46,5 +49,19 @@ void check_page_name(const std::filesystem::path& file, std::string_view example
 /// The file of --out: a path that ends in .sqlite, or a plain name under results/runs/.
 /// @throws InputError  for anything else
 std::filesystem::path store_path(const std::string& out);
+
+/// --shard I/N of commands that measure into a store.
+void add_shard(CLI::App& command, std::string& shard);
+
+/// "3/8"; nothing where the option is not given.
+/// @throws InputError  for another form, and shards that do not exist
+std::optional<Shard> shard_from(const std::string& text);
+
+/// Draws a figure as one SVG file by gnuplot, or says on standard error why it is not drawn.
+/// @param name  as of draw(): letters, digits, '_', '-'
+/// @param what  "picture", "figure"
+/// @returns whether it is drawn
+bool write_svg(const std::string& file, const Figure& figure, const std::string& name, std::string_view what,
+               Console& console);
 
 }  // namespace hmax
