@@ -162,23 +162,23 @@ def test_a_callback_may_call_hmax():
     assert run.y[-1, 0] == pytest.approx(np.exp(-0.2), rel=1e-4)
 
 
-# A daemon thread is in the call when the interpreter ends.
-CALLS_OF_DAEMONS = {
-    "integrate": "hmax.integrate('rk4', lambda t, y: [y[1], -y[0]], y0=[1, 0], t_end=1e7, h=.1, every=1e6)",
-    "integrate a structure": "hmax.integrate('rk4', K=np.eye(50), M=np.ones(50), y0=np.zeros(100), t_end=1e5, h=1e-3, every=1e4)",
-    "probe": "hmax.probe(lambda y, h: (time.sleep(.001), y * .9)[1], np.zeros(500), h0=1e-4, h1=1)",
-    "a long callback": "hmax.probe(lambda y, h: (time.sleep(.6), y * .9)[1], np.zeros(500), h0=1e-4, h1=1)",
-    "largest_stable_step": "hmax.largest_stable_step('rk4', np.eye(900) * 100 + np.random.rand(900, 900), np.ones(900), verify=True)",
-    "advise": "hmax.advise('fem_green@liver', rate=100)",
-}
+# A daemon thread is in each of these calls when the interpreter ends.
+CALLS_OF_DAEMONS = [
+    "hmax.integrate('rk4', lambda t, y: [y[1], -y[0]], y0=[1, 0], t_end=1e7, h=.1, every=1e6)",
+    "hmax.integrate('rk4', K=np.eye(50), M=np.ones(50), y0=np.zeros(100), t_end=1e5, h=1e-3, every=1e4)",
+    "hmax.probe(lambda y, h: (time.sleep(.001), y * .9)[1], np.zeros(500), h0=1e-4, h1=1)",
+    "hmax.probe(lambda y, h: (time.sleep(.6), y * .9)[1], np.zeros(500), h0=1e-4, h1=1)",
+    "hmax.largest_stable_step('rk4', np.eye(900) * 100 + np.random.rand(900, 900), np.ones(900), verify=True)",
+    "hmax.advise('fem_green@liver', rate=100)",
+]
 
 
-@pytest.mark.parametrize("name", list(CALLS_OF_DAEMONS))
-def test_the_interpreter_ends_quietly_while_a_daemon_thread_is_in_a_call(name):
+def test_the_interpreter_ends_quietly_while_daemon_threads_are_in_calls():
     script = f"""
 import sys, threading, time
 import hmax, numpy as np
-threading.Thread(target=lambda: {CALLS_OF_DAEMONS[name]}, daemon=True).start()
+for call in [{", ".join("lambda: " + call for call in CALLS_OF_DAEMONS)}]:
+    threading.Thread(target=call, daemon=True).start()
 time.sleep(0.4)
 print("leaving", flush=True)
 sys.exit(5)
