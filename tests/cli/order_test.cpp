@@ -18,17 +18,20 @@ TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNon
       // Lengths that are kept whatever the modulus are no approximation of the model.
       const bool knows_modulus = id != "pbd";
       const Told told =
-          shell.hmax("order --json --mesh cube:n=1 --load press --model " +
+          shell.hmax("order --json --mesh cube:n=1 --load press --t-end 0.05 --model " +
                      std::string(knows_modulus ? "fem_neo_hookean" : "mass_spring") + " --method " + id);
       EXPECT_EQ(told.exit_code, knows_modulus ? 0 : 1) << id << told.out << told.err;
       continue;
     }
     const double tolerance = method.at("family") == "adams" || method.at("order") >= 6 ? 0.2 : 0.1;
     const bool ours = method.at("engine") == "hmax";
+    // In long double a short run shows the order as well; in the double of others its errors are too small.
+    const std::string span = ours ? " --t-end 0.5" : "";
     int shown = 0;
     for (const char* problem : {"liver_linear", "liver_cubic", "liver_forced", "kepler"}) {
       if (shown == 3 || (method.at("needs_split") && std::string(problem) == "kepler")) break;
-      const Told told = shell.hmax("order --json --problem " + std::string(problem) + " --method " + id);
+      const Told told =
+          shell.hmax("order --json --problem " + std::string(problem) + " --method " + id + span);
       ASSERT_LE(told.exit_code, 1) << id << " on " << problem << told.out << told.err;
       const Json order = told.json();
       if (method.at("order") == 0) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -200,40 +201,118 @@ TEST(ReproduceDocket, ComparesVerdictsWithThreads) {
   expect_refused(shell.hmax("reproduce docket --files none.toml --output own"), "none.toml: no such file");
 }
 
-TEST(ReproduceAll, MakesItsPartsOnceAndLinksThem) {
-  const Shell shell;
-  expect_refused(shell.hmax("reproduce all --part nothing"), "there is no part 'nothing'");
-  const std::string all = "reproduce all --part tissue --quick --output both --json";
-  const Told told = shell.hmax(all);
-  ASSERT_EQ(told.exit_code, 0) << told.err;
-  const auto parts = told.json().at("parts");
-  ASSERT_EQ(parts.size(), 1U);
-  EXPECT_EQ(parts[0].at("part"), "tissue");
-  EXPECT_EQ(parts[0].at("report"), "both/tissue/index.html");
-  EXPECT_GT(parts[0].at("rows"), 0);
-  EXPECT_TRUE(says(read_text(shell / "both/README.md"), "](tissue/README.md)"));
-  const std::string first = read_text(shell / "both/tissue/README.md"),
-                    page = read_text(shell / "both/README.md");
-  EXPECT_TRUE(says(page, "](tissue/README.md#two-meshes)"));
-  EXPECT_TRUE(says(page, "| Slide 20 |"));
+/// What the page says of the thesis, and what it draws.
+void expect_sentences(const std::string& page, const Shell& shell) {
   // Every statement has its judgement, in the page as in the document of the command.
-  EXPECT_TRUE(says(first, "\n| 64 | Global time gain when solving linear system accurately | **"));
-  EXPECT_TRUE(says(first, "\n| 63 | Accurate solution (many SOR iterations) does not allow faster solution"));
-  EXPECT_TRUE(says(first, "by plain loops"));
+  EXPECT_TRUE(says(page, "\n| 64 | Global time gain when solving linear system accurately | **"));
+  EXPECT_TRUE(says(page, "\n| 63 | Accurate solution (many SOR iterations) does not allow faster solution"));
+  EXPECT_TRUE(says(page, "by plain loops"));
   // The title of the regions names those that a larger mass leads into; a path that ends early has its
   // reason.
-  EXPECT_TRUE(says(first, "and into the regions of rk2\\_heun and rk4"));
-  EXPECT_TRUE(says(first, "\n- mass\\_spring, hanging in its weight, load: no equilibrium was found"));
+  EXPECT_TRUE(says(page, "and into the regions of rk2\\_heun and rk4"));
+  EXPECT_TRUE(says(page, "\n- mass\\_spring, hanging in its weight, load: no equilibrium was found"));
   // Scenes of figure 9 have the force that is drawn and no weight.
   const std::string scene = read_text(shell / "both/tissue/figure_9_fem_green_k4.3_c6.scn");
   EXPECT_TRUE(says(scene, "<ConstantForceField"));
   EXPECT_TRUE(says(scene, "gravity=\"0 0 0\""));
   EXPECT_TRUE(is_png(read_text(shell / "both/tissue/slice_elements.png")));
+}
+
+/// `reproduce all` makes its parts once, links them and those that the folder has already.
+void expect_linked(const std::string& tissue, const Shell& shell) {
+  expect_refused(shell.hmax("reproduce all --part nothing"), "there is no part 'nothing'");
+  const std::string all = "reproduce all --part real-time --quick --output both --json";
+  const Told told = shell.hmax(all);
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto parts = told.json().at("parts");
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].at("part"), "real-time");
+  EXPECT_EQ(parts[0].at("report"), "both/real-time/index.html");
+  EXPECT_GT(parts[0].at("rows"), 0);
+  const std::string page = read_text(shell / "both/README.md"),
+                    made = read_text(shell / "both/real-time/README.md");
+  EXPECT_TRUE(says(page, "](real-time/README.md)"));
+  EXPECT_TRUE(says(page, "](tissue/README.md#two-meshes)"));
+  EXPECT_TRUE(says(page, "| Slide 20 |"));
   EXPECT_TRUE(says(read_text(shell / "both/index.html"), "<a href=\"tissue/index.html#two-meshes\">"));
   expect_whole_pages(shell / "both", 50);
   const Told again = shell.hmax(all);
   EXPECT_EQ(again.json().at("parts"), parts);  // with its seconds: it was not made again
-  EXPECT_EQ(read_text(shell / "both/tissue/README.md"), first);
+  EXPECT_EQ(read_text(shell / "both/real-time/README.md"), made);
+  EXPECT_EQ(read_text(shell / "both/tissue/README.md"), tissue);
+}
+
+/// The numbers of the thigh, and the figures of the page.
+void expect_identified(const nlohmann::json& thigh, const Shell& shell) {
+  ASSERT_EQ(thigh.at("fits").size(), 4U);
+  for (const nlohmann::json& fit : thigh.at("fits")) EXPECT_LT(fit.at("overall_error"), 0.05) << fit;
+  EXPECT_GT(thigh.at("fits").at(1).at("within_5_percent"), 0.7);
+  // With a wrong skin the forces are right and the parameters are not.
+  EXPECT_LT(thigh.at("fits").at(2).at("within_5_percent"), 0.5);
+  EXPECT_EQ(thigh.at("limits").at(0).at("method"), "explicit_euler");
+  EXPECT_LT(thigh.at("limits").at(0).at("h_pressed"), thigh.at("limits").at(0).at("h_rest"));
+  for (const char* figure :
+       {"limits_under_loads", "thigh_forces", "thigh_parameters", "thigh_network", "thigh_motion"})
+    EXPECT_TRUE(std::filesystem::exists(shell / ("both/tissue/" + std::string(figure) + ".gp"))) << figure;
+}
+
+TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibrium) {
+  const Shell shell;
+  const nlohmann::json study = shell.json("reproduce tissue --quick --scale --output both/tissue");
+  EXPECT_EQ(study.at("unsolved"), 0);
+  EXPECT_GT(study.at("force_ratio"), 1);
+  // Springs that resist dilation like nu = 1/4 give way more than elements of nu = 0.45.
+  EXPECT_GT(study.at("deflection_springs"), study.at("deflection_elements"));
+  // Undamped, symplectic Euler's limit is 2 and RK4's the root of 8 over the same frequency, and explicit
+  // Euler has none; E may grow by the square of what a step is too short.
+  std::map<std::string, nlohmann::json> undamped;
+  for (const nlohmann::json& limit : study.at("particles"))
+    if (limit.at("damping") == "none") undamped[limit.at("method")] = limit;
+  EXPECT_EQ(undamped.at("explicit_euler").at("h_max"), 0);
+  EXPECT_EQ(undamped.at("explicit_euler").at("stiffest"), 0);
+  const double rk4 = undamped.at("rk4").at("h_max"), symplectic = undamped.at("symplectic_euler").at("h_max");
+  EXPECT_NEAR(rk4 / symplectic, std::sqrt(2), 1e-6);
+  EXPECT_NEAR(undamped.at("rk4").at("stiffest").get<double>(), 5300 * std::pow(280 * rk4, 2),
+              2e-3 * 5300 * std::pow(280 * rk4, 2));
+  EXPECT_GT(study.at("heaviest_particle"), 0);
+  // Two loads, in equilibrium and in motion, three models, two methods.
+  EXPECT_EQ(study.at("paths").size(), 24U);
+  double largest_change = 0;
+  for (const nlohmann::json& path : study.at("paths")) {
+    const double least = path.at("h_min"), at_rest = path.at("h_rest");
+    EXPECT_GT(least, 0) << path;
+    largest_change = std::max(largest_change, 1 - least / at_rest);
+    // Without a load every path begins with the body at rest.
+    const double alone =
+        shell
+            .json("stability predict --mesh phantom --model " + path.at("model").get<std::string>() +
+                  " --material liver:male_normal --set g=0 --methods " + path.at("method").get<std::string>())
+            .at("rows")
+            .at(0)
+            .at("h_max");
+    EXPECT_NEAR(at_rest, alone, 1e-6 * alone) << path;
+  }
+  EXPECT_GT(largest_change, 0.001);
+  expect_identified(study.at("thigh"), shell);
+  ASSERT_EQ(study.at("sizes").size(), 2U);
+  for (const nlohmann::json& size : study.at("sizes"))
+    for (const char* cost : {"force", "stiffness", "explicit_step", "implicit_step", "eigenvalue", "import"})
+      EXPECT_GT(size.at(cost), 0) << cost;
+  // 20 n^3 tetrahedra.
+  EXPECT_EQ(study.at("sizes").at(1).at("tetrahedra"), 1280);
+  EXPECT_TRUE(std::filesystem::exists(shell / "both/tissue/costs_over_size.gp"));
+  EXPECT_FALSE(std::filesystem::exists(shell / "both/tissue/scale_study.msh"));
+  const std::string page = read_text(shell / "both/tissue/README.md");
+  EXPECT_TRUE(says(page, "280 steps a second"));
+  EXPECT_TRUE(std::filesystem::exists(shell / "both/tissue/particles.gp"));
+  for (const char* picture : {"meshes", "springs_and_elements", "modes", "tool"}) {
+    EXPECT_TRUE(says(page, std::string("](") + picture + ".svg)")) << picture;
+    const auto size = std::filesystem::file_size(shell / (std::string("both/tissue/") + picture + ".svg"));
+    EXPECT_GT(size, 10'000U);
+    EXPECT_LT(size, 1'000'000U);
+  }
+  expect_sentences(page, shell);
+  expect_linked(page, shell);
 }
 
 }  // namespace
