@@ -14,6 +14,19 @@ namespace {
 /// Ends a run from its sink.
 struct TooSlow {};
 
+/// What a run has done to solve its equations, frame by frame.
+struct WorkOfFrames {
+  ImplicitWork work;
+  std::int64_t newton = 0, linear_iterations = 0;  ///< up to the frame before
+
+  void end_frame(MotionRun& result) {
+    result.newton.push_back(static_cast<double>(work.newton - newton));
+    result.linear_iterations.push_back(static_cast<double>(work.linear_iterations - linear_iterations));
+    newton = work.newton;
+    linear_iterations = work.linear_iterations;
+  }
+};
+
 /// One run from the start; adds to `result`.
 /// @param most_per_frame  as RunLength has it
 void run_once(const Candidate& candidate, const Runner& runner, const ProbingMotion& motion,
@@ -28,8 +41,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
   const auto clock = clock_of(runner);
   std::int64_t step = -seen_every;
   std::size_t instant = 0;
-  ImplicitWork work;
-  std::int64_t newton = 0, linear_iterations = 0;  // up to the frame before
+  WorkOfFrames work;
   double last = clock(), start = last;
   const auto look_at_the_clock = [&] {
     const double now = clock();
@@ -48,10 +60,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     if (step % steps_per_frame == 0 && step > 0) {
       const double now = clock();
       (step == steps_per_frame ? result.first_frame_s : result.frames_s.emplace_back()) = now - last;
-      result.newton.push_back(static_cast<double>(work.newton - newton));
-      result.linear_iterations.push_back(static_cast<double>(work.linear_iterations - linear_iterations));
-      newton = work.newton;
-      linear_iterations = work.linear_iterations;
+      work.end_frame(result);
     }
     if (instant < reference.t.size() && t >= reference.t[instant] - 0.25 * h)
       result.error = std::max(result.error, relative_error(motion, reference, instant++, y));
@@ -62,7 +71,7 @@ void run_once(const Candidate& candidate, const Runner& runner, const ProbingMot
     if (step % steps_per_frame == 0) last = clock();
   };
   RunSpec spec = candidate.spec(h, frames * frame);
-  spec.work = &work;
+  spec.work = &work.work;
   spec.seen_every = seen_every;
   RunRecord record;
   try {

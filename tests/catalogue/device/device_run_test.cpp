@@ -154,7 +154,7 @@ void expect_same_under_driven_loads(Device& device) {
   settings.forces.back().profile = {};
   const Problem body = body_of(steady.body->mesh(), settings);
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
-                             "rk4", "rk2s", "dormand_prince_54", "bogacki_shampine_32"})
+                             "rk4", "rk2_heun", "dormand_prince_54", "bogacki_shampine_32"})
     expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
 }
 
