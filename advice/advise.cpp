@@ -312,9 +312,8 @@ class Search {
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
     ExplicitLimits limits = explicit_limits(model.near);
     if (question_.least_error) limits.central = 0;  // errors that are ranked must be seen apart
-    model.reference = reference_motion(
-        model.motion, question_.frame(), question_.tolerance, watch_, limits,
-        question_.device ? FindMethod([this](std::string_view id) { return placed(id); }) : FindMethod());
+    model.reference = reference_motion(model.motion, question_.frame(), question_.tolerance, watch_, limits,
+                                       placing(model.motion.problem));
     advice_.scale = model.reference.scale;
     advice_.reference_error = model.reference.error_bound;
     advice_.inversion = first_inversion(model.motion, model.reference);
@@ -330,12 +329,13 @@ class Search {
     advice_.model = model_;
   }
 
-  /// The method, on the device of the question where that runs it.
-  [[nodiscard]] Method placed(std::string_view id) const {
-    Method method = find_method(id);
-    return unsuited_for_device(model_->motion.problem, method).empty()
-               ? on_device(std::move(method), question_.device)
-               : method;
+  /// Methods on the device of the question where that runs them; find_method() where there is none.
+  [[nodiscard]] FindMethod placing(const Problem& problem) const {
+    if (!question_.device) return find_method;
+    return [&problem, device = question_.device](std::string_view id) {
+      Method method = find_method(id);
+      return unsuited_for_device(problem, method).empty() ? on_device(std::move(method), device) : method;
+    };
   }
 
   /// In the order of the first answer, which is that of AnalysedModel::limits.
@@ -387,9 +387,9 @@ class Search {
     try {
       const ProbingMotion motion = question_.motion ? probing_motion(*other, *question_.motion, watch_)
                                                     : probing_motion(*other, watch_);
-      const ReferenceMotion reference =
-          reference_motion(motion, question_.frame(), question_.tolerance, watch_,
-                           explicit_limits(linearised(motion.problem, 0, motion.problem.y0)));
+      const ReferenceMotion reference = reference_motion(
+          motion, question_.frame(), question_.tolerance, watch_,
+          explicit_limits(linearised(motion.problem, 0, motion.problem.y0)), placing(motion.problem));
       advice_.other_model = {.id = other->body->settings().model.id,
                              .load_share = motion.load_share,
                              .gravity_share = motion.gravity_share,

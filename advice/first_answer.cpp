@@ -54,20 +54,25 @@ std::optional<StepTime> time_of_steps(const Candidate& candidate, const Problem&
   const auto clock = clock_of(runner);
   const double begun = clock();
   double first = 0, last = 0;
-  std::int64_t step = -1, timed = 0, look_at = 1;
-  const Sink sink = [&](double, const Eigen::Ref<const Eigen::VectorXd>&) {
+  std::int64_t timed = 0, look_at = 1;
+  // A device replays steps as a graph; one by one they take longer.
+  const std::int64_t seen_every = runner.seconds ? 64 : 1;
+  const Sink sink = [&](double t, const Eigen::Ref<const Eigen::VectorXd>&) {
+    const std::int64_t step = std::llround(t / h);
     // The clock takes as long as a step of few numbers.
-    if (++step != look_at) return;
+    if (step < look_at) return;
     last = clock() - begun;
     timed = step;
-    if (step == 1) first = last;
+    if (first == 0) first = last / static_cast<double>(step);
     if (watcher) watcher();
     if ((step >= least_steps && last > enough) || last > most) throw Enough{};
     look_at = step < least_steps ? step + 1 : 2 * step;
   };
   const double steps = std::clamp(std::floor(problem.t_end / h), 1.0, static_cast<double>(enough_steps));
   try {
-    (void)runner.run(candidate.spec(h, steps * h), sink);
+    RunSpec spec = candidate.spec(h, steps * h);
+    spec.seen_every = seen_every;
+    (void)runner.run(spec, sink);
   } catch (const Enough&) {
   }
   if (timed < 1) return std::nullopt;

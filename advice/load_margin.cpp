@@ -21,8 +21,12 @@ double displacement_of(const Candidate& candidate, double h, const ProbingMotion
   double farthest = 0;
   const Eigen::VectorXd& y0 = motion.problem.y0;
   const bool of_body = motion.problem.body != nullptr;
+  RunSpec spec = candidate.spec(h, motion.t_end);
+  // As often as a motion of some hundred instants is looked at.
+  if (candidate.method.device)
+    spec.seen_every = std::max<std::int64_t>(1, std::llround(motion.t_end / h / 256));
   (void)candidate.method.bind(motion.problem)
-      .run(candidate.spec(h, motion.t_end), [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
+      .run(spec, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
         if (watcher) watcher();
         const Eigen::VectorXd moved = y - y0;
         farthest = std::max(farthest, of_body ? largest_displacement(moved.head(moved.size() / 2))

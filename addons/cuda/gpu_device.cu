@@ -1,5 +1,6 @@
 /// The device of a GPU by CUDA: memory, launches, graphs and events.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -20,8 +21,9 @@ constexpr int threads = 256;
 constexpr std::size_t launches_of_a_graph = 64;  // or more, where steps that follow one another are more
 
 void check(cudaError_t error, const char* what) {
-  if (error != cudaSuccess)
-    throw InputError(std::string("the GPU ") + what + ": " + cudaGetErrorString(error) +
+  if (error == cudaSuccess) return;
+  static_cast<void>(cudaGetLastError());  // it is told here, and not of what comes after it
+  throw InputError(std::string("the GPU ") + what + ": " + cudaGetErrorString(error) +
                      "; see nvidia-smi, or leave out --device");
 }
 
@@ -54,19 +56,27 @@ auto* body_steps_of(TetLaw law) {
   return law == TetLaw::neo_hookean ? body_steps<TetLaw::neo_hookean, Real> : body_steps<TetLaw::green, Real>;
 }
 
-/// Steps as a graph.
+/// Steps as a graph, with the bytes that a block shares.
 template <class Real>
 struct StepGraph {
   std::vector<BodyStep<Real>> of;
+  std::size_t bytes = 0;
   cudaGraphExec_t graph = nullptr;
 
   StepGraph() = default;
-  StepGraph(const StepGraph&) = delete;
-  StepGraph& operator=(const StepGraph&) = delete;
+  StepGraph(StepGraph&& other) noexcept { *this = std::move(other); }
+  StepGraph& operator=(StepGraph&& other) noexcept {
+    std::swap(of, other.of);
+    std::swap(bytes, other.bytes);
+    std::swap(graph, other.graph);
+    return *this;
+  }
   ~StepGraph() {
     if (graph) cudaGraphExecDestroy(graph);
   }
 };
+template <class Real>
+using Graphs = std::array<StepGraph<Real>, 2>;
 
 __global__ void count_evaluations(std::int64_t* evaluated, std::int64_t more) { *evaluated += more; }
 
@@ -99,8 +109,9 @@ class Gpu final : public Device {
     check(cudaDeviceGetAttribute(&khz, cudaDevAttrClockRate, 0), "does not tell its clock");
     check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, 0), "does not tell its memory clock");
     check(cudaDeviceGetAttribute(&ratio, cudaDevAttrSingleToDoublePrecisionPerfRatio, 0), "does not tell its speed");
-    // 128 single-precision units in a multiprocessor; 64 before 8.6.
-    const double units = card_.major * 10 + card_.minor == 80 || card_.major < 8 ? 64 : 128;
+    // 128 single-precision units in a multiprocessor; 64 in those of 6.0, 7 and 8.0.
+    const int kind = card_.major * 10 + card_.minor;
+    const double units = kind == 60 || card_.major == 7 || kind == 80 ? 64 : 128;
     return {.name = card_.name,
             .clock_mhz = khz / 1e3,
             .driver = "CUDA " + version(driver) + ", run time " + version(runtime),
@@ -125,11 +136,11 @@ class Gpu final : public Device {
 
   void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
            std::int64_t* evaluated) override {
-    run_all(steps, graph_, shared, times, evaluated);
+    run_all(steps, graphs_, shared, times, evaluated);
   }
   void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
            std::int64_t* evaluated) override {
-    run_all(steps, single_graph_, shared, times, evaluated);
+    run_all(steps, single_graphs_, shared, times, evaluated);
   }
   void begin(const BodyStep<double>& step) override { begin_all(step); }
   void begin(const BodyStep<float>& step) override { begin_all(step); }
@@ -160,16 +171,16 @@ class Gpu final : public Device {
   }
 
   template <class Real>
-  void run_all(std::span<const BodyStep<Real>> steps, StepGraph<Real>& graph, std::size_t shared, std::int64_t times,
+  void run_all(std::span<const BodyStep<Real>> steps, Graphs<Real>& graphs, std::size_t shared, std::int64_t times,
                std::int64_t* evaluated) {
     const std::size_t bytes = shared * sizeof(Real);
     check(cudaFuncSetAttribute(body_steps_of<Real>(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize,
                                static_cast<int>(bytes)),
           "has too little shared memory");
     const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
-    if (times >= of_graph) capture(steps, graph, bytes, of_graph, evaluated);
+    const cudaGraphExec_t graph = times >= of_graph ? graph_of(steps, graphs, bytes, of_graph, evaluated) : nullptr;
     timed([&] {
-      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph.graph, stream_), "does not step");
+      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph, stream_), "does not step");
       launch(steps, bytes, times, evaluated);
     });
   }
@@ -191,11 +202,18 @@ class Gpu final : public Device {
     if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(evaluated, before);
   }
 
-  /// A graph of steps, unless it is the one that is there.
+  /// The graph of these steps, one of the two that are kept where it is there: displacements end in either of two
+  /// places, and the next steps begin there.
   template <class Real>
-  void capture(std::span<const BodyStep<Real>> steps, StepGraph<Real>& kept, std::size_t bytes, std::int64_t times,
-               std::int64_t* evaluated) {
-    if (kept.graph && std::equal(steps.begin(), steps.end(), kept.of.begin(), kept.of.end())) return;
+  cudaGraphExec_t graph_of(std::span<const BodyStep<Real>> steps, Graphs<Real>& graphs, std::size_t bytes,
+                           std::int64_t times, std::int64_t* evaluated) {
+    const auto is_it = [&](const StepGraph<Real>& each) {
+      return each.graph && each.bytes == bytes && std::equal(steps.begin(), steps.end(), each.of.begin(), each.of.end());
+    };
+    if (is_it(graphs[0])) return graphs[0].graph;
+    std::swap(graphs[0], graphs[1]);
+    if (is_it(graphs[0])) return graphs[0].graph;
+    StepGraph<Real>& kept = graphs[0];
     if (kept.graph) cudaGraphExecDestroy(std::exchange(kept.graph, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
@@ -205,6 +223,8 @@ class Gpu final : public Device {
     cudaGraphDestroy(graph);
     check(made, "makes no graph");
     kept.of.assign(steps.begin(), steps.end());
+    kept.bytes = bytes;
+    return kept.graph;
   }
 
   template <class Work>
@@ -222,8 +242,8 @@ class Gpu final : public Device {
   cudaDeviceProp card_{};
   cudaStream_t stream_ = nullptr;
   cudaEvent_t begin_ = nullptr, end_ = nullptr;
-  StepGraph<double> graph_;
-  StepGraph<float> single_graph_;
+  Graphs<double> graphs_;
+  Graphs<float> single_graphs_;
   std::vector<std::unique_ptr<void, FreeMemory>> memory_;
   double milliseconds_ = 0;
 };

@@ -13,6 +13,7 @@ bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || bo
 template <class Real>
 BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
     : device_(device),
+      memory_(device),
       method_(std::move(method)),
       patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(Real))),
       loads_(body.settings().forces) {
@@ -27,7 +28,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .a = numbers(velocities()),
            .half_v = nullptr,
            .lumped = nullptr,
-           .left = static_cast<std::int32_t*>(allocate(sizeof(std::int32_t))),
+           .left = static_cast<std::int32_t*>(memory_.allocate(sizeof(std::int32_t))),
            .loads = nullptr,
            .next_loads = 0,
            .evaluated = nullptr,
@@ -45,23 +46,12 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
 }
 
 template <class Real>
-BodyOnDevice<Real>::~BodyOnDevice() {
-  for (void* const memory : memory_) device_.release(memory);
-}
-
-template <class Real>
-void* BodyOnDevice<Real>::allocate(std::size_t bytes) {
-  memory_.push_back(device_.allocate(bytes));
-  return memory_.back();
-}
-
-template <class Real>
 void BodyOnDevice<Real>::place_loads() {
   const bool driven =
       std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
   const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.evaluations() : 1);
   load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, 3 * loads_.size() * rows));
-  evaluated_ = static_cast<std::int64_t*>(allocate(sizeof(std::int64_t)));
+  evaluated_ = static_cast<std::int64_t*>(memory_.allocate(sizeof(std::int64_t)));
   step_.loads = load_table_;
   step_.evaluated = evaluated_;
   step_.next_loads = driven ? 3 * static_cast<std::int32_t>(loads_.size()) : 0;
@@ -133,7 +123,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
 template <class Real>
 template <class T>
 const T* BodyOnDevice<Real>::there(const std::vector<T>& values) {
-  void* const to = allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
+  void* const to = memory_.allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
   if (!values.empty()) device_.write(to, values.data(), values.size() * sizeof(T));
   return static_cast<const T*>(to);
 }

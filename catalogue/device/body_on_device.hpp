@@ -27,7 +27,6 @@ class BodyOnDevice {
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
   BodyOnDevice(const BodyOnDevice&) = delete;
   BodyOnDevice& operator=(const BodyOnDevice&) = delete;
-  ~BodyOnDevice();
 
   [[nodiscard]] const DeviceMethod& method() const { return method_; }
   /// Whether loads change with time, so that steps need set_times().
@@ -56,8 +55,7 @@ class BodyOnDevice {
     return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points);
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size(); }
-  void* allocate(std::size_t bytes);
-  Real* numbers(std::size_t bytes) { return static_cast<Real*>(allocate(bytes)); }
+  Real* numbers(std::size_t bytes) { return static_cast<Real*>(memory_.allocate(bytes)); }
   template <class T>
   const T* there(const std::vector<T>& values);
   const Real* there(const std::vector<double>& values);
@@ -75,11 +73,25 @@ class BodyOnDevice {
   void run(std::int64_t count, const Append& append);
   void append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const;
 
+  /// Released with the body, also where there is too little for all of it.
+  struct Memory {
+    explicit Memory(Device& lent) : device(lent) {}
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+    ~Memory() {
+      for (void* const place : places) device.release(place);
+    }
+    void* allocate(std::size_t bytes) { return places.emplace_back(device.allocate(bytes)); }
+
+    Device& device;
+    std::vector<void*> places{};
+  };
+
   Device& device_;
+  Memory memory_;
   DeviceMethod method_;
   BodyPatches patches_;
   std::vector<PressingForce> loads_;
-  std::vector<void*> memory_;
   Real* load_table_ = nullptr;
   std::int64_t* evaluated_ = nullptr;
   BodyStep<Real> step_{};

@@ -121,9 +121,7 @@ DeviceRun run_with(Device& device, const Problem& problem, const Method& method,
 
 std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!problem.body) return "runs on a GPU for bodies on meshes alone";
-  if (!device_method(method))
-    return "runs on no GPU; take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an explicit "
-           "Runge-Kutta method of hmax such as rk4";
+  if (!device_method(method)) return "runs on no GPU";
   const std::string why = unsuited_for_patches(*problem.body);
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }
@@ -147,10 +145,13 @@ Method on_device(Method method, const std::shared_ptr<Device>& device) {
     return why.empty() ? unsuited_for_device(problem, own) : why;
   };
   const std::optional<DeviceMethod> known = device_method(method);
-  method.bind = [own = method, known, device, kept = std::make_shared<Kept>()](const Problem& problem) {
+  method.bind = [own = method, processor = method.bind, known, device,
+                 kept = std::make_shared<Kept>()](const Problem& problem) {
+    if (!problem.body) return processor(problem);  // small models that tell what a method does
     if (const std::string why = own.unsuited(problem); !why.empty()) throw InputError(own.id + " " + why);
     if (kept->body != problem.body) {
       kept->there.reset();
+      kept->body.reset();
       kept->there = std::make_shared<BodyOnDevice<double>>(*device, *problem.body, *known);
       kept->body = problem.body;
     }

@@ -15,7 +15,8 @@ namespace hmax {
 std::string unsuited_for_device(const Problem& problem, const Method& method);
 
 /// The method with its runs on a device: fixed steps with the bits of the processor, and times of the device.
-/// Its runners share what the device has of the body that was bound last: one runs at a time.
+/// Its runners share what the device has of the body that was bound last: one runs at a time. What is no body
+/// stays on the processor.
 Method on_device(Method method, const std::shared_ptr<Device>& device);
 
 /// What a run came to and what its steps took.

@@ -36,8 +36,9 @@ class Lent {
     static_assert(std::is_trivially_copyable_v<T>);
     Room& own = rooms_[place];
     if (own.bytes < count * sizeof(T)) {
-      own.bytes = std::max(count * sizeof(T), 2 * own.bytes);  // what was there stays with the device
-      own.memory = device.allocate(own.bytes);
+      const std::size_t bytes = std::max(count * sizeof(T), 2 * own.bytes);
+      void* const memory = device.allocate(bytes);
+      own = {memory, bytes};  // what was there stays with the device
     }
     return static_cast<T*>(own.memory);
   }

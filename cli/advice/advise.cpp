@@ -79,8 +79,10 @@ std::vector<Method> named_methods(const AdviseOptions& options, const Problem& p
 /// @throws InputError  where it runs none
 void place_on_device(const AdviseOptions& options, const Problem& problem, AdviceQuestion& question,
                      Console& console) {
-  question.device = options.device.open();
-  if (!question.device) return;
+  if (!options.device.is_gpu()) return;
+  if (question.motion && question.motion->kind == UserMotion::Kind::displacements)
+    throw InputError(
+        "--device gpu moves no points, which the displacements of --motion do; leave one of them out");
   std::vector<LeftOut> left_out;
   std::erase_if(question.methods, [&](const Method& method) {
     std::string why = unsuited_for_device(problem, method);
@@ -91,6 +93,7 @@ void place_on_device(const AdviseOptions& options, const Problem& problem, Advic
     throw InputError(fmt::format("--device gpu runs none of these methods: {} {}", left_out.front().id,
                                  left_out.front().why));
   if (!options.methods.empty()) warn_of_left_out(console, left_out);
+  question.device = options.device.open();
   for (Method& method : question.methods) method = on_device(std::move(method), question.device);
 }
 
@@ -188,10 +191,13 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
 std::string words_of_left_out(const AdviseOptions& options, const Problem& problem) {
   if (!options.methods.empty()) return {};
   std::vector<LeftOut> left_out;
-  for (const std::string& name : simulator_methods())
-    if (const Method method = find_method(name); problem.body || !method.unsuited)  // of bodies alone
-      if (std::string why = why_unsuited(method, problem); !why.empty())
-        left_out.push_back({name, std::move(why)});
+  for (const std::string& name : simulator_methods()) {
+    const Method method = find_method(name);
+    if (!problem.body && method.unsuited) continue;  // of bodies alone
+    std::string why = why_unsuited(method, problem);
+    if (why.empty() && options.device.is_gpu()) why = unsuited_for_device(problem, method);
+    if (!why.empty()) left_out.push_back({name, std::move(why)});
+  }
   return left_out.empty() ? "" : fmt::format("left out: {}", fmt::join(in_words(left_out), "; "));
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/methods/catalogue.hpp"
 #include "cli/shared/console.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -24,7 +25,8 @@ void DeviceChoice::add_to(CLI::App& command, std::string_view what) {
 
 void DeviceChoice::add_precision_to(CLI::App& command) {
   add_text(command, "--precision", precision_name,
-           "Numbers of --device gpu: single, which err by some 1e-6, or double; double by default", "NAME");
+           "Numbers of --device gpu: single, which err by some 1e-6 to 1e-5, or double; double by default",
+           "NAME");
 }
 
 std::unique_ptr<Device> DeviceChoice::open() const { return is_gpu() ? open_gpu() : nullptr; }
@@ -45,7 +47,12 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   if (!is_gpu()) return;
   if (spec.adaptive) throw InputError("--device gpu runs fixed steps; give --h in the place of tolerances");
   if (const std::string why = unsuited_for_device(problem, method); !why.empty())
-    throw InputError(fmt::format("{} {}; or leave --device out", method.id, why));
+    throw InputError(fmt::format(
+        "{} {}; leave --device out{}", method.id, why,
+        unsuited_for_device(problem, find_method("rk4")).empty()
+            ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
+              "explicit Runge-Kutta method of hmax such as rk4"
+            : ""));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {

@@ -16,6 +16,7 @@
 #include "cli/bodies/body_words.hpp"
 #include "cli/scene.hpp"
 #include "cli/shared/choices.hpp"
+#include "cli/shared/device_option.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -43,6 +44,7 @@ constexpr std::array<std::string_view, 2> engine_names{"hmax", "petsc"};
 
 struct PredictOptions {
   ProblemChoice problem;
+  DeviceChoice device;
   MethodsChoice methods;
   std::string materials, along, out, jacobian, linear;
   bool verify = false;
@@ -105,6 +107,27 @@ std::vector<std::string> materials_of(const PredictOptions& options) {
   return ids;
 }
 
+/// Puts the runs of --verify on the device where it makes them: what they show is the same, bit by bit.
+/// @throws InputError  without --verify, and where it runs no method on all of the problems
+void place_on_device(const PredictOptions& options, const std::vector<Problem>& problems,
+                     std::vector<Method>& methods) {
+  if (!options.verify)
+    throw InputError("--device gpu is for the runs of --verify; give both, or leave it out");
+  std::string why;
+  const auto runs = [&](const Method& method) {
+    return std::ranges::all_of(problems, [&](const Problem& problem) {
+      const std::string refusal = unsuited_for_device(problem, method);
+      if (!refusal.empty()) why = fmt::format("{} {}", method.id, refusal);
+      return refusal.empty();
+    });
+  };
+  if (std::ranges::none_of(methods, runs))
+    throw InputError(fmt::format("--device gpu runs none of these methods: {}", why));
+  const std::shared_ptr<Device> device = options.device.open();
+  for (Method& method : methods)
+    if (runs(method)) method = on_device(std::move(method), device);
+}
+
 /// @throws InputError  where --verify names a formula without code
 void require_code(const std::vector<Method>& methods) {
   for (const Method& method : methods)
@@ -122,6 +145,7 @@ void refuse_beside_engine(const PredictOptions& options) {
   };
   constexpr std::string_view remove = "remove it, or leave out --engine";
   refuse(!options.out.empty(), "--out", "keep what --json prints");
+  refuse(options.device.is_gpu(), "--device gpu", remove);
   refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
   const bool is_body = options.problem.body.is_given() || is_tissue_id(options.problem.problem);
   refuse(!options.materials.empty(), "--materials", "take one with --material, or leave out --engine");
@@ -314,8 +338,10 @@ void predict_rows(PredictOptions options, Console& console) {
     choice.material = material;
     problems.push_back(choice.make());
   }
-  const std::vector<Method> methods = options.methods.methods(problems, console);
+  std::vector<Method> methods = options.methods.methods(problems, console);
   const LimitQuestion question = question_of(options, methods, problems.front());
+  options.device.check({});
+  if (options.device.is_gpu()) place_on_device(options, problems, methods);
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
   options.problem.remark_idle(console, problems.front());
@@ -366,6 +392,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
       "distributes the rows over N processes; hmax by default",
       "hmax|petsc");
+  options->device.add_to(command, "runs of --verify of bodies");
   options->at.add_to(command);
   add_text(
       command, "--jacobian", options->jacobian,

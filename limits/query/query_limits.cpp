@@ -261,8 +261,10 @@ class Query {
     // shared.
     std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
     std::vector<OperatingPoint> points;
-    // What cannot be made again has one thread.
-    const std::size_t cores = problem.runs_elsewhere ? jobs() / 2 : jobs();
+    // What cannot be made again has one thread, and so has a device.
+    const bool on_device =
+        std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; });
+    const std::size_t cores = on_device ? 1 : problem.runs_elsewhere ? jobs() / 2 : jobs();
     const std::size_t workers = problem.body || problem.again ? std::max<std::size_t>(1, cores) : 1;
     const ThreadLimit limit(workers);
     while (own.size() < std::min(workers, methods.size())) {

@@ -307,6 +307,19 @@ TEST(AdvisePage, ShowsTextOfFilesAsItIs) {
 }
 
 /// Of the methods that SOFA steps this body with, damping by stiffness leaves the implicit ones.
+TEST(Advise, SaysWhatItDoesNotDoOnAGpu) {
+  const Shell shell;
+  const std::string ask = "advise --mesh cube:n=2 --load press --rate 100 --device ";
+  expect_refused(shell.hmax(ask + "tpu"), "--device");
+  expect_refused(shell.hmax(ask + "gpu --out advice"), "--device gpu does not take --out");
+  expect_refused(shell.hmax(ask + "gpu --output advice.html"), "--device gpu does not take --output");
+  expect_refused(shell.hmax(ask + "gpu --methods newmark"),
+                 "runs none of these methods: newmark runs on no GPU");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --device gpu"),
+                 "bodies on meshes alone");
+  EXPECT_TRUE(shell.json(ask + "cpu --methods rk4 --frames 5").at("device").is_null());
+}
+
 TEST(AdviseScene, WritesWhatItRecommendsAsASceneOfSofa) {
   const Shell shell;
   const std::string ask =

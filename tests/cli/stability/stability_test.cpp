@@ -25,6 +25,13 @@ void expect_keys(const Json& document, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) EXPECT_TRUE(document.contains(key)) << key << " in " << document.dump();
 }
 
+TEST(StabilityPredict, SaysWhatItDoesNotVerifyOnAGpu) {
+  const Shell shell;
+  const std::string ask = "stability predict --mesh cube:n=2 --model fem_green --device gpu ";
+  expect_refused(shell.hmax(ask + "--methods rk4"), "--device gpu is for the runs of --verify");
+  expect_refused(shell.hmax(ask + "--verify --methods newmark"), "newmark runs on no GPU");
+}
+
 TEST(StabilityLimits, HaveTheKeysOfTheContract) {
   const std::vector<std::string> keys{"method",        "real",     "imaginary", "imaginary_weak",
                                       "alpha_degrees", "a_stable", "l_stable",  "lobes"};

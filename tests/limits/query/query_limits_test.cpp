@@ -2,11 +2,15 @@
 
 #include <atomic>
 #include <limits>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "catalogue/device/device_run.hpp"
+#include "catalogue/device/host_device.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
@@ -27,6 +31,25 @@ LimitAnswer ask(const LimitQuestion& question, const Problem& problem, const std
                 Store* store = nullptr) {
   LimitWatcher watcher;
   return query_limits(question, {problem}, methods, {.store = store}, false, watcher);
+}
+
+/// Runs of several methods on one device, here programs of devices on the processor.
+TEST(QueryLimits, VerifiesOnADeviceAsOnTheProcessor) {
+  const Problem problem = make_problem("fem_green/gravity@cube:n=2", {.parameters = {{"alpha", 1}}});
+  std::vector<Method> methods = some({"symplectic_euler", "rk4", "central_difference"});
+  const LimitQuestion question{.at = AskedState::equilibrium, .verify = true};
+  const std::vector<LimitRow> here = ask(question, problem, methods).models.at(0).rows;
+  const auto device = std::make_shared<HostDevice>();
+  for (Method& method : methods) method = on_device(std::move(method), device);
+  const ThreadLimit four(4);
+  const std::vector<LimitRow> there = ask(question, problem, methods).models.at(0).rows;
+  ASSERT_EQ(there.size(), here.size());
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    EXPECT_TRUE(there[i].is_observed());
+    EXPECT_EQ(there[i].verdict, here[i].verdict);
+    EXPECT_EQ(there[i].observed, here[i].observed) << here[i].method;
+  }
+  EXPECT_GT(device->seconds(), 0);
 }
 
 TEST(LimitQuestion, LooksAlongTheMotionOnlyWhereOneStateDoesNotTellOfIt) {
