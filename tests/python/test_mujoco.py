@@ -65,7 +65,7 @@ def test_what_falls_and_rolls_without_end_is_brought_to_rest_and_the_model_is_le
 
 
 def test_a_muscle_at_rest_is_judged_at_its_kink(tmp_path):
-    found = hmax.check(scene(tmp_path, MUSCLE), h0=0.03)
+    found = hmax.check(scene(tmp_path, MUSCLE), h0=1e-3)
     assert found.smoothness == "kink"
     assert found.h_max == pytest.approx(0.085, rel=3e-3)
     assert found.gap == pytest.approx(0, abs=5e-3)
