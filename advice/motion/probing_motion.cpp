@@ -250,9 +250,7 @@ ReferenceMotion steady_reference(const ProbingMotion& motion, double frame, doub
                                  const Watcher& watcher, const FindMethod& find) {
   const std::vector<ReferenceMethod> methods = reference_methods(frame, limits);
   for (const ReferenceMethod& by : methods)
-    if (halve_until_steady(motion, by, find ? find(by.method) : find_method(by.method), tolerance, reference,
-                           watcher))
-      return reference;
+    if (halve_until_steady(motion, by, find(by.method), tolerance, reference, watcher)) return reference;
   throw InputError(fmt::format(
       "no reference of {} to {:.2g} is found: {} still changes by {:.2g} where its step is halved; give a larger "
       "--tolerance, a smaller load or a model that holds it",

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/method.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "problems/tissue/body.hpp"
@@ -75,11 +76,11 @@ using FindMethod = std::function<Method(std::string_view id)>;
 /// only from steps of 50 us or more; else by newmark. Others: the reference of the catalogue.
 /// @param frame      [s]
 /// @param tolerance  relative to the scale
-/// @param find       empty: find_method()
+/// @param find       how its runs find a method
 /// @throws InputError  where no step is solved, or 12 halvings do not suffice
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
                                  const Watcher& watcher = {}, const ExplicitLimits& limits = {},
-                                 const FindMethod& find = {});
+                                 const FindMethod& find = find_method);
 
 /// The distance of a state from the reference: of a body the largest distance of a point, relative to the
 /// scale; of others the largest of the states, each relative to its own range.

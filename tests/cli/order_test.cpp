@@ -26,7 +26,8 @@ TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNon
     const double tolerance = method.at("family") == "adams" || method.at("order") >= 6 ? 0.2 : 0.1;
     const bool ours = method.at("engine") == "hmax";
     // In long double a short run shows the order as well; in the double of others its errors are too small.
-    const std::string span = ours ? " --t-end 0.5" : "";
+    // rk4 shows the span that the command chooses by itself.
+    const std::string span = ours && id != "rk4" ? " --t-end 0.5" : "";
     int shown = 0;
     for (const char* problem : {"liver_linear", "liver_cubic", "liver_forced", "kepler"}) {
       if (shown == 3 || (method.at("needs_split") && std::string(problem) == "kepler")) break;
