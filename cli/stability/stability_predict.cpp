@@ -392,7 +392,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
       "distributes the rows over N processes; hmax by default",
       "hmax|petsc");
-  options->device.add_to(command, "runs of --verify of bodies");
+  options->device.add_to(command, "the steps of --verify");
   options->at.add_to(command);
   add_text(
       command, "--jacobian", options->jacobian,
