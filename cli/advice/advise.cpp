@@ -84,17 +84,9 @@ void place_on_device(const AdviseOptions& options, const Problem& problem, Advic
     throw InputError(
         "--device gpu moves no points, which the displacements of --motion do; leave one of them out");
   std::vector<LeftOut> left_out;
-  std::erase_if(question.methods, [&](const Method& method) {
-    std::string why = unsuited_for_device(problem, method);
-    if (!why.empty()) left_out.push_back({method.id, why});
-    return !why.empty();
-  });
-  if (question.methods.empty())
-    throw InputError(fmt::format("--device gpu runs none of these methods: {} {}", left_out.front().id,
-                                 left_out.front().why));
+  question.device = options.device.place({problem}, question.methods, left_out);
+  std::erase_if(question.methods, [](const Method& method) { return !method.device; });
   if (!options.methods.empty()) warn_of_left_out(console, left_out);
-  question.device = options.device.open();
-  for (Method& method : question.methods) method = on_device(std::move(method), question.device);
 }
 
 /// Whether a scene of SOFA is asked for, else a page.

@@ -31,6 +31,27 @@ void DeviceChoice::add_precision_to(CLI::App& command) {
 
 std::unique_ptr<Device> DeviceChoice::open() const { return is_gpu() ? open_gpu() : nullptr; }
 
+std::shared_ptr<Device> DeviceChoice::place(const std::vector<Problem>& problems,
+                                            std::vector<Method>& methods,
+                                            std::vector<LeftOut>& left_out) const {
+  std::vector<Method*> run;
+  for (Method& method : methods) {
+    std::string why;
+    for (const Problem& problem : problems)
+      if (why.empty()) why = unsuited_for_device(problem, method);
+    if (why.empty())
+      run.push_back(&method);
+    else
+      left_out.push_back({method.id, std::move(why)});
+  }
+  if (run.empty())
+    throw InputError(fmt::format("--device gpu runs none of these methods: {} {}", left_out.front().id,
+                                 left_out.front().why));
+  const std::shared_ptr<Device> device = open_gpu();
+  for (Method* const method : run) *method = on_device(std::move(*method), device);
+  return device;
+}
+
 void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside) const {
   if (!name.empty()) parse_choice("--device", name, device_names);
   if (!precision_name.empty()) parse_choice("--precision", precision_name, precision_names);

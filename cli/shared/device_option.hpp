@@ -6,10 +6,12 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "catalogue/device/device_run.hpp"
+#include "catalogue/methods/choice/chosen_methods.hpp"
 #include "cli/shared/options.hpp"
 
 namespace hmax {
@@ -27,6 +29,13 @@ struct DeviceChoice {
   }
   /// The first card; null where steps stay on the processor. @throws InputError as open_gpu()
   [[nodiscard]] std::unique_ptr<Device> open() const;
+  /// Opens the card, and puts methods on it that it runs on all of the problems; the others stay where they
+  /// are.
+  /// @param left_out  becomes these, with the reason
+  /// @throws InputError  as open_gpu(), and where it runs none of them
+  [[nodiscard]] std::shared_ptr<Device> place(const std::vector<Problem>& problems,
+                                              std::vector<Method>& methods,
+                                              std::vector<LeftOut>& left_out) const;
   /// @throws InputError  for words that are none, a precision without a GPU, and for an option beside it that
   /// a GPU does not take
   void check(std::initializer_list<std::pair<const char*, bool>> beside) const;

@@ -107,27 +107,6 @@ std::vector<std::string> materials_of(const PredictOptions& options) {
   return ids;
 }
 
-/// Puts the runs of --verify on the device where it makes them: what they show is the same, bit by bit.
-/// @throws InputError  without --verify, and where it runs no method on all of the problems
-void place_on_device(const PredictOptions& options, const std::vector<Problem>& problems,
-                     std::vector<Method>& methods) {
-  if (!options.verify)
-    throw InputError("--device gpu is for the runs of --verify; give both, or leave it out");
-  std::string why;
-  const auto runs = [&](const Method& method) {
-    return std::ranges::all_of(problems, [&](const Problem& problem) {
-      const std::string refusal = unsuited_for_device(problem, method);
-      if (!refusal.empty()) why = fmt::format("{} {}", method.id, refusal);
-      return refusal.empty();
-    });
-  };
-  if (std::ranges::none_of(methods, runs))
-    throw InputError(fmt::format("--device gpu runs none of these methods: {}", why));
-  const std::shared_ptr<Device> device = options.device.open();
-  for (Method& method : methods)
-    if (runs(method)) method = on_device(std::move(method), device);
-}
-
 /// @throws InputError  where --verify names a formula without code
 void require_code(const std::vector<Method>& methods) {
   for (const Method& method : methods)
@@ -341,7 +320,11 @@ void predict_rows(PredictOptions options, Console& console) {
   std::vector<Method> methods = options.methods.methods(problems, console);
   const LimitQuestion question = question_of(options, methods, problems.front());
   options.device.check({});
-  if (options.device.is_gpu()) place_on_device(options, problems, methods);
+  if (options.device.is_gpu() && !options.verify)
+    throw InputError("--device gpu is for the runs of --verify; give both, or leave it out");
+  // Runs of the others stay on the processor: what they show is the same, bit by bit.
+  if (std::vector<LeftOut> others; options.device.is_gpu())
+    static_cast<void>(options.device.place(problems, methods, others));
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
   options.problem.remark_idle(console, problems.front());
