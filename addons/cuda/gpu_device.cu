@@ -10,14 +10,13 @@
 
 #include <cuda_runtime.h>
 
-#include "addons/cuda/motion_kernels.cuh"
-#include "catalogue/device/device.hpp"
+#include "catalogue/device/device_program.hpp"
 #include "core/errors.hpp"
 
 namespace hmax {
 namespace {
 
-constexpr int threads = 256;
+constexpr std::size_t shared_by_default = 48 << 10;
 constexpr std::size_t launches_of_a_graph = 64;  // or more, where steps that follow one another are more
 
 void check(cudaError_t error, const char* what) {
@@ -37,46 +36,37 @@ struct CudaBlock {
   __device__ void barrier() const { __syncthreads(); }
 };
 
-template <TetLaw law, class Real>
-__global__ void __launch_bounds__(threads) body_steps(const BodyStep<Real> step) {
+// Coefficients are rounded from long double as the compiler of the processor rounds them.
+static_assert(static_cast<double>(1.0L + 0x1p-53L + 0x1p-63L) == 1 + 0x1p-52);
+
+template <class Kind, class P>
+__global__ void __launch_bounds__(P::threads) run_blocks(const P program) {
   extern __shared__ double shared[];
-  body_step<law>(CudaBlock{}, step, static_cast<std::int32_t>(blockIdx.x), reinterpret_cast<Real*>(shared));
+  run_block(Kind{}, CudaBlock{}, program, static_cast<std::int32_t>(blockIdx.x), shared);
 }
 
-template <class Real>
-__global__ void __launch_bounds__(threads) first_kick_drifts(const BodyStep<Real> step) {
-  const std::int32_t p = static_cast<std::int32_t>(blockIdx.x) * threads + static_cast<std::int32_t>(threadIdx.x);
-  if (p < step.body.free) first_kick_drift(step, static_cast<std::int32_t>(blockIdx.y), p);
+/// Calls f(kernel, program) with the kernel of the program.
+template <class F>
+void with_kernel(const DeviceProgram& program, const F& f) {
+  program.visit([&]<class P>(const P& own) { with_kind(own, [&]<class Kind>(Kind) { f(run_blocks<Kind, P>, own); }); });
 }
 
-/// The program of a law.
-template <class Real>
-auto* body_steps_of(TetLaw law) {
-  if (law == TetLaw::small_strain) return body_steps<TetLaw::small_strain, Real>;
-  return law == TetLaw::neo_hookean ? body_steps<TetLaw::neo_hookean, Real> : body_steps<TetLaw::green, Real>;
-}
-
-/// Steps as a graph, with the bytes that a block shares.
-template <class Real>
-struct StepGraph {
-  std::vector<BodyStep<Real>> of;
-  std::size_t bytes = 0;
+/// Programs as a graph.
+struct ProgramGraph {
+  std::vector<DeviceProgram> of;
   cudaGraphExec_t graph = nullptr;
 
-  StepGraph() = default;
-  StepGraph(StepGraph&& other) noexcept { *this = std::move(other); }
-  StepGraph& operator=(StepGraph&& other) noexcept {
+  ProgramGraph() = default;
+  ProgramGraph(ProgramGraph&& other) noexcept { *this = std::move(other); }
+  ProgramGraph& operator=(ProgramGraph&& other) noexcept {
     std::swap(of, other.of);
-    std::swap(bytes, other.bytes);
     std::swap(graph, other.graph);
     return *this;
   }
-  ~StepGraph() {
+  ~ProgramGraph() {
     if (graph) cudaGraphExecDestroy(graph);
   }
 };
-template <class Real>
-using Graphs = std::array<StepGraph<Real>, 2>;
 
 __global__ void count_evaluations(std::int64_t* evaluated, std::int64_t more) { *evaluated += more; }
 
@@ -134,33 +124,21 @@ class Gpu final : public Device {
   void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
   void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
 
-  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
-           std::int64_t* evaluated) override {
-    run_all(steps, graphs_, shared, times, evaluated);
+  using Device::run;
+  void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override {
+    for (const DeviceProgram& program : programs) make_room(program);
+    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / programs.size()));
+    const bool repeats = programs.size() > 1 || times > 1;
+    const cudaGraphExec_t graph = repeats && times >= of_graph ? graph_of(programs, of_graph, loads) : nullptr;
+    timed([&] {
+      for (; graph && times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph, stream_), "does not step");
+      launch(programs, times, loads);
+    });
   }
-  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
-           std::int64_t* evaluated) override {
-    run_all(steps, single_graphs_, shared, times, evaluated);
-  }
-  void begin(const BodyStep<double>& step) override { begin_all(step); }
-  void begin(const BodyStep<float>& step) override { begin_all(step); }
-
-  void run(const AdaptiveMotions& motions) override {
-    timed([&] { hmax::launch(motions.steady ? adaptive_motions<true> : adaptive_motions<false>, motions, stream_); });
-  }
-  void run(const SharedMotions& motions) override { run_fixed(motions); }
-  void run(const OwnMotions& motions) override { run_fixed(motions); }
 
   [[nodiscard]] double seconds() override { return std::exchange(milliseconds_, 0.0) / 1e3; }
 
  private:
-  template <class Motions>
-  void run_fixed(const Motions& motions) {
-    with_explicit_method(motions.method, [&]<class Method>(const Method&) {
-      timed([&] { hmax::launch(fixed_motions<Method, Motions>, motions, stream_); });
-    });
-  }
-
   static std::string version(int number) {
     return std::to_string(number / 1000) + "." + std::to_string(number % 1000 / 10);
   }
@@ -170,60 +148,45 @@ class Gpu final : public Device {
     check(cudaStreamSynchronize(stream_), "does not copy");
   }
 
-  template <class Real>
-  void run_all(std::span<const BodyStep<Real>> steps, Graphs<Real>& graphs, std::size_t shared, std::int64_t times,
-               std::int64_t* evaluated) {
-    const std::size_t bytes = shared * sizeof(Real);
-    check(cudaFuncSetAttribute(body_steps_of<Real>(steps.front().body.law), cudaFuncAttributeMaxDynamicSharedMemorySize,
-                               static_cast<int>(bytes)),
-          "has too little shared memory");
-    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / steps.size()));
-    const cudaGraphExec_t graph = times >= of_graph ? graph_of(steps, graphs, bytes, of_graph, evaluated) : nullptr;
-    timed([&] {
-      for (; times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph, stream_), "does not step");
-      launch(steps, bytes, times, evaluated);
+  static void make_room(const DeviceProgram& program) {
+    with_kernel(program, [](auto kernel, const auto& own) {
+      const std::size_t bytes = shared_bytes_of(own);
+      if (bytes > shared_by_default)
+        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+              "has too little shared memory");
     });
   }
 
-  template <class Real>
-  void begin_all(const BodyStep<Real>& step) {
-    const dim3 blocks(static_cast<unsigned>((step.body.free + threads - 1) / threads), 3);
-    timed([&] { first_kick_drifts<<<blocks, threads, 0, stream_>>>(step); });
-  }
-
-  template <class Real>
-  void launch(std::span<const BodyStep<Real>> steps, std::size_t bytes, std::int64_t times, std::int64_t* evaluated) {
+  void launch(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) {
     std::int32_t before = 0;
-    for (std::int64_t n = 0; n < times; ++n, before += static_cast<std::int32_t>(steps.size()))
-      for (BodyStep<Real> step : steps) {
-        step.evaluation += before;
-        body_steps_of<Real>(step.body.law)<<<static_cast<unsigned>(step.body.patches), threads, bytes, stream_>>>(step);
-      }
-    if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(evaluated, before);
+    for (std::int64_t n = 0; n < times; ++n, before += loads.each)
+      for (const DeviceProgram& program : programs)
+        with_kernel(program.later(before), [&]<class P>(auto kernel, const P& own) {
+          kernel<<<static_cast<unsigned>(blocks_of(own)), P::threads, shared_bytes_of(own), stream_>>>(own);
+        });
+    if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(loads.before, before);
   }
 
-  /// The graph of these steps, one of the two that are kept where it is there: displacements end in either of two
+  /// The graph of these programs, one of the two that are kept where it is there: displacements end in either of two
   /// places, and the next steps begin there.
-  template <class Real>
-  cudaGraphExec_t graph_of(std::span<const BodyStep<Real>> steps, Graphs<Real>& graphs, std::size_t bytes,
-                           std::int64_t times, std::int64_t* evaluated) {
-    const auto is_it = [&](const StepGraph<Real>& each) {
-      return each.graph && each.bytes == bytes && std::equal(steps.begin(), steps.end(), each.of.begin(), each.of.end());
+  cudaGraphExec_t graph_of(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) {
+    const auto is_it = [&](const ProgramGraph& each) {
+      return each.graph && std::equal(programs.begin(), programs.end(), each.of.begin(), each.of.end(),
+                                      [](const auto& own, const auto& its) { return own.is(its); });
     };
-    if (is_it(graphs[0])) return graphs[0].graph;
-    std::swap(graphs[0], graphs[1]);
-    if (is_it(graphs[0])) return graphs[0].graph;
-    StepGraph<Real>& kept = graphs[0];
+    if (is_it(graphs_[0])) return graphs_[0].graph;
+    std::swap(graphs_[0], graphs_[1]);
+    if (is_it(graphs_[0])) return graphs_[0].graph;
+    ProgramGraph& kept = graphs_[0];
     if (kept.graph) cudaGraphExecDestroy(std::exchange(kept.graph, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
-    launch(steps, bytes, times, evaluated);
+    launch(programs, times, loads);
     check(cudaStreamEndCapture(stream_, &graph), "makes no graph");
     const cudaError_t made = cudaGraphInstantiate(&kept.graph, graph, 0);
     cudaGraphDestroy(graph);
     check(made, "makes no graph");
-    kept.of.assign(steps.begin(), steps.end());
-    kept.bytes = bytes;
+    kept.of.assign(programs.begin(), programs.end());
     return kept.graph;
   }
 
@@ -242,8 +205,7 @@ class Gpu final : public Device {
   cudaDeviceProp card_{};
   cudaStream_t stream_ = nullptr;
   cudaEvent_t begin_ = nullptr, end_ = nullptr;
-  Graphs<double> graphs_;
-  Graphs<float> single_graphs_;
+  std::array<ProgramGraph, 2> graphs_;
   std::vector<std::unique_ptr<void, FreeMemory>> memory_;
   double milliseconds_ = 0;
 };

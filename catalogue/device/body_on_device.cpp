@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include "catalogue/device/device_program.hpp"
+
 namespace hmax {
 
 namespace {
@@ -117,7 +119,8 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .damping = there(p.damping),
           .damp_end = there(p.damp_end),
           .damps = static_cast<std::int32_t>(p.damped_by.size()),
-          .watch = static_cast<Real>(p.watch)};
+          .watch = static_cast<Real>(p.watch),
+          .shared = static_cast<std::int32_t>(p.shared)};
 }
 
 template <class Real>
@@ -174,17 +177,23 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
     std::swap(step_.q, step_.q_next);
     std::swap(step_.v, step_.v_next);
   };
-  std::vector<BodyStep<Real>> programs;  // of two steps, there and back
-  append(step_, programs);
-  const std::size_t one = programs.size();
+  std::vector<BodyStep<Real>> steps;  // of two steps, there and back
+  append(step_, steps);
+  const std::size_t one = steps.size();
   swap();
-  append(step_, programs);
+  append(step_, steps);
   swap();
-  for (std::size_t i = 0; i < programs.size(); ++i) programs[i].evaluation = static_cast<std::int32_t>(i);
-  if (count > 1)
-    device_.run(std::span<const BodyStep<Real>>(programs), patches_.shared, count / 2, evaluated_);
+  std::vector<DeviceProgram> programs;
+  for (BodyStep<Real>& step : steps) {
+    step.evaluation = static_cast<std::int32_t>(programs.size());
+    programs.push_back({step});
+  }
+  const auto run_some = [&](std::size_t some, std::int64_t times) {
+    device_.run(std::span(programs).first(some), times, {evaluated_, static_cast<std::int32_t>(some)});
+  };
+  if (count > 1) run_some(programs.size(), count / 2);
   if (count % 2 == 0) return;
-  device_.run(std::span<const BodyStep<Real>>(programs.data(), one), patches_.shared, 1, evaluated_);
+  run_some(one, 1);
   swap();
 }
 
@@ -234,7 +243,7 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
     case DeviceMethod::Kind::symplectic_euler:
       return run(count, moves(Move::symplectic_euler));
     case DeviceMethod::Kind::kicks:
-      device_.begin(step_);
+      device_.run({FirstKick<Real>{step_}});
       std::swap(step_.q, step_.q_next);
       run(count - 1, moves(Move::kick_drift));
       return run(1, moves(Move::kick));

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
@@ -61,7 +62,8 @@ struct BodyArrays {
   const Real* damping;               ///< of its three dofs [kg/s], shape (3, damps)
   const std::int32_t* damp_end;      ///< the end of these, of each free point
   std::int32_t damps;
-  Real watch;  ///< a larger displacement [m] is told
+  Real watch;           ///< a larger displacement [m] is told
+  std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
   bool operator==(const BodyArrays&) const = default;
 };
 
@@ -98,6 +100,7 @@ struct StageSum {
 /// a is as v. Of Runge-Kutta methods it is one stage.
 template <class Real>
 struct BodyStep {
+  static constexpr std::int32_t threads = 256;
   BodyArrays<Real> body;
   Move move;
   Real h, half;  ///< the step and its half
@@ -252,9 +255,8 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
 }
 
 /// The step of one patch.
-/// @tparam Block  threads of a block: each(count, f) calls f(0) .. f(count - 1) in any order, or at once;
-///                barrier() ends what was begun before it
 /// @tparam law    that of the body
+/// @tparam Block  see device_program.hpp
 /// @param shared  shared_numbers() of them
 template <TetLaw law, class Block, class Real>
 HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch, Real* shared) {
@@ -297,11 +299,22 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   });
 }
 
-/// The first kick and drift of a run of steps, from accelerations that are known, of degree of freedom i.
+/// The first kick and drift of a run of steps, from accelerations that are known.
 template <class Real>
-HMAX_DEVICE inline void first_kick_drift(const BodyStep<Real>& step, std::int32_t i, std::int32_t p) {
-  const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
-                     at = static_cast<std::int64_t>(i) * step.body.points + p;
+struct FirstKick {
+  static constexpr std::int32_t threads = 256;
+  BodyStep<Real> step;
+  bool operator==(const FirstKick&) const = default;
+};
+template <class Real>
+HMAX_DEVICE std::int64_t count_of(const FirstKick<Real>& first) {
+  return 3 * static_cast<std::int64_t>(first.step.body.free);
+}
+/// Of one degree of freedom.
+template <class Real>
+HMAX_DEVICE inline void run_thread(std::true_type, const FirstKick<Real>& first, std::int64_t dof) {
+  const BodyStep<Real>& step = first.step;
+  const std::int64_t at = dof / step.body.free * step.body.points + dof % step.body.free;
   const Real v = step.v[dof] + step.half * step.a[dof], q = step.q[at] + step.h * v;
   const Real distance = q < 0 ? -q : q;
   if (!(distance <= step.body.watch)) *step.left = 1;

@@ -7,13 +7,9 @@
 #include <span>
 #include <string>
 
-#include "catalogue/device/body_step.hpp"
-
 namespace hmax {
 
-struct AdaptiveMotions;
-struct SharedMotions;
-struct OwnMotions;
+struct DeviceProgram;
 
 /// What times on a device depend on.
 struct DeviceFacts {
@@ -24,6 +20,13 @@ struct DeviceFacts {
   double single_flops = 0;        ///< the same of single precision
   double bytes = 0;               ///< of its memory, a second
   std::size_t shared_memory = 0;  ///< that a block may have [B]
+};
+
+/// How often programs evaluate loads.
+struct LoadEvaluations {
+  std::int64_t* before =
+      nullptr;            ///< BodyStep::evaluated, in the memory of the device; it grows. Null: never
+  std::int32_t each = 0;  ///< those of all programs, once
 };
 
 /// Memory of a device and the programs that it runs, one after the other.
@@ -43,20 +46,10 @@ class Device {
   virtual void read(void* to, const void* from, std::size_t bytes) = 0;
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;
 
-  /// The steps one after the other, over and over again, each at its evaluation of the loads.
-  /// @param shared     numbers that a block shares, see shared_numbers()
-  /// @param evaluated  BodyStep::evaluated of the steps; it grows by their number
-  virtual void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
-                   std::int64_t* evaluated) = 0;
-  virtual void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
-                   std::int64_t* evaluated) = 0;
-  /// first_kick_drift() of all degrees of freedom.
-  virtual void begin(const BodyStep<double>& step) = 0;
-  virtual void begin(const BodyStep<float>& step) = 0;
-  /// advance_motion() of all motions.
-  virtual void run(const AdaptiveMotions& motions) = 0;
-  virtual void run(const SharedMotions& motions) = 0;
-  virtual void run(const OwnMotions& motions) = 0;
+  /// Programs one after the other, over and over again.
+  virtual void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) = 0;
+  /// One that has no loads, once; see device_program.hpp.
+  inline void run(const DeviceProgram& program);
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
 };

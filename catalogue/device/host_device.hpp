@@ -2,6 +2,7 @@
 /// there is no device.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <span>
 #include <vector>
@@ -23,16 +24,8 @@ class HostDevice final : public Device {
   void write(void* to, const void* from, std::size_t bytes) override;
   void read(void* to, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
-  void run(std::span<const BodyStep<double>> steps, std::size_t shared, std::int64_t times,
-           std::int64_t* evaluated) override;
-  void run(std::span<const BodyStep<float>> steps, std::size_t shared, std::int64_t times,
-           std::int64_t* evaluated) override;
-  void begin(const BodyStep<double>& step) override;
-  void begin(const BodyStep<float>& step) override;
-  void run(const AdaptiveMotions& motions) override;
-  void run(const SharedMotions& motions) override;
-  void run(const OwnMotions& motions) override;
-  /// Of steps of bodies in double precision alone.
+  using Device::run;
+  void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override;
   [[nodiscard]] double seconds() override;
 
  private:

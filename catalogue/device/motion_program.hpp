@@ -28,6 +28,7 @@ struct MotionEnd {
 
 /// Motions that go on by some attempts.
 struct AdaptiveMotions {
+  static constexpr std::int32_t threads = 128;
   StoredMotion* motions;  ///< shape (count)
   MotionEnd* ends;        ///< of those that have ended
   std::int64_t count, attempts, most_attempts;
@@ -47,6 +48,7 @@ struct FixedMotion {
 
 /// Motions that go on by steps of the same size and w.
 struct SharedMotions {
+  static constexpr std::int32_t threads = 128;
   FixedMotion* motions;  ///< shape (count)
   std::int64_t count;
   std::string_view method;  ///< an id of tableaux::All
@@ -59,6 +61,7 @@ struct OwnMotion : FixedMotion {
   CosineSteps steps;
 };
 struct OwnMotions {
+  static constexpr std::int32_t threads = 128;
   OwnMotion* motions;
   std::int64_t count;
   std::string_view method;
@@ -66,9 +69,13 @@ struct OwnMotions {
   std::int32_t* left;  ///< becomes 1 where a motion has further steps
 };
 
+HMAX_DEVICE inline std::int64_t count_of(const AdaptiveMotions& all) { return all.count; }
+HMAX_DEVICE inline std::int64_t count_of(const SharedMotions& all) { return all.count; }
+HMAX_DEVICE inline std::int64_t count_of(const OwnMotions& all) { return all.count; }
+
 /// The attempts of motion n.
 template <bool steady>
-HMAX_DEVICE void advance_motion(const AdaptiveMotions& all, std::int64_t n) {
+HMAX_DEVICE void run_thread(std::bool_constant<steady>, const AdaptiveMotions& all, std::int64_t n) {
   StoredMotion& own = all.motions[n];
   if (own.motion.has_ended()) return;
   AdaptiveMotion motion = own.motion;
@@ -111,14 +118,14 @@ HMAX_DEVICE void with_lanes(FixedMotion& own, const Steps& steps) {
 
 /// The steps of motion n.
 template <class Method>
-HMAX_DEVICE void advance_motion(const SharedMotions& all, std::int64_t n) {
+HMAX_DEVICE void run_thread(std::type_identity<Method>, const SharedMotions& all, std::int64_t n) {
   with_lanes<Method>(all.motions[n], [&](auto& lanes) {
     const auto* const steps = static_cast<const SharedStep<Method>*>(all.steps);
     advance(lanes, std::span(steps, static_cast<std::size_t>(all.step_count)));
   });
 }
 template <class Method>
-HMAX_DEVICE void advance_motion(const OwnMotions& all, std::int64_t n) {
+HMAX_DEVICE void run_thread(std::type_identity<Method>, const OwnMotions& all, std::int64_t n) {
   OwnMotion& own = all.motions[n];
   CosineSteps steps = own.steps;
   with_lanes<Method>(own, [&](auto& lanes) {

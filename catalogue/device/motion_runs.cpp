@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "catalogue/device/motion_program.hpp"
+#include "catalogue/device/device_program.hpp"
 #include "core/errors.hpp"
 #include "core/instructions/cosines.hpp"
 
@@ -89,7 +89,7 @@ void run_to_end(Lent& lent, Motions& all) {
   while (left[0] != 0) {
     left[0] = 0;
     all.left = lent.copy(3, left);
-    lent.device.run(all);
+    lent.device.run({all});
     lent.read(left, all.left);
   }
 }
@@ -184,11 +184,11 @@ void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::s
         const SharedStep<Method>* const first = lent.copy(1, steps);
         const auto all = static_cast<std::int64_t>(steps.size());
         for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
-          lent.device.run(SharedMotions{.motions = motions,
-                                        .count = count,
-                                        .method = Method::id,
-                                        .steps = first + done,
-                                        .step_count = std::min(steps_of_a_launch, all - done)});
+          lent.device.run({SharedMotions{.motions = motions,
+                                         .count = count,
+                                         .method = Method::id,
+                                         .steps = first + done,
+                                         .step_count = std::min(steps_of_a_launch, all - done)}});
       });
 }
 

@@ -1,0 +1,120 @@
+/// The programs that devices run: what the threads of a block do, one source for devices and the processor.
+///
+/// Of a program p of type P,
+///   P::threads                               are the threads of a block,
+///   blocks_of(p), shared_bytes_of(p)         tell its blocks and the memory that the threads of each share,
+///   with_kind(p, f)                          calls f(kind) with what is known when it is compiled,
+///   run_block(kind, block, p, number, shared)  is block `number`.
+/// @tparam Block  its threads: each(count, f) calls f(0) .. f(count - 1) in any order, or at once; barrier()
+///                ends what was begun before it
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <variant>
+
+#include "catalogue/device/body_step.hpp"
+#include "catalogue/device/device.hpp"
+#include "catalogue/device/motion_program.hpp"
+
+namespace hmax {
+
+template <TetLaw law>
+using LawConstant = std::integral_constant<TetLaw, law>;
+
+template <class Real>
+std::int64_t blocks_of(const BodyStep<Real>& step) {
+  return step.body.patches;
+}
+template <class Real>
+std::size_t shared_bytes_of(const BodyStep<Real>& step) {
+  return sizeof(Real) * static_cast<std::size_t>(step.body.shared);
+}
+template <class Real, class F>
+void with_kind(const BodyStep<Real>& step, const F& f) {
+  switch (step.body.law) {
+    case TetLaw::green:
+      return f(LawConstant<TetLaw::green>{});
+    case TetLaw::small_strain:
+      return f(LawConstant<TetLaw::small_strain>{});
+    case TetLaw::neo_hookean:
+      return f(LawConstant<TetLaw::neo_hookean>{});
+  }
+}
+template <TetLaw law, class Block, class Real>
+HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodyStep<Real>& step,
+                           std::int32_t number, void* shared) {
+  body_step<law>(block, step, number, static_cast<Real*>(shared));
+}
+
+/// A program whose threads know nothing of each other, count_of(p) of them: run_thread(kind, p, number).
+template <class P>
+concept ThreadProgram = requires(const P& p) {
+  { count_of(p) } -> std::same_as<std::int64_t>;
+};
+template <ThreadProgram P>
+std::int64_t blocks_of(const P& p) {
+  return (count_of(p) + P::threads - 1) / P::threads;
+}
+template <ThreadProgram P>
+std::size_t shared_bytes_of(const P&) {
+  return 0;
+}
+template <class Kind, class Block, ThreadProgram P>
+HMAX_DEVICE void run_block(Kind kind, const Block& block, const P& p, std::int32_t number, void*) {
+  const std::int64_t first = static_cast<std::int64_t>(number) * P::threads;
+  const std::int64_t left = count_of(p) - first;
+  block.each(left < P::threads ? static_cast<std::int32_t>(left) : P::threads,
+             [&](std::int32_t n) { run_thread(kind, p, first + n); });
+}
+
+template <class Real, class F>
+void with_kind(const FirstKick<Real>&, const F& f) {
+  f(std::true_type{});
+}
+
+template <class F>
+void with_kind(const AdaptiveMotions& motions, const F& f) {
+  motions.steady ? f(std::true_type{}) : f(std::false_type{});
+}
+template <class Motions, class F>
+requires std::same_as<Motions, SharedMotions> || std::same_as<Motions, OwnMotions>
+void with_kind(const Motions& motions, const F& f) {
+  with_explicit_method(motions.method, [&]<class Method>(const Method&) { f(std::type_identity<Method>{}); });
+}
+
+/// Any of them.
+struct DeviceProgram {
+  std::variant<BodyStep<double>, BodyStep<float>, FirstKick<double>, FirstKick<float>, AdaptiveMotions,
+               SharedMotions, OwnMotions>
+      of;
+
+  template <class F>
+  decltype(auto) visit(const F& f) const {
+    return std::visit(f, of);
+  }
+  /// The same later by so many evaluations of the loads.
+  [[nodiscard]] DeviceProgram later(std::int32_t evaluations) const {
+    DeviceProgram program = *this;
+    std::visit(
+        [&](auto& own) {
+          if constexpr (requires { own.evaluation; }) own.evaluation += evaluations;
+        },
+        program.of);
+    return program;
+  }
+  /// Whether it is known to do the same.
+  [[nodiscard]] bool is(const DeviceProgram& other) const {
+    return visit([&]<class P>(const P& own) {
+      const P* const its = std::get_if<P>(&other.of);
+      if constexpr (std::equality_comparable<P>) return its && own == *its;
+      return false;
+    });
+  }
+};
+
+inline void Device::run(const DeviceProgram& program) { run({&program, 1}, 1, {}); }
+
+}  // namespace hmax
