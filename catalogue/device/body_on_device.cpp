@@ -1,5 +1,6 @@
 #include "catalogue/device/body_on_device.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <utility>
@@ -10,16 +11,27 @@ namespace hmax {
 
 namespace {
 bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || body.settings().beta != 0; }
+
+/// Of many bodies each is a patch, where it fits.
+std::size_t points_of_a_patch(const TissueBody& body, std::int32_t bodies) {
+  constexpr std::size_t of_one = 128, most = 1024;
+  const std::size_t points = body.free_points().size();
+  return bodies > 1 && points <= most ? std::max(of_one, points) : of_one;
+}
 }  // namespace
 
 template <class Real>
-BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method)
+BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method,
+                                 std::int32_t bodies)
     : device_(device),
       memory_(device),
       method_(std::move(method)),
-      patches_(body_patches(body, 128, device.facts().shared_memory / sizeof(Real))),
+      patches_(
+          body_patches(body, points_of_a_patch(body, bodies), device.facts().shared_memory / sizeof(Real))),
       loads_(body.settings().forces) {
+  step_.bodies = bodies;
   step_ = {.body = arrays(),
+           .bodies = bodies,
            .move = Move::start,
            .h = 0,
            .half = 0,
@@ -37,6 +49,8 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .evaluation = 0,
            .sum = {}};
   place_loads();
+  programs_ = static_cast<BodyStep<Real>*>(
+      memory_.allocate(2 * static_cast<std::size_t>(method_.evaluations()) * sizeof(BodyStep<Real>)));
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
@@ -138,21 +152,24 @@ const Real* BodyOnDevice<Real>::there(const std::vector<double>& values) {
 
 template <class Real>
 template <class Use>
-void BodyOnDevice<Real>::visit(std::vector<Real>& q, std::vector<Real>& v, const Use& use) const {
+void BodyOnDevice<Real>::visit(std::size_t number, std::vector<Real>& q, std::vector<Real>& v,
+                               const Use& use) const {
   const auto points = static_cast<std::size_t>(patches_.points), free = patches_.mass.size();
   for (std::size_t p = 0; p < free; ++p)
     for (std::size_t i = 0; i < 3; ++i) {
       const auto place = static_cast<std::size_t>(patches_.order[p]);
-      use(static_cast<Eigen::Index>(3 * p + i), q[i * points + place], v[i * free + place]);
+      const std::size_t row = 3 * number + i;
+      use(static_cast<Eigen::Index>(3 * p + i), q[row * points + place], v[row * free + place]);
     }
 }
 
 template <class Real>
-void BodyOnDevice<Real>::set(const Eigen::VectorXd& y) {
-  std::vector<Real> q(3 * static_cast<std::size_t>(patches_.points), 0.0), v(3 * patches_.mass.size());
-  visit(q, v, [&](Eigen::Index i, Real& to_q, Real& to_v) {
-    to_q = static_cast<Real>(y[i]), to_v = static_cast<Real>(y[y.size() / 2 + i]);
-  });
+void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
+  std::vector<Real> q(displacements() / sizeof(Real), 0.0), v(velocities() / sizeof(Real));
+  for (std::size_t n = 0; n < bodies(); ++n)
+    visit(n, q, v, [&own = y[n]](Eigen::Index i, Real& to_q, Real& to_v) {
+      to_q = static_cast<Real>(own[i]), to_v = static_cast<Real>(own[own.size() / 2 + i]);
+    });
   // All of them, since steps write the free points alone.
   for (Real* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
     if (to) device_.write(to, q.data(), displacements());
@@ -161,12 +178,13 @@ void BodyOnDevice<Real>::set(const Eigen::VectorXd& y) {
 }
 
 template <class Real>
-Eigen::VectorXd BodyOnDevice<Real>::get() {
+Eigen::VectorXd BodyOnDevice<Real>::get(std::int32_t number) {
   std::vector<Real> q(3 * static_cast<std::size_t>(patches_.points)), v(3 * patches_.mass.size());
-  device_.read(q.data(), step_.q, displacements());
-  device_.read(v.data(), step_.v, velocities());
+  const auto n = static_cast<std::size_t>(number);
+  device_.read(q.data(), step_.q + n * q.size(), q.size() * sizeof(Real));
+  device_.read(v.data(), step_.v + n * v.size(), v.size() * sizeof(Real));
   Eigen::VectorXd y(2 * static_cast<Eigen::Index>(v.size()));
-  visit(q, v, [&](Eigen::Index i, Real& of_q, Real& of_v) { y[i] = of_q, y[y.size() / 2 + i] = of_v; });
+  visit(0, q, v, [&](Eigen::Index i, Real& of_q, Real& of_v) { y[i] = of_q, y[y.size() / 2 + i] = of_v; });
   return y;
 }
 
@@ -183,18 +201,29 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
   swap();
   append(step_, steps);
   swap();
-  std::vector<DeviceProgram> programs;
-  for (BodyStep<Real>& step : steps) {
-    step.evaluation = static_cast<std::int32_t>(programs.size());
-    programs.push_back({step});
-  }
-  const auto run_some = [&](std::size_t some, std::int64_t times) {
-    device_.run(std::span(programs).first(some), times, {evaluated_, static_cast<std::int32_t>(some)});
-  };
-  if (count > 1) run_some(programs.size(), count / 2);
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i].evaluation = static_cast<std::int32_t>(i);
+  if (count > 1) run(steps, count / 2);
   if (count % 2 == 0) return;
-  run_some(one, 1);
+  run(std::span(steps).first(one), 1);
   swap();
+}
+
+template <class Real>
+void BodyOnDevice<Real>::run(std::span<const BodyStep<Real>> programs, std::int64_t times) {
+  const auto count = static_cast<std::int32_t>(programs.size());
+  if (patches_.begin.size() > 2) {
+    std::vector<DeviceProgram> all;
+    for (const BodyStep<Real>& each : programs) all.push_back({each});
+    return device_.run(all, times, {evaluated_, count});
+  }
+  device_.write(programs_, programs.data(), programs.size_bytes());
+  const DeviceProgram all{BodySteps<Real>{.steps = programs_,
+                                          .count = count,
+                                          .times = times,
+                                          .bodies = step_.bodies,
+                                          .shared = step_.body.shared,
+                                          .law = step_.body.law}};
+  device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * count});
 }
 
 template <class Real>
@@ -280,7 +309,7 @@ void BodyOnDevice<Real>::go_back() {
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
-  return static_cast<double>(method_.evaluations()) *
+  return step_.bodies * static_cast<double>(method_.evaluations()) *
          (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
           31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
@@ -296,8 +325,8 @@ double BodyOnDevice<Real>::bytes() const {
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +
-              (3 * 5 + 2) * number * step_.body.free) +
-         slopes * number * 3 * step_.body.free;
+              (3 * (1 + 4.0 * step_.bodies) + 2) * number * step_.body.free) +
+         slopes * number * 3 * step_.body.free * step_.bodies;
 }
 
 template class BodyOnDevice<double>;

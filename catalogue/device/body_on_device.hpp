@@ -1,4 +1,4 @@
-/// A body and its state in the memory of a device.
+/// Bodies and their states in the memory of a device.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace hmax {
 
-/// Steps a body by one method.
+/// Steps a body by one method, or many bodies that differ in their states alone.
 /// @tparam Real  of all its numbers, double or float; those of the body are rounded once
 template <class Real>
 class BodyOnDevice {
@@ -24,7 +24,8 @@ class BodyOnDevice {
   static constexpr std::int64_t most_steps = 4096;
 
   /// @param device  outlives this
-  BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
+  /// @param bodies  at a time
+  BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method, std::int32_t bodies = 1);
   BodyOnDevice(const BodyOnDevice&) = delete;
   BodyOnDevice& operator=(const BodyOnDevice&) = delete;
 
@@ -32,9 +33,14 @@ class BodyOnDevice {
   /// Whether loads change with time, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
-  /// @param y  shape (dim)
-  void set(const Eigen::VectorXd& y);
-  [[nodiscard]] Eigen::VectorXd get();
+  /// @param y  of each body, shape (dim)
+  void set(std::span<const Eigen::VectorXd> y);
+  /// The same state of all.
+  void set(const Eigen::VectorXd& y) {
+    set(std::vector<Eigen::VectorXd>(static_cast<std::size_t>(step_.bodies), y));
+  }
+  /// That of body `number`.
+  [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0);
   /// Where the evaluations that follow stand [s]: 0 of a start, or those of all steps of advance().
   void set_times(std::span<const double> times);
   /// What a step needs besides (q, v): the acceleration, of methods that kick.
@@ -45,16 +51,17 @@ class BodyOnDevice {
   void keep();
   void go_back();
 
-  /// Operations of the elements of a patch, and bytes of its elements, rims, states and point data, in a
-  /// step.
+  /// Operations of the elements of all bodies, and bytes of elements, rims, states and point data, in a step;
+  /// of many bodies those of elements and points count once.
   [[nodiscard]] double flops() const;
   [[nodiscard]] double bytes() const;
 
  private:
   [[nodiscard]] std::size_t displacements() const {
-    return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points);
+    return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points) * bodies();
   }
-  [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size(); }
+  [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size() * bodies(); }
+  [[nodiscard]] std::size_t bodies() const { return static_cast<std::size_t>(step_.bodies); }
   Real* numbers(std::size_t bytes) { return static_cast<Real*>(memory_.allocate(bytes)); }
   template <class T>
   const T* there(const std::vector<T>& values);
@@ -64,13 +71,16 @@ class BodyOnDevice {
   /// diag(C) / m [1/s], shape (3, free).
   [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
-  /// Calls use(i, q, v) for each degree of freedom of the body with its place in the arrays of the device.
+  /// Calls use(i, q, v) for each degree of freedom of body `number` with its place in the arrays of the
+  /// device.
   template <class Use>
-  void visit(std::vector<Real>& q, std::vector<Real>& v, const Use& use) const;
+  void visit(std::size_t number, std::vector<Real>& q, std::vector<Real>& v, const Use& use) const;
 
   /// The next `count` steps, each of the programs that append(step, programs) makes of its BodyStep.
   template <class Append>
   void run(std::int64_t count, const Append& append);
+  /// The programs one after the other, over and over again.
+  void run(std::span<const BodyStep<Real>> programs, std::int64_t times);
   void append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const;
 
   /// Released with the body, also where there is too little for all of it.
@@ -94,6 +104,7 @@ class BodyOnDevice {
   std::vector<PressingForce> loads_;
   Real* load_table_ = nullptr;
   std::int64_t* evaluated_ = nullptr;
+  BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps
   BodyStep<Real> step_{};
   Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
   struct {

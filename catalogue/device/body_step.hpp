@@ -1,4 +1,4 @@
-/// One explicit step of a body in patches of points: the one source of devices and of the processor.
+/// One explicit step of bodies in patches of points: the one source of devices and of the processor.
 ///
 /// A patch owns some free points. A block of threads computes all tetrahedra and springs at them, in memory
 /// that its threads share, and adds up the forces at each point in the order in which the processor does: no
@@ -92,16 +92,18 @@ struct StageSum {
   std::int32_t slope[most];  ///< whose stages' k_j, none later than `stage`
   Real weight[most];         ///< h a_ij or h b_j, none 0
   const Real *q, *v;         ///< y, the beginning of the step, as of BodyStep
-  Real* slopes;              ///< shape (stages, 2, 3, free): v and a of each
+  Real* slopes;              ///< shape (stages, 2, bodies, 3, free): v and a of each
   bool operator==(const StageSum&) const = default;
 };
 
-/// One step, from the displacements `q` to `q_next`, shape (3, points), and from `v` to `v_next`, (3, free);
-/// a is as v. Of Runge-Kutta methods it is one stage.
+/// One step of some bodies that differ in their states alone, from the displacements `q` to `q_next`, shape
+/// (bodies, 3, points), and from `v` to `v_next`, (bodies, 3, free); a is as v. Of Runge-Kutta methods it is
+/// one stage.
 template <class Real>
 struct BodyStep {
   static constexpr std::int32_t threads = 256;
   BodyArrays<Real> body;
+  std::int32_t bodies;
   Move move;
   Real h, half;  ///< the step and its half
   Real *q, *q_next, *v, *v_next, *a;
@@ -185,12 +187,14 @@ HMAX_DEVICE inline Real sum_of(const PointSlots& slots, std::int32_t first, cons
 }
 
 /// What all velocities damp degree of freedom i of free point p with, in the order of the processor [N].
+/// @param v  of the body
 template <class Real>
-HMAX_DEVICE inline Real damping_of(const BodyStep<Real>& step, std::int32_t i, std::int32_t p) {
+HMAX_DEVICE inline Real damping_of(const BodyStep<Real>& step, std::int32_t i, std::int32_t p,
+                                   const Real* v) {
   const BodyArrays<Real>& body = step.body;
   Real sum = 0;
   for (std::int32_t n = p == 0 ? 0 : body.damp_end[p - 1]; n < body.damp_end[p]; ++n)
-    sum = sum + step.v[body.damped_by[n]] * body.damping[static_cast<std::int64_t>(i) * body.damps + n];
+    sum = sum + v[body.damped_by[n]] * body.damping[static_cast<std::int64_t>(i) * body.damps + n];
   return sum;
 }
 
@@ -209,7 +213,7 @@ template <class Real>
 HMAX_DEVICE inline void end_stage(const BodyStep<Real>& step, std::int64_t at, std::int64_t dof, Real a,
                                   Real& q, Real& v) {
   const StageSum<Real>& sum = step.sum;
-  const std::int64_t size = 3 * static_cast<std::int64_t>(step.body.free);
+  const std::int64_t size = 3 * static_cast<std::int64_t>(step.body.free) * step.bodies;
   Real* const k = sum.slopes + dof;
   k[2 * sum.stage * size] = v;
   k[(2 * sum.stage + 1) * size] = a;
@@ -218,10 +222,12 @@ HMAX_DEVICE inline void end_stage(const BodyStep<Real>& step, std::int64_t at, s
 }
 
 /// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
+/// @param of_body  the degree of freedom among those of a body
 template <class Real>
-HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, Real a, Real& q, Real& v) {
+HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, std::int64_t of_body, Real a,
+                                 Real& q, Real& v) {
   if (step.lumped) {
-    const Real damping = step.half * step.lumped[dof];
+    const Real damping = step.half * step.lumped[of_body];
     a = (a + damping * step.a[dof]) * (1 / (1 + damping));
   }
   if (step.half_v) v = step.half_v[dof];
@@ -235,18 +241,20 @@ HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, R
   v = v + step.half * a;
 }
 
-/// The new q and v of degree of freedom `dof`, that of component i of free point p.
+/// The new q and v of component i of free point p, of body `number`.
 template <class Real>
-HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::int32_t i, std::int32_t p) {
-  const std::int64_t dof = static_cast<std::int64_t>(i) * step.body.free + p,
-                     at = static_cast<std::int64_t>(i) * step.body.points + p;
+HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::int32_t i, std::int32_t p,
+                                   std::int32_t number) {
+  const std::int64_t first = 3 * static_cast<std::int64_t>(number) * step.body.free,
+                     dof = first + static_cast<std::int64_t>(i) * step.body.free + p,
+                     at = (3 * static_cast<std::int64_t>(number) + i) * step.body.points + p;
   Real q = step.q[at], v = step.v[dof];
-  Real all = (force + step.body.weight[dof]) - step.body.drag[p] * v;
-  if (step.body.damps > 0) all = all - damping_of(step, i, p);
+  Real all = (force + step.body.weight[dof - first]) - step.body.drag[p] * v;
+  if (step.body.damps > 0) all = all - damping_of(step, i, p, step.v + first);
   const Real a = all / step.body.mass[p];
   if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
-  if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, a, q, v);
+  if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, dof - first, a, q, v);
   if (step.move == Move::stage) end_stage(step, at, dof, a, q, v);
   const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
@@ -254,12 +262,14 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
   step.v_next[dof] = v;
 }
 
-/// The step of one patch.
+/// The step of one patch of body `number`.
 /// @tparam law    that of the body
 /// @tparam Block  see device_program.hpp
+/// @param later   evaluations of loads between BodyStep::evaluation and this one
 /// @param shared  shared_numbers() of them
 template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch, Real* shared) {
+HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch,
+                           std::int32_t number, std::int64_t later, Real* shared) {
   const BodyArrays<Real>& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
   const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
@@ -269,9 +279,9 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   block.each(points, [&](std::int32_t p) {
     const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
     for (int i = 0; i < 3; ++i)
-      u[i * points + p] = step.q[static_cast<std::int64_t>(i) * body.points + point];
+      u[i * points + p] = step.q[(3 * static_cast<std::int64_t>(number) + i) * body.points + point];
   });
-  const Real* const loads = step.loads + (*step.evaluated + step.evaluation) * step.next_loads;
+  const Real* const loads = step.loads + (*step.evaluated + step.evaluation + later) * step.next_loads;
   block.each(to.push - from.push, [&](std::int32_t n) {
     const std::int32_t push = from.push + n;
     for (int i = 0; i < 3; ++i)
@@ -295,8 +305,28 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   block.each(3 * own, [&](std::int32_t n) {
     const std::int32_t i = n / own, p = from.own + n % own;
     const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].after;
-    move_point(step, sum_of(body.slots[p], first, f + i * slots), i, p);
+    move_point(step, sum_of(body.slots[p], first, f + i * slots), i, p, number);
   });
+}
+
+/// Steps of bodies that are one patch each: a block takes all of them, one after the other.
+template <class Real>
+struct BodySteps {
+  static constexpr std::int32_t threads = 256;
+  const BodyStep<Real>* steps;  ///< in the memory of the device
+  std::int32_t count;
+  std::int64_t times;  ///< over and over again
+  std::int32_t bodies, shared;
+  TetLaw law;
+};
+template <TetLaw law, class Block, class Real>
+HMAX_DEVICE void body_steps(const Block& block, const BodySteps<Real>& all, std::int32_t number,
+                            Real* shared) {
+  for (std::int64_t done = 0; done < all.times; ++done)
+    for (std::int32_t n = 0; n < all.count; ++n) {
+      body_step<law>(block, all.steps[n], 0, number, done * all.count, shared);
+      block.barrier();
+    }
 }
 
 /// The first kick and drift of a run of steps, from accelerations that are known.
@@ -308,7 +338,7 @@ struct FirstKick {
 };
 template <class Real>
 HMAX_DEVICE std::int64_t count_of(const FirstKick<Real>& first) {
-  return 3 * static_cast<std::int64_t>(first.step.body.free);
+  return 3 * static_cast<std::int64_t>(first.step.body.free) * first.step.bodies;
 }
 /// Of one degree of freedom.
 template <class Real>

@@ -26,15 +26,15 @@ using LawConstant = std::integral_constant<TetLaw, law>;
 
 template <class Real>
 std::int64_t blocks_of(const BodyStep<Real>& step) {
-  return step.body.patches;
+  return static_cast<std::int64_t>(step.body.patches) * step.bodies;
 }
 template <class Real>
 std::size_t shared_bytes_of(const BodyStep<Real>& step) {
   return sizeof(Real) * static_cast<std::size_t>(step.body.shared);
 }
-template <class Real, class F>
-void with_kind(const BodyStep<Real>& step, const F& f) {
-  switch (step.body.law) {
+template <class F>
+void with_law(TetLaw law, const F& f) {
+  switch (law) {
     case TetLaw::green:
       return f(LawConstant<TetLaw::green>{});
     case TetLaw::small_strain:
@@ -43,10 +43,33 @@ void with_kind(const BodyStep<Real>& step, const F& f) {
       return f(LawConstant<TetLaw::neo_hookean>{});
   }
 }
+template <class Real, class F>
+void with_kind(const BodyStep<Real>& step, const F& f) {
+  with_law(step.body.law, f);
+}
 template <TetLaw law, class Block, class Real>
 HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodyStep<Real>& step,
                            std::int32_t number, void* shared) {
-  body_step<law>(block, step, number, static_cast<Real*>(shared));
+  body_step<law>(block, step, number % step.body.patches, number / step.body.patches, 0,
+                 static_cast<Real*>(shared));
+}
+
+template <class Real>
+std::int64_t blocks_of(const BodySteps<Real>& all) {
+  return all.bodies;
+}
+template <class Real>
+std::size_t shared_bytes_of(const BodySteps<Real>& all) {
+  return sizeof(Real) * static_cast<std::size_t>(all.shared);
+}
+template <class Real, class F>
+void with_kind(const BodySteps<Real>& all, const F& f) {
+  with_law(all.law, f);
+}
+template <TetLaw law, class Block, class Real>
+HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodySteps<Real>& all,
+                           std::int32_t number, void* shared) {
+  body_steps<law>(block, all, number, static_cast<Real*>(shared));
 }
 
 /// A program whose threads know nothing of each other, count_of(p) of them: run_thread(kind, p, number).
@@ -87,8 +110,8 @@ void with_kind(const Motions& motions, const F& f) {
 
 /// Any of them.
 struct DeviceProgram {
-  std::variant<BodyStep<double>, BodyStep<float>, FirstKick<double>, FirstKick<float>, AdaptiveMotions,
-               SharedMotions, OwnMotions>
+  std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
+               FirstKick<float>, AdaptiveMotions, SharedMotions, OwnMotions>
       of;
 
   template <class F>

@@ -110,8 +110,9 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
 }
 
 template <class Real>
-DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec) {
-  BodyOnDevice<Real> body(device, *problem.body, *device_method(method));
+DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
+                   std::int32_t bodies) {
+  BodyOnDevice<Real> body(device, *problem.body, *device_method(method), bodies);
   static_cast<void>(device.seconds());
   RunRecord record = run_body(body, problem, spec, {});
   return {std::move(record), device.seconds(), body.flops(), body.bytes()};
@@ -127,9 +128,9 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
 }
 
 DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
-                        Precision precision) {
-  return (precision == Precision::single_precision ? run_with<float> : run_with<double>)(device, problem,
-                                                                                         method, spec);
+                        Precision precision, std::int32_t bodies) {
+  return (precision == Precision::single_precision ? run_with<float>
+                                                   : run_with<double>)(device, problem, method, spec, bodies);
 }
 
 Method on_device(Method method, const std::shared_ptr<Device>& device) {

@@ -23,15 +23,16 @@ Method on_device(Method method, const std::shared_ptr<Device>& device);
 struct DeviceRun {
   RunRecord record;             ///< in double precision the one of the processor, bit by bit
   double seconds = 0;           ///< by events of the device, without copies
-  double flops = 0, bytes = 0;  ///< of a step: operations, and what it moves from and to the memory at least
+  double flops = 0, bytes = 0;  ///< of a step of all bodies: operations, and what it moves at least
 };
 
 /// Of the numbers that a device computes with.
 enum class Precision : std::uint8_t { double_precision, single_precision };
 
-/// @param spec  one that suits; `every` is not read
+/// @param spec    one that suits; `every` is not read
+/// @param bodies  that run at a time, all of them from the start of the problem
 /// @throws InputError  as Device
 DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
-                        Precision precision = Precision::double_precision);
+                        Precision precision = Precision::double_precision, std::int32_t bodies = 1);
 
 }  // namespace hmax

@@ -100,7 +100,7 @@ struct TimedRun : CountedRun {
   std::optional<DeviceTime> device;    ///< of a run on one
 
   /// Simulated time over the CPU time of one thread, over the elapsed time where --jobs is given, or over
-  /// that of a device.
+  /// that of a device, which of many bodies is the one of each.
   [[nodiscard]] double realtime_factor() const {
     if (device) return record.t / device->seconds;
     return record.t / (threads ? elapsed_seconds : cpu_seconds);
@@ -143,12 +143,13 @@ CountedRun reported_run(const Runner& runner, const RunSpec& spec, std::optional
   });
 }
 
-TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec& spec, Precision precision) {
+TimedRun run_on_gpu(const Problem& problem, const Method& method, const RunSpec& spec,
+                    const DeviceChoice& choice) {
   const std::unique_ptr<Device> gpu = open_gpu();
-  DeviceRun run = run_on_device(*gpu, problem, method, spec, precision);
+  DeviceRun run = run_on_device(*gpu, problem, method, spec, choice.precision(), choice.bodies());
   TimedRun timed{};
   timed.record = std::move(run.record);
-  timed.device = {gpu->facts(), run.seconds, run.flops, run.bytes, precision};
+  timed.device = {gpu->facts(), run.seconds, run.flops, run.bytes, choice.precision(), choice.bodies()};
   return timed;
 }
 
@@ -561,7 +562,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
                               stop ? &*stop : nullptr, console);
   const TimedRun result =
       options.device.is_gpu()
-          ? run_on_gpu(problem, method, spec, options.device.precision())
+          ? run_on_gpu(problem, method, spec, options.device)
           : TimedRun{reported_run(runner, spec, threads, checkpoint.get(), console), threads, {}};
   const bool reached_end = result.record.outcome == Outcome::reached_end;
   WatchedRun watched{problem, method, runner, spec};
@@ -653,7 +654,7 @@ void add_run(CLI::App& app, Console& console) {
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options->checkpoint.add_to(command);
   options->device.add_to(command, "fixed steps of a body");
-  options->device.add_precision_to(command);
+  options->device.add_kinds_to(command);
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
   set_callback(command, [options, &console] { run_or_stop(*options, console); });

@@ -23,10 +23,20 @@ void DeviceChoice::add_to(CLI::App& command, std::string_view what) {
       "NAME");
 }
 
-void DeviceChoice::add_precision_to(CLI::App& command) {
+void DeviceChoice::add_kinds_to(CLI::App& command) {
   add_text(command, "--precision", precision_name,
            "Numbers of --device gpu: single, which err by some 1e-6 to 1e-5, or double; double by default",
            "NAME");
+  add_text(command, "--bodies", bodies_text,
+           "Bodies that --device gpu steps at a time, each of this run; 1 by default", "NUMBER");
+}
+
+std::int32_t DeviceChoice::bodies() const {
+  constexpr std::int64_t most = 1'000'000;
+  if (bodies_text.empty()) return 1;
+  const std::int64_t count = parse_count("--bodies", bodies_text, 1);
+  if (count > most) throw InputError(fmt::format("--bodies takes up to {}; give a smaller number", most));
+  return static_cast<std::int32_t>(count);
 }
 
 std::unique_ptr<Device> DeviceChoice::open() const { return is_gpu() ? open_gpu() : nullptr; }
@@ -57,6 +67,7 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   if (!precision_name.empty()) parse_choice("--precision", precision_name, precision_names);
   if (precision() == Precision::single_precision && !is_gpu())
     throw InputError("--precision single is for --device gpu; leave it out, or give both");
+  if (bodies() > 1 && !is_gpu()) throw InputError("--bodies is for --device gpu; leave it out, or give both");
   if (!is_gpu()) return;
   for (const auto& [option, given] : beside)
     if (given) throw InputError(fmt::format("--device gpu does not take {}; leave one of them out", option));
@@ -83,6 +94,7 @@ void DeviceTime::add_to(nlohmann::ordered_json& document) const {
   document["driver"] = facts.driver;
   document["precision"] = precision_word();
   document["device_seconds"] = seconds;
+  if (bodies > 1) document["bodies"] = bodies;
   if (flops > 0)
     document["roofline"] = {
         {"flops_per_step", flops},
@@ -92,8 +104,9 @@ void DeviceTime::add_to(nlohmann::ordered_json& document) const {
 }
 
 std::string DeviceTime::words() const {
-  return fmt::format("   device {} s on {}, {} MHz, {}, {} precision", short_number(seconds, 3), facts.name,
-                     short_number(facts.clock_mhz, 4), facts.driver, precision_word());
+  return fmt::format("   device {} s on {}, {} MHz, {}, {} precision{}", short_number(seconds, 3), facts.name,
+                     short_number(facts.clock_mhz, 4), facts.driver, precision_word(),
+                     bodies > 1 ? fmt::format(", {} bodies at a time", bodies) : "");
 }
 
 }  // namespace hmax

@@ -1,6 +1,7 @@
-/// The options --device and --precision.
+/// The options --device, --precision and --bodies.
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -17,16 +18,18 @@
 namespace hmax {
 
 struct DeviceChoice {
-  std::string name, precision_name;
+  std::string name, precision_name, bodies_text;
 
   /// @param what  in its help: "fixed steps of a body"
   void add_to(CLI::App& command, std::string_view what);
   [[nodiscard]] bool is_gpu() const { return name == "gpu"; }
-  /// --precision of it
-  void add_precision_to(CLI::App& command);
+  /// --precision and --bodies of it
+  void add_kinds_to(CLI::App& command);
   [[nodiscard]] Precision precision() const {
     return precision_name == "single" ? Precision::single_precision : Precision::double_precision;
   }
+  /// How many run at a time. @throws InputError  for what is no such number
+  [[nodiscard]] std::int32_t bodies() const;
   /// The first card; null where steps stay on the processor. @throws InputError as open_gpu()
   [[nodiscard]] std::unique_ptr<Device> open() const;
   /// Opens the card, and puts methods on it that it runs on all of the problems; the others stay where they
@@ -36,8 +39,8 @@ struct DeviceChoice {
   [[nodiscard]] std::shared_ptr<Device> place(const std::vector<Problem>& problems,
                                               std::vector<Method>& methods,
                                               std::vector<LeftOut>& left_out) const;
-  /// @throws InputError  for words that are none, a precision without a GPU, and for an option beside it that
-  /// a GPU does not take
+  /// @throws InputError  for words that are none, a precision or bodies without a GPU, and for an option
+  /// beside it that a GPU does not take
   void check(std::initializer_list<std::pair<const char*, bool>> beside) const;
   /// @param beside  other options, and whether they are given, that a GPU does not take
   /// @throws InputError  for words that are none, a precision without a GPU, for one of these, and for what a
@@ -51,6 +54,7 @@ struct DeviceTime {
   DeviceFacts facts;
   double seconds = 0, flops = 0, bytes = 0;  ///< see DeviceRun; of motions in the plane the seconds alone
   Precision precision = Precision::double_precision;
+  std::int32_t bodies = 1;  ///< that it has stepped at a time
 
   /// Puts it into a document, whose `cpu_seconds`, if there are, become null.
   void add_to(nlohmann::ordered_json& document) const;

@@ -16,6 +16,7 @@
 
 #include <gtest/gtest.h>
 
+#include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/host_device.hpp"
 #include "catalogue/methods/catalogue.hpp"
@@ -146,8 +147,8 @@ void expect_same_on_bodies(Device& device) {
       expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
 }
 
-/// Loads that come, go and oscillate.
-void expect_same_under_driven_loads(Device& device) {
+/// One under loads that come, go and oscillate.
+Problem driven_body() {
   const Problem steady = uneven_body(2.5);
   TissueSettings settings = steady.body->settings();
   using Kind = TimeProfile::Kind;
@@ -155,10 +156,13 @@ void expect_same_under_driven_loads(Device& device) {
   settings.forces[1].profile = {.kind = Kind::sine, .start = 0.001, .omega = 300};
   settings.forces.push_back(settings.forces[0]);
   settings.forces.back().profile = {};
-  const Problem body = body_of(steady.body->mesh(), settings);
+  return body_of(steady.body->mesh(), settings);
+}
+
+void expect_same_under_driven_loads(Device& device) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "rk2_heun", "dormand_prince_54", "bogacki_shampine_32"})
-    expect_same(device, body, method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
+    expect_same(device, driven_body(), method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
 }
 
 /// Every explicit Runge-Kutta method of the house.
@@ -196,6 +200,54 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
     expect_same_under_driven_loads(device);
     expect_same_on_bodies(device);
     expect_same_stages(device);
+  }
+}
+
+/// Bodies from different states, each with the bits that it has alone.
+template <class Real = double>
+void expect_same_at_a_time(Device& device, const Problem& problem, const char* id, std::int32_t count) {
+  const DeviceMethod method = *device_method(find_method(id));
+  const auto driven = [](BodyOnDevice<Real>& body, const DeviceMethod& own, std::int64_t steps) {
+    std::vector<double> times;
+    for (std::int64_t n = 0; n < steps; ++n) own.append_times(1e-3 * n, 1e-3, {}, times);
+    if (body.is_driven()) body.set_times(times);
+  };
+  const auto run = [&](BodyOnDevice<Real>& body) {
+    body.start();
+    for (const std::int64_t steps : {31, 8}) {
+      driven(body, method, steps);
+      body.advance(1e-4, steps);
+    }
+  };
+  std::vector<Eigen::VectorXd> starts;
+  for (std::int32_t n = 0; n < count; ++n)
+    starts.push_back(problem.y0 + 1e-4 * n * Eigen::VectorXd::LinSpaced(problem.y0.size(), -1, 1));
+  BodyOnDevice<Real> all(device, *problem.body, method, count), alone(device, *problem.body, method);
+  all.set(starts);
+  run(all);
+  for (std::int32_t n = 0; n < count; ++n) {
+    alone.set(starts[static_cast<std::size_t>(n)]);
+    run(alone);
+    EXPECT_EQ(unequal(all.get(n), alone.get()), 0U) << id << ", body " << n;
+    EXPECT_GT(unequal(all.get(n), all.get((n + 1) % count)), 0U);
+  }
+}
+
+void expect_same_at_a_time(Device& device) {
+  const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
+  for (const char* method :
+       {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
+    for (const Problem& body : {driven_body(), damped}) expect_same_at_a_time(device, body, method, 5);
+  const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
+  EXPECT_GT(large.body->free_points().size(), 1024U);
+  for (const char* method : {"velocity_verlet", "rk4"}) expect_same_at_a_time(device, large, method, 2);
+  expect_same_at_a_time<float>(device, driven_body(), "rk4", 3);
+}
+
+TEST(HostDevice, StepsBodiesAtATimeAsEachAlone) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_at_a_time(device);
   }
 }
 
@@ -296,6 +348,7 @@ TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
       EXPECT_EQ(unequal(on(*device), on(host)), 0U) << model << ", " << method;
     }
 }
+TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_same_at_a_time(*device); }
 TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
 
 }  // namespace

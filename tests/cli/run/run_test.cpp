@@ -36,6 +36,9 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
     EXPECT_EQ(on_gpu.at("y"), here.at("y"));
     EXPECT_TRUE(on_gpu.at("cpu_seconds").is_null());
     EXPECT_GT(on_gpu.at("device_seconds"), 0);
+    const Json two = shell.json(body + " --device gpu --json --full --bodies 2");
+    EXPECT_EQ(two.at("y"), here.at("y"));
+    EXPECT_EQ(two.at("bodies"), 2);
   } else {
     expect_refused(told, "leave out --device");
     const Told check = shell.line("'" HMAX_SOURCE_DIR "/scripts/gpu-check' '" HMAX_PROGRAM "'");
@@ -46,6 +49,9 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
   expect_refused(shell.hmax(body + " --device tpu"), "--device");
   expect_refused(shell.hmax(body + " --precision single"), "is for --device gpu");
   expect_refused(shell.hmax(body + " --device gpu --precision half"), "--precision");
+  expect_refused(shell.hmax(body + " --bodies 2"), "is for --device gpu");
+  expect_refused(shell.hmax(body + " --device gpu --bodies 0"), "--bodies");
+  expect_refused(shell.hmax(body + " --device gpu --bodies 1000001"), "--bodies");
   expect_refused(shell.hmax(body + " --device gpu --jobs 2"), "--jobs");
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
                  "bodies on meshes");
