@@ -1,9 +1,9 @@
 /// A body and its state in the memory of a device.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,7 +11,9 @@
 
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
+#include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/newton_on_device.hpp"
 
 namespace hmax {
 
@@ -24,6 +26,7 @@ class BodyOnDevice {
   static constexpr std::int64_t most_steps = 4096;
 
   /// @param device  outlives this
+  /// @throws InputError  for a method that has no such numbers
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method);
   BodyOnDevice(const BodyOnDevice&) = delete;
   BodyOnDevice& operator=(const BodyOnDevice&) = delete;
@@ -44,6 +47,8 @@ class BodyOnDevice {
   [[nodiscard]] bool left();
   void keep();
   void go_back();
+  /// Conjugate gradients since set().
+  [[nodiscard]] std::int64_t linear_iterations() { return newton_ ? newton_->iterations() : 0; }
 
   /// Operations of the elements of a patch, and bytes of its elements, rims, states and point data, in a
   /// step.
@@ -55,9 +60,11 @@ class BodyOnDevice {
     return sizeof(Real) * 3 * static_cast<std::size_t>(patches_.points);
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size(); }
-  Real* numbers(std::size_t bytes) { return static_cast<Real*>(memory_.allocate(bytes)); }
+  Real* numbers(std::size_t bytes) { return memory_.template room<Real>(bytes / sizeof(Real)); }
   template <class T>
-  const T* there(const std::vector<T>& values);
+  const T* there(const std::vector<T>& values) {
+    return memory_.copy(values);
+  }
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
   void place_loads();
@@ -71,24 +78,10 @@ class BodyOnDevice {
   /// The next `count` steps, each of the programs that append(step, programs) makes of its BodyStep.
   template <class Append>
   void run(std::int64_t count, const Append& append);
-  void append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const;
-
-  /// Released with the body, also where there is too little for all of it.
-  struct Memory {
-    explicit Memory(Device& lent) : device(lent) {}
-    Memory(const Memory&) = delete;
-    Memory& operator=(const Memory&) = delete;
-    ~Memory() {
-      for (void* const place : places) device.release(place);
-    }
-    void* allocate(std::size_t bytes) { return places.emplace_back(device.allocate(bytes)); }
-
-    Device& device;
-    std::vector<void*> places{};
-  };
+  void append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs) const;
 
   Device& device_;
-  Memory memory_;
+  DeviceMemory memory_;
   DeviceMethod method_;
   BodyPatches patches_;
   std::vector<PressingForce> loads_;
@@ -99,6 +92,7 @@ class BodyOnDevice {
   struct {
     Real *q, *v, *a;
   } kept_{};
+  std::optional<NewtonOnDevice> newton_;
 };
 
 }  // namespace hmax
