@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "catalogue/device/device_program.hpp"
+#include "core/errors.hpp"
 
 namespace hmax {
 
@@ -42,19 +44,25 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .a = numbers(velocities()),
            .half_v = nullptr,
            .lumped = nullptr,
-           .left = static_cast<std::int32_t*>(memory_.allocate(sizeof(std::int32_t))),
+           .left = memory_.template room<std::int32_t>(1),
            .loads = nullptr,
            .next_loads = 0,
            .evaluated = nullptr,
            .evaluation = 0,
            .sum = {}};
   place_loads();
-  programs_ = static_cast<BodyStep<Real>*>(
-      memory_.allocate(2 * static_cast<std::size_t>(method_.evaluations()) * sizeof(BodyStep<Real>)));
+  programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
   if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
+  if (method_.kind == DeviceMethod::Kind::newton) {
+    if (sizeof(Real) != sizeof(double))
+      throw InputError("newton_truncated runs on a GPU in double precision; leave --precision out");
+    if (bodies > 1)
+      throw InputError("newton_truncated steps one body at a time on a GPU; leave --bodies out");
+    newton_.emplace(memory_, body, patches_, method_.newton);
+  }
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
   step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
   for (Real*& q : stage_q_) q = numbers(displacements());
@@ -65,9 +73,9 @@ template <class Real>
 void BodyOnDevice<Real>::place_loads() {
   const bool driven =
       std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
-  const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.evaluations() : 1);
+  const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.instants() : 1);
   load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, 3 * loads_.size() * rows));
-  evaluated_ = static_cast<std::int64_t*>(memory_.allocate(sizeof(std::int64_t)));
+  evaluated_ = memory_.template room<std::int64_t>(1);
   step_.loads = load_table_;
   step_.evaluated = evaluated_;
   step_.next_loads = driven ? 3 * static_cast<std::int32_t>(loads_.size()) : 0;
@@ -138,14 +146,6 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
 }
 
 template <class Real>
-template <class T>
-const T* BodyOnDevice<Real>::there(const std::vector<T>& values) {
-  void* const to = memory_.allocate(std::max<std::size_t>(1, values.size()) * sizeof(T));
-  if (!values.empty()) device_.write(to, values.data(), values.size() * sizeof(T));
-  return static_cast<const T*>(to);
-}
-
-template <class Real>
 const Real* BodyOnDevice<Real>::there(const std::vector<double>& values) {
   return there<Real>(std::vector<Real>(values.begin(), values.end()));
 }
@@ -174,6 +174,7 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
   for (Real* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
+  if (newton_) newton_->reset();
   static_cast<void>(left());
 }
 
@@ -195,48 +196,48 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
     std::swap(step_.q, step_.q_next);
     std::swap(step_.v, step_.v_next);
   };
-  std::vector<BodyStep<Real>> steps;  // of two steps, there and back
-  append(step_, steps);
-  const std::size_t one = steps.size();
+  const auto instants = static_cast<std::int32_t>(method_.instants());
+  std::vector<DeviceProgram> programs;  // of two steps, there and back
+  append(step_, programs);
+  const std::size_t one = programs.size();
   swap();
-  append(step_, steps);
+  BodyStep<Real> back = step_;
+  back.evaluation += instants;
+  append(back, programs);
   swap();
-  for (std::size_t i = 0; i < steps.size(); ++i) steps[i].evaluation = static_cast<std::int32_t>(i);
-  if (count > 1) run(steps, count / 2);
+  if (count > 1) run(programs, count / 2, 2 * instants);
   if (count % 2 == 0) return;
-  run(std::span(steps).first(one), 1);
+  run(std::span(programs).first(one), 1, instants);
   swap();
 }
 
 template <class Real>
-void BodyOnDevice<Real>::run(std::span<const BodyStep<Real>> programs, std::int64_t times) {
-  const auto count = static_cast<std::int32_t>(programs.size());
-  if (patches_.begin.size() > 2) {
-    std::vector<DeviceProgram> all;
-    for (const BodyStep<Real>& each : programs) all.push_back({each});
-    return device_.run(all, times, {evaluated_, count});
-  }
-  device_.write(programs_, programs.data(), programs.size_bytes());
+void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64_t times,
+                             std::int32_t instants) {
+  if (patches_.begin.size() > 2 || newton_) return device_.run(programs, times, {evaluated_, instants});
+  std::vector<BodyStep<Real>> steps;
+  for (const DeviceProgram& each : programs) steps.push_back(std::get<BodyStep<Real>>(each.of));
+  device_.write(programs_, steps.data(), steps.size() * sizeof steps.front());
   const DeviceProgram all{BodySteps<Real>{.steps = programs_,
-                                          .count = count,
+                                          .count = static_cast<std::int32_t>(steps.size()),
                                           .times = times,
                                           .bodies = step_.bodies,
                                           .shared = step_.body.shared,
                                           .law = step_.body.law}};
-  device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * count});
+  device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * instants});
 }
 
 template <class Real>
 void BodyOnDevice<Real>::start() {
   if (method_.kind == DeviceMethod::Kind::kicks)
-    run(1, [](BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) {
+    run(1, [](BodyStep<Real> step, std::vector<DeviceProgram>& programs) {
       step.move = Move::start;
-      programs.push_back(step);
+      programs.push_back({step});
     });
 }
 
 template <class Real>
-void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const {
+void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs) const {
   const BodyStep<Real> whole = step;
   const std::size_t stages = method_.rows.size();
   step.move = Move::stage;
@@ -253,7 +254,8 @@ void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<BodyStep
       }
     step.q_next = sum.is_end ? whole.q_next : stage_q_[i % 2];
     step.v_next = sum.is_end ? whole.v_next : stage_v_[i % 2];
-    programs.push_back(step);
+    programs.push_back({step});
+    ++step.evaluation;
     step.q = step.q_next, step.v = step.v_next;
   }
 }
@@ -263,9 +265,9 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
   step_.h = static_cast<Real>(h);
   step_.half = step_.h / 2;
   const auto moves = [](Move move) {
-    return [move](BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) {
+    return [move](BodyStep<Real> step, std::vector<DeviceProgram>& programs) {
       step.move = move;
-      programs.push_back(step);
+      programs.push_back({step});
     };
   };
   switch (method_.kind) {
@@ -277,9 +279,14 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
       run(count - 1, moves(Move::kick_drift));
       return run(1, moves(Move::kick));
     case DeviceMethod::Kind::runge_kutta:
-      return run(count, [this](const BodyStep<Real>& step, std::vector<BodyStep<Real>>& programs) {
+      return run(count, [this](const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
         append_stages(step, programs);
       });
+    case DeviceMethod::Kind::newton:
+      if constexpr (std::is_same_v<Real, double>)
+        run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
+          newton_->append(step, h, programs);
+        });
   }
 }
 
@@ -297,6 +304,7 @@ void BodyOnDevice<Real>::keep() {
   device_.copy(kept_.q, step_.q, displacements());
   device_.copy(kept_.v, step_.v, velocities());
   device_.copy(kept_.a, step_.a, velocities());
+  if (newton_) newton_->keep();
 }
 
 template <class Real>
@@ -304,14 +312,16 @@ void BodyOnDevice<Real>::go_back() {
   device_.copy(step_.q, kept_.q, displacements());
   device_.copy(step_.v, kept_.v, velocities());
   device_.copy(step_.a, kept_.a, velocities());
+  if (newton_) newton_->go_back();
 }
 
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
-  return step_.bodies * static_cast<double>(method_.evaluations()) *
-         (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
-          31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+  return (newton_ ? newton_->flops() : 0) +
+         static_cast<double>(method_.evaluations()) *
+             (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
+              31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
 
 template <class Real>
@@ -320,7 +330,8 @@ double BodyOnDevice<Real>::bytes() const {
   double slopes = 0;  // that are read again
   for (const std::vector<long double>& row : method_.rows)
     for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
-  return static_cast<double>(method_.evaluations()) *
+  return (newton_ ? newton_->bytes() : 0) +
+         static_cast<double>(method_.evaluations()) *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               number_and_place * step_.body.damps +

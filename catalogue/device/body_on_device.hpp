@@ -1,9 +1,9 @@
 /// Bodies and their states in the memory of a device.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,7 +11,9 @@
 
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
+#include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/newton_on_device.hpp"
 
 namespace hmax {
 
@@ -25,6 +27,7 @@ class BodyOnDevice {
 
   /// @param device  outlives this
   /// @param bodies  at a time
+  /// @throws InputError  for a method that has no such numbers, or not of many bodies
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method, std::int32_t bodies = 1);
   BodyOnDevice(const BodyOnDevice&) = delete;
   BodyOnDevice& operator=(const BodyOnDevice&) = delete;
@@ -50,6 +53,8 @@ class BodyOnDevice {
   [[nodiscard]] bool left();
   void keep();
   void go_back();
+  /// Conjugate gradients since set().
+  [[nodiscard]] std::int64_t linear_iterations() { return newton_ ? newton_->iterations() : 0; }
 
   /// Operations of the elements of all bodies, and bytes of elements, rims, states and point data, in a step;
   /// of many bodies those of elements and points count once.
@@ -62,9 +67,11 @@ class BodyOnDevice {
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size() * bodies(); }
   [[nodiscard]] std::size_t bodies() const { return static_cast<std::size_t>(step_.bodies); }
-  Real* numbers(std::size_t bytes) { return static_cast<Real*>(memory_.allocate(bytes)); }
+  Real* numbers(std::size_t bytes) { return memory_.template room<Real>(bytes / sizeof(Real)); }
   template <class T>
-  const T* there(const std::vector<T>& values);
+  const T* there(const std::vector<T>& values) {
+    return memory_.copy(values);
+  }
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
   void place_loads();
@@ -80,25 +87,12 @@ class BodyOnDevice {
   template <class Append>
   void run(std::int64_t count, const Append& append);
   /// The programs one after the other, over and over again.
-  void run(std::span<const BodyStep<Real>> programs, std::int64_t times);
-  void append_stages(BodyStep<Real> step, std::vector<BodyStep<Real>>& programs) const;
-
-  /// Released with the body, also where there is too little for all of it.
-  struct Memory {
-    explicit Memory(Device& lent) : device(lent) {}
-    Memory(const Memory&) = delete;
-    Memory& operator=(const Memory&) = delete;
-    ~Memory() {
-      for (void* const place : places) device.release(place);
-    }
-    void* allocate(std::size_t bytes) { return places.emplace_back(device.allocate(bytes)); }
-
-    Device& device;
-    std::vector<void*> places{};
-  };
+  /// @param instants  of all of them
+  void run(std::span<const DeviceProgram> programs, std::int64_t times, std::int32_t instants);
+  void append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs) const;
 
   Device& device_;
-  Memory memory_;
+  DeviceMemory memory_;
   DeviceMethod method_;
   BodyPatches patches_;
   std::vector<PressingForce> loads_;
@@ -110,6 +104,7 @@ class BodyOnDevice {
   struct {
     Real *q, *v, *a;
   } kept_{};
+  std::optional<NewtonOnDevice> newton_;
 };
 
 }  // namespace hmax

@@ -158,6 +158,7 @@ class Cutter {
         made_.weight[i * points_.size() + p] = weight[static_cast<Eigen::Index>(i)];
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
+    made_.number = number_;
     if (springs_.sliced) place_springs();
     if (body_.settings().beta != 0) place_damping();
     // Displacements of at most a quarter of it differ by less than TissueBody::admits().

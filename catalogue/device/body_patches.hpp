@@ -34,8 +34,9 @@ struct BodyPatches {
   std::vector<double> damping;
   double watch = 0;
   std::int32_t points = 0;
-  std::vector<std::int32_t> order;  ///< of each free point of the body: its number here
-  std::size_t shared = 0;           ///< shared_numbers() of the patch that needs most
+  std::vector<std::int32_t> order;   ///< of each free point of the body: its number here
+  std::vector<std::int32_t> number;  ///< of each point of the mesh, likewise
+  std::size_t shared = 0;            ///< shared_numbers() of the patch that needs most
 
   [[nodiscard]] std::int32_t free() const { return static_cast<std::int32_t>(mass.size()); }
 };

@@ -5,14 +5,17 @@
 /// atomics, no second order, the same bits. Those at the rim are computed by several patches.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <type_traits>
 
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
+
+template <TetLaw law>
+using LawConstant = std::integral_constant<TetLaw, law>;
 
 /// Corners of a tetrahedron in a patch.
 struct PatchCorners {
@@ -78,6 +81,7 @@ enum class Move : std::int32_t {
   symplectic_euler,  ///< v += h a, q += h v
   kick_drift,        ///< v += h/2 a twice, q += h v: the end of a step and the beginning of the next
   kick,              ///< v += h/2 a: the end of a step; they are kept
+  force,             ///< they are not made: the forces are kept in their place
   stage              ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
 };
 
@@ -119,15 +123,6 @@ struct BodyStep {
   std::int32_t evaluation;        ///< which one after them this is
   StageSum<Real> sum;
   bool operator==(const BodyStep&) const = default;
-};
-
-/// One tetrahedron or spring, for tet_pull() and spring_pull().
-template <class Real>
-struct OneElement {
-  using V = Real;
-  HMAX_DEVICE static Real splat(double s) { return static_cast<Real>(s); }
-  HMAX_DEVICE static Real load(const Real* p) { return *p; }
-  HMAX_DEVICE static Real root(Real s) { return std::sqrt(s); }
 };
 
 /// Numbers that the threads of a block share: positions of `points`, forces of `slots`.
@@ -251,6 +246,10 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
   Real q = step.q[at], v = step.v[dof];
   Real all = (force + step.body.weight[dof - first]) - step.body.drag[p] * v;
   if (step.body.damps > 0) all = all - damping_of(step, i, p, step.v + first);
+  if (step.move == Move::force) {
+    step.a[dof] = all;
+    return;
+  }
   const Real a = all / step.body.mass[p];
   if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;

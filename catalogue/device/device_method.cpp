@@ -28,6 +28,10 @@ DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
 void DeviceMethod::append_times(double t, double h, std::optional<double> before,
                                 std::vector<double>& times) const {
   if (kind == Kind::kicks) return times.push_back(t + h);
+  if (kind == Kind::newton) {
+    for (std::int32_t s = 1; s < newton.substeps; ++s) times.push_back(t + s * (h / newton.substeps));
+    return times.push_back(t + h);
+  }
   times.push_back(first_same_as_last ? before.value_or(t) : t);
   for (std::size_t i = 1; i < rows.size(); ++i) times.push_back(t + static_cast<double>(nodes[i]) * h);
 }
@@ -39,6 +43,13 @@ std::optional<DeviceMethod> device_method(const Method& method) {
                                     std::pair{"stormer_verlet", KickDamping::predicted},
                                     std::pair{"central_difference", KickDamping::lumped}})
     if (method.id == id) return DeviceMethod{.kind = Kind::kicks, .damping = damping};
+  if (method.id.substr(0, method.id.find(':')) == "newton_truncated") {
+    const auto count = [&](const char* name) {
+      return static_cast<std::int32_t>(method.parameter(name).value());
+    };
+    return DeviceMethod{.kind = Kind::newton,
+                        .newton = {count("iterations"), count("substeps"), count("cg")}};
+  }
   std::optional<DeviceMethod> found;
   [&]<class... T>(std::type_identity<std::tuple<T...>>) {
     ((method.id == T::id ? void(found = runge_kutta(T::tableau)) : void()), ...);

@@ -10,9 +10,19 @@
 
 namespace hmax {
 
+/// The counts of truncated Newton.
+struct NewtonSteps {
+  std::int32_t iterations, substeps, gradients;  ///< conjugate gradients of an iteration
+  /// Iterations of a step.
+  [[nodiscard]] std::int64_t all() const { return std::int64_t{iterations} * substeps; }
+  /// Programs of a step, and those that a list may have.
+  [[nodiscard]] std::int64_t programs() const { return substeps + all() * (5 + 2 * std::int64_t{gradients}); }
+  static constexpr std::int64_t most_programs = 4096;
+};
+
 /// What a step of a method does.
 struct DeviceMethod {
-  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta };
+  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, newton };
   Kind kind;
   /// Of kicks: what damping meets, see KickDriftKick.
   KickDamping damping = KickDamping::half_step;
@@ -21,15 +31,19 @@ struct DeviceMethod {
   std::vector<std::vector<long double>> rows{};
   std::vector<long double> nodes{};  ///< c_i of its stages
   bool first_same_as_last = false;
+  NewtonSteps newton{};
 
   /// Evaluations of a step, and of those before the first one.
-  [[nodiscard]] std::int64_t evaluations() const {
+  [[nodiscard]] std::int64_t evaluations() const { return kind == Kind::newton ? newton.all() : instants(); }
+  /// At which times they stand: evaluations of loads.
+  [[nodiscard]] std::int64_t instants() const {
+    if (kind == Kind::newton) return newton.substeps;
     return kind == Kind::runge_kutta ? static_cast<std::int64_t>(rows.size()) : 1;
   }
   [[nodiscard]] std::int64_t first_evaluations() const {
     return kind == Kind::kicks || first_same_as_last ? 1 : 0;
   }
-  /// Appends where the evaluations of a step from t to t + h stand.
+  /// Appends the instants of a step from t to t + h.
   /// @param before  t + h of the step before [s], where there was one
   void append_times(double t, double h, std::optional<double> before, std::vector<double>& times) const;
 };

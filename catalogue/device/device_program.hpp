@@ -18,11 +18,9 @@
 #include "catalogue/device/body_step.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/motion_program.hpp"
+#include "catalogue/device/newton_step.hpp"
 
 namespace hmax {
-
-template <TetLaw law>
-using LawConstant = std::integral_constant<TetLaw, law>;
 
 template <class Real>
 std::int64_t blocks_of(const BodyStep<Real>& step) {
@@ -99,6 +97,18 @@ void with_kind(const FirstKick<Real>&, const F& f) {
 }
 
 template <class F>
+void with_kind(const TetStiffness& stiffness, const F& f) {
+  if (stiffness.matrix.law == TetLaw::green) return f(LawConstant<TetLaw::green>{});
+  f(LawConstant<TetLaw::neo_hookean>{});  // that of small strain is constant
+}
+
+/// Programs of one kind.
+template <class P, class F>
+requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
+    std::same_as<P, MatrixBlocks>
+void with_kind(const P&, const F& f) { f(std::true_type{}); }
+
+template <class F>
 void with_kind(const AdaptiveMotions& motions, const F& f) {
   motions.steady ? f(std::true_type{}) : f(std::false_type{});
 }
@@ -111,7 +121,8 @@ void with_kind(const Motions& motions, const F& f) {
 /// Any of them.
 struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
-               FirstKick<float>, AdaptiveMotions, SharedMotions, OwnMotions>
+               FirstKick<float>, AdaptiveMotions, SharedMotions, OwnMotions, NewtonBegin, TetStiffness,
+               MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate, NewtonEnd>
       of;
 
   template <class F>

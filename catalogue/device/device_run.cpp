@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -93,6 +94,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     } else if (admits(system, body.get())) {
       advance_to(done + 1);
     } else {
+      record.stats.linear_iterations = body.linear_iterations();
       body.go_back();
       record.outcome = Outcome::diverged;
       record.t = next.t_next;
@@ -104,8 +106,11 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   if (!diverged) record.t = record.t_state;
   record.y = body.get();
   record.stats.steps = done;
-  record.stats.rhs =
-      body.method().evaluations() * (done + (diverged ? 1 : 0)) + body.method().first_evaluations();
+  const DeviceMethod& method = body.method();
+  const std::int64_t taken = done + (diverged ? 1 : 0);
+  record.stats.rhs = method.evaluations() * taken + method.first_evaluations();
+  record.stats.newton = record.stats.jacobian = method.newton.all() * taken;
+  if (!diverged) record.stats.linear_iterations = body.linear_iterations();
   return record;
 }
 
@@ -122,8 +127,12 @@ DeviceRun run_with(Device& device, const Problem& problem, const Method& method,
 
 std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!problem.body) return "runs on a GPU for bodies on meshes alone";
-  if (!device_method(method)) return "runs on no GPU";
+  const std::optional<DeviceMethod> known = device_method(method);
+  if (!known) return "runs on no GPU";
   const std::string why = unsuited_for_patches(*problem.body);
+  if (known->newton.programs() > NewtonSteps::most_programs)
+    return "takes more conjugate gradients in a step than a GPU is told at once, some " +
+           std::to_string(NewtonSteps::most_programs / 2);
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }
 

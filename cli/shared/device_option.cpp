@@ -79,12 +79,12 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   if (!is_gpu()) return;
   if (spec.adaptive) throw InputError("--device gpu runs fixed steps; give --h in the place of tolerances");
   if (const std::string why = unsuited_for_device(problem, method); !why.empty())
-    throw InputError(fmt::format(
-        "{} {}; leave --device out{}", method.id, why,
-        unsuited_for_device(problem, find_method("rk4")).empty()
-            ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference or an "
-              "explicit Runge-Kutta method of hmax such as rk4"
-            : ""));
+    throw InputError(
+        fmt::format("{} {}; leave --device out{}", method.id, why,
+                    unsuited_for_device(problem, find_method("rk4")).empty()
+                        ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
+                          "newton_truncated or an explicit Runge-Kutta method of hmax such as rk4"
+                        : ""));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {

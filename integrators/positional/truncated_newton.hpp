@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "integrators/linear/piece_sums.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/system.hpp"
 
@@ -14,7 +15,8 @@ namespace hmax {
 /// An iteration is one of Newton's method without line search,
 ///   (M / h^2 + C / h + K) dq = F(t, q, (q - q_0) / h) - M (q - q_0 - h v_0) / h^2,
 /// with at most `most` conjugate gradients from dq = 0, preconditioned by the diagonal. They end early where
-/// the residual is that of rounding, or a direction has no curvature. It begins at q_0 + h v_0.
+/// the residual is that of rounding, or a direction has no curvature. It begins at q_0 + h v_0. Products of
+/// vectors are sums of pieces: a device that takes these steps has the same bits.
 /// @source [baraff1998large], [nocedal2006numerical] 7.1
 class TruncatedNewton {
  public:
@@ -52,19 +54,26 @@ class TruncatedNewton {
   }
 
  private:
+  static double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+    return dot_by_pieces(a.size(), a.data(), b.data());
+  }
+
   /// dq_ ~ A^-1 residual_, which is overwritten. @returns iterations
   int solve() {
     dq_.setZero();
-    const double least = 1e-14 * residual_.norm();
+    const double least = 1e-14 * std::sqrt(dot(residual_, residual_));
     double rz = 0;
     for (int k = 0; k < most_; ++k) {
-      if (!(residual_.norm() > least)) return k;
+      if (!(std::sqrt(dot(residual_, residual_)) > least)) return k;
       z_ = residual_.cwiseQuotient(A_.diagonal());
-      const double next = residual_.dot(z_);
-      p_ = k == 0 ? z_ : Eigen::VectorXd(z_ + next / rz * p_);
+      const double next = dot(residual_, z_);
+      if (k == 0)
+        p_ = z_;
+      else
+        p_ = z_ + next / rz * p_;
       rz = next;
       Ap_.noalias() = A_ * p_;
-      const double curvature = p_.dot(Ap_);
+      const double curvature = dot(p_, Ap_);
       if (!(curvature > 0)) return k;
       dq_ += rz / curvature * p_;
       residual_ -= rz / curvature * Ap_;

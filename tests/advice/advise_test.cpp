@@ -44,7 +44,8 @@ TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
 TEST(Advise, OnADeviceHasTheMotionsOfTheProcessor) {
   const Problem problem = cube("press");
   AdviceQuestion question{.rate = 100, .budget = 10, .frames = 60, .material = false, .proof = 0.1};
-  for (const char* id : {"symplectic_euler", "rk4"}) question.methods.push_back(find_method(id));
+  for (const char* id : {"symplectic_euler", "rk4", "newton_truncated"})
+    question.methods.push_back(find_method(id));
   const Advice here = advise(problem, question);
   question.device = std::make_shared<HostDevice>();
   for (Method& method : question.methods) method = on_device(std::move(method), question.device);
@@ -58,7 +59,7 @@ TEST(Advise, OnADeviceHasTheMotionsOfTheProcessor) {
     EXPECT_TRUE(row.candidate.method.device);
     EXPECT_TRUE(is_suitable(row)) << row.status;
     EXPECT_EQ(row.h, same->h);
-    EXPECT_EQ(row.h_max, same->h_max);
+    EXPECT_TRUE(row.h_max == same->h_max || (std::isnan(row.h_max) && std::isnan(same->h_max)));
     EXPECT_EQ(row.error, same->error);
     EXPECT_EQ(row.frames, same->frames);
     EXPECT_GT(row.frame.p50, 0);

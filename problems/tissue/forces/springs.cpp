@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "problems/digits.hpp"
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
 
 namespace hmax {
 namespace {
@@ -53,8 +54,9 @@ void add_pair(const BlockPattern& pattern, double* values, const std::array<TetM
 /// dT/dl e e^T + T / l (I - e e^T).
 template <class Law>
 Matrix3d tangent(const Law& law, const Span& at, double stiffness, double length) {
-  const double s = (at.length - length) / length, across = stiffness * length * law.phi(s) / at.length;
-  return across * Matrix3d::Identity() + (stiffness * law.slope(s) - across) * at.e * at.e.transpose();
+  double B[3][3];
+  kernel_loops::spring_stiffness(law, stiffness, length, at.length, at.e.data(), B);
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&B[0][0]);
 }
 
 /// b of phi = s + b s^3, the laws that the kernels know.

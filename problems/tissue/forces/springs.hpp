@@ -12,6 +12,7 @@
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/kernels/kernels.hpp"
+#include "problems/tissue/forces/kernels/spring_law.hpp"
 #include "problems/tissue/forces/node_rows.hpp"
 #include "problems/tissue/forces/point_strips.hpp"
 
@@ -20,20 +21,7 @@ namespace hmax {
 /// A spring law is a function phi of the strain s = (l - L) / L, from which a spring of stiffness k [N/m] has
 /// the tension T = k L phi(s) [N]. It answers with phi, its slope and its integral from 0.
 
-/// phi = s.
-struct LinearSpring {
-  [[nodiscard]] double phi(double s) const { return s; }
-  [[nodiscard]] double slope(double) const { return 1; }
-  [[nodiscard]] double integral(double s) const { return s * s / 2; }
-};
-
-/// phi = s + b s^3: with b > 0 stiffer the more it is stretched or pressed.
-struct CubicSpring {
-  double b = 1;
-  [[nodiscard]] double phi(double s) const { return s * (1 + b * s * s); }
-  [[nodiscard]] double slope(double s) const { return 1 + 3 * b * s * s; }
-  [[nodiscard]] double integral(double s) const { return s * s * (2 + b * s * s) / 4; }
-};
+// LinearSpring and CubicSpring are those of kernels/spring_law.hpp.
 
 /// phi = (exp(b s) - 1) / b, the law of soft tissue in tension; pressed it gives way towards -1 / b.
 /// @source  [fung1993biomechanics]
@@ -107,6 +95,7 @@ class SpringSet {
 
   [[nodiscard]] std::size_t size() const { return springs_.size(); }
   [[nodiscard]] const Spring& spring(std::size_t i) const { return springs_[i]; }
+  [[nodiscard]] double length(std::size_t i) const { return length_[i]; }  ///< L [m]
   [[nodiscard]] const SpringLaw& law() const { return law_; }
   [[nodiscard]] bool has_dampers() const { return has_dampers_; }
   /// The springs in the order in which their forces are added up, slice after slice, and b of phi = s + b

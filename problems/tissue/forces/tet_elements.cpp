@@ -1,5 +1,8 @@
 #include "problems/tissue/forces/tet_elements.hpp"
 
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
+
 namespace hmax {
 
 Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points) {
@@ -8,6 +11,29 @@ Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index,
     Ds.col(static_cast<Eigen::Index>(a) - 1) =
         as_vector(u[static_cast<std::size_t>(points[a])]) - as_vector(u[static_cast<std::size_t>(points[0])]);
   return Ds;
+}
+
+ElementStiffness neo_hookean_stiffness(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
+                                       const RestShape& rest, const Lame& lame) {
+  using Lanes = OneElement<double>;
+  const Eigen::Matrix3d edges = edge_vectors(u, points);
+  double U[3][3], block[3][3];
+  kernel_loops::NeoHookeanParts<Lanes> parts;
+  for (Eigen::Index a = 0; a < 3; ++a)
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      U[a][i] = edges(i, a);
+      parts.g[a + 1][i] = rest.gradients(a, i);
+    }
+  kernel_loops::neo_hookean_parts<Lanes, double>(U, rest.volume * lame.lambda / 2, rest.volume * lame.mu,
+                                                 parts);
+  ElementStiffness K;
+  for (int a = 0; a < 4; ++a)
+    for (int b = a; b < 4; ++b) {
+      kernel_loops::neo_hookean_stiffness<Lanes>(parts, a, b, block);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
+    }
+  return K;
 }
 
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,

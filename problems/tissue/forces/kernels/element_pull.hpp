@@ -63,17 +63,23 @@ HMAX_DEVICE inline void small_stress(const V (*H)[3], V half_lambda, V mu, V (*P
   for (int i = 0; i < 3; ++i) P[i][i] += pressure;
 }
 
+/// The cofactors of H.
+template <class V>
+HMAX_DEVICE inline void cofactors_of(const V (*H)[3], V (*K)[3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      K[i][j] = H[i1][j1] * H[i2][j2] - H[i1][j2] * H[i2][j1];
+    }
+}
+
 /// V (mu (F - C) + mu' s / (4 (s + 4)) F + lambda' (J - 1) C) of the stable neo-Hookean solid, mu' = 4/3 mu,
 /// lambda' = lambda + 5/6 mu, s = |F|^2 - 3, C = dJ/dF = I + D with D = tr(H) I - H^T + K and the cofactors K
 /// of H, so that no number is the difference of larger ones.
 template <class Lanes, class V>
 HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
   V K[3][3];
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      K[i][j] = H[i1][j1] * H[i2][j2] - H[i1][j2] * H[i2][j1];
-    }
+  cofactors_of<V>(H, K);
   const V trace = H[0][0] + H[1][1] + H[2][2];
   const V square =
       (trace + trace) + (dot<Lanes>(H[0], H[0]) + dot<Lanes>(H[1], H[1]) + dot<Lanes>(H[2], H[2]));

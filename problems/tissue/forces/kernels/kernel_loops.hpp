@@ -16,6 +16,7 @@
 #pragma once
 
 #include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/kernels.hpp"
 
 namespace hmax::kernel_loops {
@@ -82,36 +83,6 @@ inline void scatter_block(const TetSlots& slots, int pair, std::size_t lane,
   }
 }
 
-/// What the stiffness of some lanes is made of: gradients g_a, h_a = F g_a, lambda h_a, mu h_a, mu B and c.
-/// Not used are lh[0] and mh[3].
-template <class Lanes>
-struct StiffnessParts {
-  typename Lanes::V g[4][3], h[4][3], lh[4][3], mh[4][3], B[6], c;
-};
-
-template <class Lanes>
-inline void stiffness_parts(const TetBlock& block, std::size_t lane, const double* u,
-                            StiffnessParts<Lanes>& parts) {
-  using V = typename Lanes::V;
-  auto& [g, h, lh, mh, B, c] = parts;
-  V U[3][3], F[3][3];
-  load_element<Lanes>(block, lane, u, U, g + 1);
-  displacement_gradient<Lanes>(U, g + 1, F);
-  for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
-  for (int a = 1; a < 4; ++a)
-    for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
-  for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
-  for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j) B[symmetric(i, j)] = dot<Lanes>(F[i], F[j]);
-  const V mu = Lanes::load(block.mu + lane), half = Lanes::load(block.half_lambda + lane),
-          lambda = half + half;
-  c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
-  for (int k = 0; k < 6; ++k) B[k] *= mu;
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) mh[a][i] = mu * h[a][i], lh[a + 1][i] = lambda * h[a + 1][i];
-}
-
 template <class Lanes>
 void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t count, const double* u,
                      double* pairs) {
@@ -120,22 +91,19 @@ void green_stiffness(const TetBlock* blocks, const TetSlots* slots, std::size_t 
   for (std::size_t n = 0; n < count; ++n) {
     fetch_ahead<Lanes>(blocks, n, count);
     StiffnessParts<Lanes> parts[lanes / width];
-    for (std::size_t lane = 0; lane < lanes; lane += width)
-      stiffness_parts<Lanes>(blocks[n], lane, u, parts[lane / width]);
-    // Entry (i, j) of block (b, a): lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij,
-    // with K_ab = g_a.g_b and s_ab = c K_ab + mu h_a.h_b. Pair after pair, so that the order of the sums is
-    // the same for every width.
+    for (std::size_t lane = 0; lane < lanes; lane += width) {
+      V U[3][3];
+      StiffnessParts<Lanes>& own = parts[lane / width];
+      load_element<Lanes>(blocks[n], lane, u, U, own.g + 1);
+      stiffness_parts<Lanes, V>(U, Lanes::load(blocks[n].half_lambda + lane),
+                                Lanes::load(blocks[n].mu + lane), own);
+    }
+    // Pair after pair, so that the order of the sums is the same for every width.
     for (int a = 0, pair = 0; a < 3; ++a)
       for (int b = a + 1; b < 4; ++b, ++pair)
         for (std::size_t lane = 0; lane < lanes; lane += width) {
-          const auto& [g, h, lh, mh, B, c] = parts[lane / width];
-          const V k = dot<Lanes>(g[a], g[b]), s = c * k + dot<Lanes>(mh[a], h[b]);
           V entries[3][3];
-          for (int j = 0; j < 3; ++j)
-            for (int i = 0; i < 3; ++i) {
-              entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric(i, j)];
-              if (i == j) entries[j][i] += s;
-            }
+          pair_stiffness<Lanes>(parts[lane / width], a, b, entries);
           scatter_block<Lanes>(slots[n], pair, lane, entries, pairs);
         }
   }

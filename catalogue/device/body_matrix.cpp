@@ -1,0 +1,217 @@
+#include "catalogue/device/body_matrix.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/rest_shape.hpp"
+#include "problems/tissue/forces/tet_blocks.hpp"
+
+namespace hmax {
+
+namespace {
+
+using Index = TetMesh::Index;
+using BlockTerms = std::vector<std::vector<std::int32_t>>;  ///< of each entry, in the order of their sum
+
+MatrixArrays::Lists lists_of(const BlockTerms& terms) {
+  MatrixArrays::Lists lists{{0}, {}};
+  for (const std::vector<std::int32_t>& each : terms) {
+    lists.of.insert(lists.of.end(), each.begin(), each.end());
+    lists.first.push_back(static_cast<std::int32_t>(lists.of.size()));
+  }
+  return lists;
+}
+
+class MatrixMaker {
+ public:
+  MatrixMaker(const TissueBody& body, std::span<const std::int32_t> number)
+      : body_(body), number_(number), free_(at(static_cast<Index>(body.mesh().point_count())), -1) {
+    for (std::size_t i = 0; i < body.free_points().size(); ++i)
+      free_[at(body.free_points()[i])] = static_cast<std::int32_t>(i);
+    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
+    TissueBody::DofMatrix C;
+    body.damping(0, still, still, C);
+    take_pattern(C);
+    if (body.settings().beta != 0) take_damping(C);
+    made_.alpha = body.settings().alpha;
+  }
+
+  MatrixArrays finish() && {
+    if (body_.tet_blocks()) {
+      made_.law = body_.tet_blocks()->law();
+      if (made_.law == TetLaw::green) make_pairs(body_.tet_blocks()->blocks());
+      if (made_.law == TetLaw::small_strain) add_up_constant();
+      if (made_.law == TetLaw::neo_hookean) place_elements();
+    }
+    if (!body_.spring_sets().empty()) place_springs(body_.spring_sets().front());
+    return std::move(made_);
+  }
+
+ private:
+  /// Rows of blocks are columns: the pattern is symmetric.
+  void take_pattern(const TissueBody::DofMatrix& C) {
+    made_.first.push_back(0);
+    for (std::int32_t j = 0; j < static_cast<std::int32_t>(C.cols() / 3); ++j) {
+      for (TissueBody::DofMatrix::InnerIterator entry(C, 3 * j); entry; ++entry)
+        if (entry.row() % 3 == 0) {
+          made_.row.push_back(j);
+          made_.column.push_back(static_cast<std::int32_t>(entry.row() / 3));
+        }
+      made_.first.push_back(static_cast<std::int32_t>(made_.column.size()));
+    }
+  }
+
+  [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const {
+    const auto from = made_.column.begin() + made_.first[at(i)],
+               to = made_.column.begin() + made_.first[at(i) + 1];
+    return static_cast<std::size_t>(std::lower_bound(from, to, j) - made_.column.begin());
+  }
+
+  void take_damping(const TissueBody::DofMatrix& C) {
+    made_.damping.resize(9 * made_.blocks());
+    for (Eigen::Index j = 0; j < C.cols(); ++j)
+      for (TissueBody::DofMatrix::InnerIterator entry(C, j); entry; ++entry)
+        made_
+            .damping[9 * block(static_cast<std::int32_t>(entry.row() / 3), static_cast<std::int32_t>(j / 3)) +
+                     at(3 * (entry.row() % 3) + j % 3)] = entry.value();
+  }
+
+  /// The pairs of GreenElements: free points, then a free and a supported one in the order of both.
+  void make_pairs(std::span<const TetBlock> blocks) {
+    using RimPair = std::array<Index, 2>;
+    std::vector<RimPair> on_rim;
+    const auto each_pair = [&](const auto& visit) {
+      std::int32_t tets = 0;
+      for (const TetBlock& block : blocks) {
+        std::array<std::int32_t, TetBlock::lanes> tet;
+        for (std::size_t lane = 0; lane < TetBlock::lanes; ++lane)
+          tet[lane] = block.mu[lane] != 0 ? tets++ : -1;  // unused lanes have no stiffness
+        for (std::int32_t a = 0; a < 4; ++a)
+          for (std::int32_t b = a + 1; b < 4; ++b)
+            for (std::size_t lane = 0; lane < TetBlock::lanes; ++lane)
+              if (tet[lane] >= 0)
+                visit(block.rows[a][lane] / 4, block.rows[b][lane] / 4, 16 * tet[lane] + 4 * a + b);
+      }
+    };
+    const auto rim_pair = [&](Index a, Index b) {
+      return free_[at(a)] >= 0 ? RimPair{free_[at(a)], b} : RimPair{free_[at(b)], a};
+    };
+    const auto is_on_rim = [&](Index a, Index b) { return (free_[at(a)] < 0) != (free_[at(b)] < 0); };
+    each_pair([&](Index a, Index b, std::int32_t) {
+      if (is_on_rim(a, b)) on_rim.push_back(rim_pair(a, b));
+    });
+    std::ranges::sort(on_rim);
+    on_rim.erase(std::unique(on_rim.begin(), on_rim.end()), on_rim.end());
+    const std::int32_t inside = number_pairs();
+    for (std::int32_t p = 0; p <= static_cast<std::int32_t>(body_.free_points().size()); ++p)
+      made_.rim.push_back(inside + static_cast<std::int32_t>(std::ranges::lower_bound(on_rim, RimPair{p, 0}) -
+                                                             on_rim.begin()));
+    BlockTerms terms(at(inside) + on_rim.size());
+    each_pair([&](Index a, Index b, std::int32_t term) {
+      if (is_on_rim(a, b))
+        terms[at(inside + (std::ranges::lower_bound(on_rim, rim_pair(a, b)) - on_rim.begin()))].push_back(
+            term);
+      else if (free_[at(a)] >= 0)
+        terms[at(made_.sum_of[block(free_[at(b)], free_[at(a)])])].push_back(term);
+    });
+    made_.terms = lists_of(terms);
+    place_tets(blocks);
+  }
+
+  /// Numbers of the pairs of free points. @returns how many there are
+  std::int32_t number_pairs() {
+    std::int32_t pairs = 0;
+    made_.sum_of.assign(made_.blocks(), 0);
+    for (std::size_t n = 0; n < made_.blocks(); ++n)
+      if (made_.row[n] > made_.column[n]) {
+        made_.sum_of[block(made_.column[n], made_.row[n])] = ~pairs;
+        made_.sum_of[n] = pairs++;
+      }
+    return pairs;
+  }
+
+  void place_tets(std::span<const TetBlock> blocks) {
+    for (const TetBlock& block : blocks)
+      for (std::size_t lane = 0; lane < TetBlock::lanes; ++lane)
+        if (block.mu[lane] != 0) {
+          StiffTet& tet = made_.tets.emplace_back();
+          for (std::size_t k = 0; k < 9; ++k) tet.gradients[k] = block.gradients[k][lane];
+          tet.half_lambda = block.half_lambda[lane];
+          tet.mu = block.mu[lane];
+          for (std::size_t a = 0; a < 4; ++a) tet.corner[a] = number_[at(block.rows[a][lane] / 4)];
+        }
+  }
+
+  /// Of small strain: the elements come before all else.
+  void add_up_constant() {
+    made_.constant.assign(9 * made_.blocks(), 0.0);
+    std::size_t left = body_.element_pieces();
+    body_.visit_rest_stiffness([&](std::span<const Index> points,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& K) {
+      if (left == 0) return;
+      --left;
+      for (std::size_t a = 0; a < points.size(); ++a)
+        for (std::size_t b = 0; b < points.size(); ++b) {
+          const std::int32_t i = free_[at(points[a])], j = free_[at(points[b])];
+          if (i < 0 || j < 0) continue;
+          double* const to = made_.constant.data() + 9 * block(i, j);
+          for (std::size_t k = 0; k < 9; ++k)
+            to[k] += K(static_cast<Eigen::Index>(3 * a + k / 3), static_cast<Eigen::Index>(3 * b + k % 3));
+        }
+    });
+  }
+
+  /// Those of TetElements, in the order of the mesh.
+  void place_elements() {
+    const TetMesh& mesh = body_.mesh();
+    BlockTerms terms(made_.blocks());
+    for (Index t = 0; t < static_cast<Index>(mesh.tetrahedron_count()); ++t) {
+      std::array<Index, 4> points;
+      for (std::size_t a = 0; a < 4; ++a) points[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
+      for (std::int32_t a = 0; a < 4; ++a)
+        for (std::int32_t b = 0; b < 4; ++b)
+          if (const std::int32_t i = free_[at(points[at(a)])], j = free_[at(points[at(b)])]; i >= 0 && j >= 0)
+            terms[block(i, j)].push_back(16 * t + 4 * a + b);
+      const RestShape rest(mesh, points);
+      const TissueMaterial& material = body_.settings().materials[at(mesh.region(t))];
+      const Lame moduli = lame(material.young, material.poisson);
+      StiffTet& tet = made_.tets.emplace_back();
+      for (std::size_t k = 0; k < 9; ++k)
+        tet.gradients[k] = rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
+      tet.half_lambda = rest.volume * moduli.lambda / 2;
+      tet.mu = rest.volume * moduli.mu;
+      for (std::size_t a = 0; a < 4; ++a) tet.corner[a] = number_[at(points[a])];
+    }
+    made_.terms = lists_of(terms);
+  }
+
+  void place_springs(const SpringSet& springs) {
+    BlockTerms terms(made_.blocks());
+    for (std::size_t n = 0; n < springs.size(); ++n) {
+      const auto& points = springs.spring(n).points;
+      for (const Index a : points)
+        for (const Index b : points)
+          if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
+            terms[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(n));
+      made_.springs.push_back(
+          {springs.spring(n).stiffness, springs.length(n), {number_[at(points[0])], number_[at(points[1])]}});
+    }
+    made_.spring_terms = lists_of(terms);
+    made_.cubic = springs.sliced()->cubic;  // NOLINT(bugprone-unchecked-optional-access): it suits
+  }
+
+  const TissueBody& body_;
+  std::span<const std::int32_t> number_;
+  std::vector<std::int32_t> free_;  ///< of each point of the mesh: its number among the free ones, or -1
+  MatrixArrays made_;
+};
+
+}  // namespace
+
+MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number) {
+  return MatrixMaker(body, number).finish();
+}
+
+}  // namespace hmax

@@ -1,0 +1,46 @@
+/// Newton iterations of a body in the memory of a device: what they need, and the programs of a step.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "catalogue/device/body_matrix.hpp"
+#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device_method.hpp"
+#include "catalogue/device/device_program.hpp"
+
+namespace hmax {
+
+/// What truncated Newton has beside BodyStep.
+class NewtonOnDevice {
+ public:
+  /// @param memory  outlives this
+  NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches,
+                 const NewtonSteps& steps);
+
+  /// The programs of a step from step.q to step.q_next; evaluations of loads count on from step.evaluation.
+  void append(const BodyStep<double>& step, double h, std::vector<DeviceProgram>& programs) const;
+
+  /// Conjugate gradients since reset().
+  [[nodiscard]] std::int64_t iterations();
+  void reset();
+  void keep();
+  void go_back();
+
+  /// Of a step, beside its evaluations of forces.
+  [[nodiscard]] double flops() const;
+  [[nodiscard]] double bytes() const;
+
+ private:
+  void place_matrix(const TissueBody& body, const BodyPatches& patches);
+
+  DeviceMemory& memory_;
+  NewtonSteps steps_;
+  NewtonArrays arrays_{};
+  double* between_[2]{};  ///< displacements at the ends of substeps
+  std::int64_t* kept_;
+  double terms_ = 0, spring_terms_ = 0;
+};
+
+}  // namespace hmax

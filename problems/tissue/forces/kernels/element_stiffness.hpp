@@ -1,0 +1,124 @@
+/// The stiffness of tetrahedra and of springs: the one source of processors and devices, as element_pull.hpp.
+#pragma once
+
+#include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
+
+namespace hmax::kernel_loops {
+
+/// What the stiffness of Green's strain is made of: gradients g_a, h_a = F g_a, lambda h_a, mu h_a, mu B and
+/// c, see TissueKernels::green_stiffness. Not used are lh[0] and mh[3].
+template <class Lanes>
+struct StiffnessParts {
+  typename Lanes::V g[4][3], h[4][3], lh[4][3], mh[4][3], B[6], c;
+};
+
+/// @param U  as of displacement_gradient()
+/// @param parts  has Bm, row a at g[a + 1]
+template <class Lanes, class V>
+HMAX_DEVICE inline void stiffness_parts(const V (*U)[3], V half, V mu, StiffnessParts<Lanes>& parts) {
+  auto& [g, h, lh, mh, B, c] = parts;
+  V F[3][3];
+  displacement_gradient<Lanes>(U, g + 1, F);
+  for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
+  for (int a = 1; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) B[symmetric(i, j)] = dot<Lanes>(F[i], F[j]);
+  const V lambda = half + half;
+  c = half * (B[0] + B[1] + B[2] - Lanes::splat(3)) - mu;
+  for (int k = 0; k < 6; ++k) B[k] *= mu;
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) mh[a][i] = mu * h[a][i], lh[a + 1][i] = lambda * h[a + 1][i];
+}
+
+/// The block (b, a) of a pair of corners a < b, column j at entries[j]:
+///   lambda h_b[i] h_a[j] + mu h_a[i] h_b[j] + mu K_ab B_ij + s_ab e_ij,  K_ab = g_a.g_b,
+///   s_ab = c K_ab + mu h_a.h_b.
+template <class Lanes, class V>
+HMAX_DEVICE inline void pair_stiffness(const StiffnessParts<Lanes>& parts, int a, int b, V (*entries)[3]) {
+  const auto& [g, h, lh, mh, B, c] = parts;
+  const V k = dot<Lanes>(g[a], g[b]), s = c * k + dot<Lanes>(mh[a], h[b]);
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      entries[j][i] = lh[b][i] * h[a][j] + mh[a][i] * h[b][j] + k * B[symmetric(i, j)];
+      if (i == j) entries[j][i] += s;
+    }
+}
+
+/// What the stiffness of the stable neo-Hookean solid is made of: gradients g_a, F g_a, C g_a, F, and V times
+/// mu' (1 - 1 / n), 2 mu' / n^2, lambda' and lambda' (J - a), n = |F|^2 + 1; see StableNeoHookean.
+template <class Lanes>
+struct NeoHookeanParts {
+  typename Lanes::V g[4][3], Fg[4][3], Cg[4][3], F[3][3], straight, stretched, squeezed, turned;
+};
+
+/// @param U  as of displacement_gradient()
+/// @param parts  has Bm, row a at g[a + 1]
+template <class Lanes, class V>
+HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHookeanParts<Lanes>& parts) {
+  auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
+  V H[3][3], K[3][3];
+  displacement_gradient<Lanes>(U, g + 1, H);
+  cofactors_of<V>(H, K);
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  const V trace = H[0][0] + H[1][1] + H[2][2], one = Lanes::splat(1);
+  const V n = (trace + trace) + (dot<Lanes>(H[0], H[0]) + dot<Lanes>(H[1], H[1]) + dot<Lanes>(H[2], H[2])) +
+              Lanes::splat(4);
+  const V volume = trace + (K[0][0] + K[1][1] + K[2][2]) + dot<Lanes>(H[0], K[0]);
+  V C[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      F[i][j] = i == j ? H[i][j] + one : H[i][j];
+      C[i][j] = (i == j ? one + (trace - H[j][i]) : -H[j][i]) + K[i][j];
+    }
+  for (int a = 0; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) Fg[a][i] = dot<Lanes>(F[i], g[a]), Cg[a][i] = dot<Lanes>(C[i], g[a]);
+  const V shear = Lanes::splat(4.0 / 3) * mu;
+  straight = shear * (one - one / n);
+  stretched = (shear + shear) / (n * n);
+  squeezed = (half + half) + Lanes::splat(5.0 / 6) * mu;
+  turned = squeezed * volume - Lanes::splat(0.75) * shear;
+}
+
+/// The block of corners a and b, entry (i, j) at block[i][j]:
+///   mu' (1 - 1 / n) g_a.g_b e_ij + 2 mu' / n^2 (F g_a)_i (F g_b)_j + lambda' (C g_a)_i (C g_b)_j
+///   + lambda' (J - a) (e_j x F (g_a x g_b))_i.
+/// That of b and a is the transposed one to the last bit.
+template <class Lanes, class V>
+HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes>& parts, int a, int b,
+                                              V (*block)[3]) {
+  const auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
+  V cross[3], w[3];
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    cross[i] = g[a][j] * g[b][k] - g[a][k] * g[b][j];
+  }
+  for (int i = 0; i < 3; ++i) w[i] = turned * dot<Lanes>(F[i], cross);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      block[i][j] = stretched * (Fg[a][i] * Fg[b][j]) + squeezed * (Cg[a][i] * Cg[b][j]);
+  const V along = straight * dot<Lanes>(g[a], g[b]);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    block[i][i] += along;
+    block[i][j] += w[k];
+    block[j][i] -= w[k];
+  }
+}
+
+/// dT/dl e e^T + T / l (I - e e^T) of a spring, entry (i, j) at B[i][j].
+/// @param law  phi(s) and slope(s), see springs.hpp
+/// @param stiffness, rest, length  k [N/m], L and l [m];  @param e  its direction
+template <class Law>
+HMAX_DEVICE inline void spring_stiffness(const Law& law, double stiffness, double rest, double length,
+                                         const double* e, double (*B)[3]) {
+  const double s = (length - rest) / rest, across = stiffness * rest * law.phi(s) / length,
+               along = stiffness * law.slope(s) - across;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) B[i][j] = across * (i == j ? 1.0 : 0.0) + along * e[i] * e[j];
+}
+
+}  // namespace hmax::kernel_loops
