@@ -62,6 +62,15 @@ TEST(Timing, ACandidateThatCostsNothingStillEnds) {
   EXPECT_EQ(time_interleaved(candidates, {.repetitions = 2, .min_sample_s = 1e-4})[0].samples.size(), 2u);
 }
 
+TEST(Timing, IsByTheClockThatIsGiven) {
+  double now = 0;
+  const std::vector<Candidate> candidates{[&](std::int64_t runs) { now += 3.0 * static_cast<double>(runs); }};
+  const Timing timing =
+      time_interleaved(candidates, {.repetitions = 4, .min_sample_s = 5, .clock = [&] { return now; }})[0];
+  EXPECT_EQ(timing.runs_per_sample, 2);
+  EXPECT_EQ(timing.samples, std::vector<double>(4, 3));
+}
+
 TEST(Timing, CanBeEndedBetweenSamples) {
   int asked = 0, called = 0;
   const std::vector<Candidate> candidates{[&](std::int64_t) { ++called, burning(1e-4)(1); }};
