@@ -263,14 +263,14 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
   text +=
       fmt::format("{} rows in {}: {} measured in {} s, {} were there already\n", summary.rows,
                   store.file().string(), summary.measured, short_number(summary.seconds, 3), summary.skipped);
-  if (!rows.empty() && is_on_device(rows.front()))
-    text +=
-        fmt::format("times of {}, {} MHz, {}, {} precision, without copies\n", rows.front().key.device,
-                    short_number(rows.front().clock_mhz, 4), rows.front().driver, rows.front().key.precision);
   text += words_of_failures(plan, rows, store.file().string());
   if (subnormal > 0)
     text +=
         fmt::format("{} of them met subnormal numbers, which can make a run many times slower\n", subnormal);
+  if (!rows.empty() && is_on_device(rows.front()))
+    text +=
+        fmt::format("times of {}, {} MHz, {}, {} precision, without copies\n", rows.front().key.device,
+                    short_number(rows.front().clock_mhz, 4), rows.front().driver, rows.front().key.precision);
   return text + fmt::format("\nAll of it: hmax export {} --format csv\n", store.file().string());
 }
 
