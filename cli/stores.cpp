@@ -107,6 +107,8 @@ void export_rows(const ExportOptions& options, Console& console) {
 }
 
 Json to_json(const RowComparison& row) {
+  const bool there = !row.key.device.empty();
+  const auto of = [](bool clock, double seconds) { return clock ? Json(seconds) : Json(); };
   return {{"row", benchmark_name(row.key)},
           {"problem", row.key.problem},
           {"material", row.key.material},
@@ -116,8 +118,11 @@ Json to_json(const RowComparison& row) {
           {"rtol", row.key.rtol},
           {"t_end", row.key.t_end},
           {"verdict", to_string(row.verdict)},
-          {"cpu_median_a_s", row.median_a},
-          {"cpu_median_b_s", row.median_b},
+          {"cpu_median_a_s", of(!there, row.median_a)},
+          {"cpu_median_b_s", of(!there, row.median_b)},
+          {"device", row.key.device},
+          {"device_median_a_s", of(there, row.median_a)},
+          {"device_median_b_s", of(there, row.median_b)},
           {"ratio", row.ratio},
           {"relative_ratio", row.relative_ratio},
           {"p", row.p},

@@ -12,6 +12,7 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/device_option.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -36,6 +37,7 @@ struct SweepOptions {
   std::vector<std::string> set;
   std::optional<double> atol, t_end;
   bool fixed = false, sampled = false, resume = false, publish = false, explore = false;
+  DeviceChoice device;
   const CLI::Option* jobs = nullptr;
 };
 
@@ -84,12 +86,27 @@ SweepRequest flags_of(const SweepOptions& options) {
   return request;
 }
 
+/// @throws InputError  for what is not of fixed steps of hmax, measured in turn
+void place_on_device(const SweepOptions& options, const SweepRequest& request, SweepSpec& spec) {
+  const auto& readings = request.readings;
+  options.device.check({{"--explore", options.explore},
+                        {"--rtol", request.rtol.has_value()},
+                        {"--sampled", readings && std::ranges::find(*readings, "sampled") != readings->end()},
+                        {"--tableau", request.tableaux.has_value()}});
+  spec.sampled = false;
+  spec.place = [&device = options.device](const std::vector<Problem>& problems, std::vector<Method>& methods,
+                                          std::vector<LeftOut>& left_out) {
+    static_cast<void>(device.place(problems, methods, left_out));
+  };
+}
+
 /// What is swept.
 /// @throws InputError  for what asks for times that exploring does not measure
 SweepSpec spec_of(const SweepOptions& options, const SweepRequest& request) {
   SweepSpec spec = spec_from(request);
   if (is_given(options.jobs) && !options.explore)
     throw InputError("a sweep is measured on one thread; add --explore, or leave --jobs out");
+  if (options.device.is_gpu()) place_on_device(options, request, spec);
   if (!options.explore) return spec;
   if (options.publish)
     throw InputError("--explore measures no times that are fit to publish; leave --publish out");
@@ -126,6 +143,7 @@ std::vector<Group> groups_of(const SweepPlan& plan, const std::vector<Row>& rows
     if (std::ranges::count_if(plan.problems, same) > 1)
       title += " with " + row.key.parameters + ", y0 " + row.key.y0;
     title += ", " + row.key.mode;
+    if (is_on_device(row)) title += " on " + row.key.device;
     if (row.key.mode == "sampled") title += " at " + in_words(Tolerances<double>{row.key.rtol, row.key.atol});
     if (groups.empty() || groups.back().title != title) groups.push_back({std::move(title), {}});
     groups.back().rows.push_back(&row);
@@ -138,7 +156,7 @@ const Row* fastest(const Group& group, double error) {
   const Row* best = nullptr;
   double best_time = 0;
   for (const Row* row : group.rows) {
-    const double median = summarise(row->cpu_s).median;
+    const double median = summarise(times_of(*row)).median;
     if (!(row->error_global <= error) || !(median > 0) || (best && median >= best_time)) continue;
     best = row;
     best_time = median;
@@ -148,15 +166,16 @@ const Row* fastest(const Group& group, double error) {
 
 /// The fastest row for each power of ten of the error; one that serves several is shown at the smallest.
 std::string fastest_table(const Group& group, const Console& console) {
-  const bool adaptive = group.rows.front()->key.mode == "adaptive";
+  const Row& first = *group.rows.front();
+  const bool adaptive = first.key.mode == "adaptive";
   TextTable table({"error at most", "fastest method", adaptive ? "tolerances" : "h [s]", "error",
-                   group.rows.front()->explored ? "approximate CPU time [s]" : "CPU time [s]",
+                   fmt::format("{}{} [s]", first.explored ? "approximate " : "", name_of_time(first.key)),
                    "real-time factor"});
   for (int decade = 0; decade >= -15; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
     if (!best) break;
     if (best == fastest(group, std::pow(10.0, decade - 1))) continue;
-    const double median = summarise(best->cpu_s).median;
+    const double median = summarise(times_of(*best)).median;
     table.add(
         {fmt::format("1e{}", decade), best->key.method,
          adaptive ? in_words(Tolerances<double>{best->key.rtol, best->key.atol}) : short_number(best->key.h),
@@ -248,6 +267,10 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
   if (subnormal > 0)
     text +=
         fmt::format("{} of them met subnormal numbers, which can make a run many times slower\n", subnormal);
+  if (!rows.empty() && is_on_device(rows.front()))
+    text +=
+        fmt::format("times of {}, {} MHz, {}, {} precision, without copies\n", rows.front().key.device,
+                    short_number(rows.front().clock_mhz, 4), rows.front().driver, rows.front().key.precision);
   return text + fmt::format("\nAll of it: hmax export {} --format csv\n", store.file().string());
 }
 
@@ -322,25 +345,37 @@ void refuse_beside_ranks(const SweepOptions& options, const SweepPlan& plan, con
 
 Json document_of(const SweepPlan& plan, const Store& store, const std::filesystem::path& file,
                  const SweepSummary& summary, const std::vector<std::string>& figures) {
-  return {{"store", file.string()},
-          {"rows", summary.rows},
-          {"measured", summary.measured},
-          {"skipped", summary.skipped},
-          {"seconds", summary.seconds},
-          {"ranks", summary.ranks},
-          {"batches", summary.hands},
-          {"hands", summary.hands},  // the old names
-          {"distribution_seconds", summary.dealing_seconds},
-          {"dealing_seconds", summary.dealing_seconds},
-          {"tasks", tasks_json(summary.tasks)},
-          {"tolerances", tolerances_json(plan)},
-          {"interrupted", summary.interrupted},
-          {"failed", failures_json(store.rows())},
-          {"figures", figures},
-          {"warnings", summary.warnings}};
+  const std::vector<Row> rows = store.rows();
+  Json document{{"store", file.string()},
+                {"rows", summary.rows},
+                {"measured", summary.measured},
+                {"skipped", summary.skipped},
+                {"seconds", summary.seconds},
+                {"ranks", summary.ranks},
+                {"batches", summary.hands},
+                {"hands", summary.hands},  // the old names
+                {"distribution_seconds", summary.dealing_seconds},
+                {"dealing_seconds", summary.dealing_seconds},
+                {"tasks", tasks_json(summary.tasks)},
+                {"tolerances", tolerances_json(plan)},
+                {"interrupted", summary.interrupted},
+                {"failed", failures_json(rows)},
+                {"figures", figures},
+                {"warnings", summary.warnings}};
+  if (rows.empty() || !is_on_device(rows.front())) return document;
+  // As `hmax run --device gpu` tells it.
+  const Row& row = rows.front();
+  document["device"] = row.key.device;
+  document["clock_mhz"] = row.clock_mhz;
+  document["driver"] = row.driver;
+  document["precision"] = row.key.precision;
+  return document;
 }
 
 void sweep(const SweepOptions& options, Console& console) {
+  options.device.check({});
+  // Processes that share a card would disturb one another's times.
+  if (options.device.is_gpu() && options.shard.empty()) refuse_copies("hmax sweep --device gpu");
   // With --shard each process has a part and a store of its own.
   const std::unique_ptr<Ranks> ranks =
       options.shard.empty() && processes_started() > 1 ? open_ranks(processes_started()) : nullptr;
@@ -458,6 +493,7 @@ void add_sweep(CLI::App& app, Console& console) {
   add_flag(
       command, "--explore", options->explore,
       "Measure on all cores, many rows at once: the times are approximate, and no figure or comparison takes them");
+  options->device.add_to(command, "fixed steps of bodies");
   options->jobs = add_jobs(command);
   set_callback(command, [options, &console] { sweep(*options, console); });
 }

@@ -29,11 +29,12 @@ std::vector<Row> shown(const std::vector<Row>& rows, const std::string& mode,
   const auto differs = [&](const Row& row) {
     const RowKey &a = row.key, &b = kept.front().key;
     return a.problem != b.problem || a.material != b.material || a.parameters != b.parameters ||
-           a.y0 != b.y0 || a.t_end != b.t_end;
+           a.y0 != b.y0 || a.t_end != b.t_end || a.device != b.device || a.precision != b.precision;
   };
   if (std::any_of(kept.begin(), kept.end(), differs))
     throw InputError(
-        "rows of several problems, parameters or end times cannot share a figure; select those of one");
+        "rows of several problems, parameters, end times or devices cannot share a figure; select those of "
+        "one");
   if (std::any_of(kept.begin(), kept.end(), [](const Row& row) { return row.explored; }))
     throw InputError(
         "the times of explored rows cannot be drawn; measure them by `hmax sweep` without --explore");
@@ -78,8 +79,20 @@ std::vector<Curve> curves_of(const std::vector<Row>& rows, const std::vector<Sho
 
 double by_step(const Row& row) { return row.key.h; }
 
+/// What the time of rows of one device is called.
+std::string time_of(const std::vector<Row>& rows) {
+  return std::string(name_of_time(rows.empty() ? RowKey{} : rows.front().key));
+}
+
+/// "CPU time of one run", or "device time of one run on NVIDIA H200".
+std::string title_of_time(const std::vector<Row>& rows) {
+  std::string title = time_of(rows) + " of one run";
+  if (!rows.empty() && is_on_device(rows.front())) title += " on " + rows.front().key.device;
+  return title;
+}
+
 Measured run_time(const Row& row) {
-  const TimingSummary time = summarise(row.cpu_s);
+  const TimingSummary time = summarise(times_of(row));
   return {row.key.h, time.median, time.q1, time.q3};
 }
 
@@ -139,9 +152,9 @@ std::vector<Style> method_styles(const std::vector<ShownMethod>& methods) {
 Panel run_time_panel(const std::vector<Row>& rows, const std::string& mode,
                      const std::vector<ShownMethod>& methods) {
   const std::vector<Row> kept = shown(rows, mode, methods);
-  return {.title = "CPU time of one run",
+  return {.title = title_of_time(kept),
           .x = {"h [s]", true, {}},
-          .y = {"CPU time [s]", true, {}},
+          .y = {time_of(kept) + " [s]", true, {}},
           .curves = curves_of(kept, methods, true, run_time, by_step, true),
           .notes = {reading(mode)},
           .lost_label = lost_label(kept)};
@@ -176,13 +189,13 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
   const std::vector<Row> kept = shown(rows, "fixed", methods);
   require_some(kept);
   const auto per_step = [](const Row& row) {
-    const TimingSummary time = summarise(row.cpu_s);
+    const TimingSummary time = summarise(times_of(row));
     const double scale = row.steps > 0 ? 1e9 / static_cast<double>(row.steps) : NAN;
     return Measured{row.key.h, time.median * scale, time.q1 * scale, time.q3 * scale};
   };
   return {.title = "The cost of a step over its size",
           .panels = {{.x = {"h [s]", true, {}},
-                      .y = {"CPU time per step [ns]", true, {}},
+                      .y = {time_of(kept) + " per step [ns]", true, {}},
                       .curves = curves_of(kept, methods, true, per_step, by_step, true),
                       .notes = {reading("fixed")},
                       .lost_label = lost_label(kept)}},
@@ -232,8 +245,8 @@ Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<Sho
   require_some(kept);
   const auto follow = [](const Row& row) { return row.key.mode == "fixed" ? row.key.h : row.key.rtol; };
   const auto time = [](const Row& row) {
-    const TimingSummary cpu = summarise(row.cpu_s);
-    return Measured{row.error_global, cpu.median, cpu.q1, cpu.q3};
+    const TimingSummary time = summarise(times_of(row));
+    return Measured{row.error_global, time.median, time.q1, time.q3};
   };
   const auto evaluations = [](const Row& row) {
     return Measured{row.error_global, static_cast<double>(row.rhs), 0, 0};
@@ -254,11 +267,11 @@ Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<Sho
     return curves;
   };
   return {.title = "What an error costs: " + kept.front().key.problem,
-          .panels = {{.title = "CPU time of one run",
+          .panels = {{.title = title_of_time(kept),
                       .x = error,
-                      .y = {"CPU time [s]", true, {}},
+                      .y = {time_of(kept) + " [s]", true, {}},
                       .curves = with_limits(curves_of(kept, methods, true, time, follow, false),
-                                            [](const Row& row) { return summarise(row.cpu_s).median; }),
+                                            [](const Row& row) { return summarise(times_of(row)).median; }),
                       .notes = failures},
                      {.title = "Evaluations of f",
                       .x = error,

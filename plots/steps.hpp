@@ -21,17 +21,18 @@ struct ShownMethod {
 /// One style per method, in the order given.
 std::vector<Style> method_styles(const std::vector<ShownMethod>& methods);
 
-/// CPU time of one run (median, bars from quartile to quartile) over global error, against h: one column of
+/// Time of one run (median, bars from quartile to quartile) over global error, against h: one column of
 /// panels per mode present among `fixed` and `sampled`. Runs that did not reach the end are marks at the top
 /// edge of both panels, with or without numbers of their own. Rows of methods not in `methods` are left out.
-/// @throws InputError when the rows belong to several problems, parameters or end times, one was explored, or
-/// none is left
+/// Times are those of the device of the rows, or CPU times.
+/// @throws InputError when the rows belong to several problems, parameters, end times or devices, one was
+/// explored, or none is left
 Figure step_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
 
-/// CPU time of one step [s] against h, mode `fixed`: what `step_figure` hides in five decades of run length.
+/// Time of one step [s] against h, mode `fixed`: what `step_figure` hides in five decades of run length.
 Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods);
 
-/// CPU time of one run (median, bars from quartile to quartile) and evaluations of f over the global error:
+/// Time of one run (median, bars from quartile to quartile) and evaluations of f over the global error:
 /// fixed steps and adaptive runs together, one curve a method. Runs without an end have no error: notes say
 /// which.
 /// @param error_words  what the errors are of, on the axis
@@ -39,7 +40,7 @@ Figure step_cost_figure(const std::vector<Row>& rows, const std::vector<ShownMet
 Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<ShownMethod>& methods,
                              const std::string& error_words = "largest error over all outputs");
 
-/// A panel of CPU time of one run [s] against h for rows of one mode.
+/// A panel of the time of one run [s] against h for rows of one mode.
 Panel run_time_panel(const std::vector<Row>& rows, const std::string& mode,
                      const std::vector<ShownMethod>& methods);
 

@@ -53,75 +53,99 @@ struct Pair {
   RowComparison* result;
 };
 
+/// What the pairs of one device have in common.
+struct Common {
+  double ratio = 1, scatter = 0;  ///< as in Comparison
+};
+
 /// Fills ratios, p and noise floor of every pair, then judges.
-void judge(const std::vector<Pair>& pairs, Comparison& comparison) {
+Common judge(const std::vector<Pair>& pairs) {
   std::vector<double> logs;
   for (const Pair& pair : pairs) logs.push_back(std::log(pair.result->ratio));
   const bool enough = pairs.size() >= enough_rows;
-  const double common = enough ? median(logs) : 0;
+  Common common;
   if (enough) {
+    const double middle = median(logs);
     std::vector<double> distances;
-    for (const double log : logs) distances.push_back(std::abs(log - common));
-    comparison.scatter = std::expm1(1.4826 * median(distances));
-    comparison.common_ratio = std::exp(common);
+    for (const double log : logs) distances.push_back(std::abs(log - middle));
+    common = {std::exp(middle), std::expm1(1.4826 * median(distances))};
   }
 
   std::vector<double> p_values;
   for (const Pair& pair : pairs) {
     RowComparison& row = *pair.result;
-    std::vector<double> b = pair.b->cpu_s;
-    for (double& sample : b) sample /= comparison.common_ratio;
-    row.relative_ratio = row.ratio / comparison.common_ratio;
-    row.p = mann_whitney_p(pair.a->cpu_s, b);
-    const double error =
-        std::hypot(standard_error_of_median(pair.a->cpu_s), standard_error_of_median(pair.b->cpu_s));
-    row.noise_floor = std::max({minimum_effect, 3 * comparison.scatter, 3 * error});
+    const std::vector<double>& a = times_of(*pair.a);
+    std::vector<double> b = times_of(*pair.b);
+    const double error = std::hypot(standard_error_of_median(a), standard_error_of_median(b));
+    for (double& sample : b) sample /= common.ratio;
+    row.relative_ratio = row.ratio / common.ratio;
+    row.p = mann_whitney_p(a, b);
+    row.noise_floor = std::max({minimum_effect, 3 * common.scatter, 3 * error});
     p_values.push_back(row.p);
   }
   const double threshold = rejection_threshold(p_values);
   for (const Pair& pair : pairs) {
     RowComparison& row = *pair.result;
-    const auto fastest = [](const Row& r) { return *std::min_element(r.cpu_s.begin(), r.cpu_s.end()); };
+    const auto fastest = [](const Row& r) { return std::ranges::min(times_of(r)); };
     const double floor = std::log1p(row.noise_floor);
     const double effect = std::log(row.relative_ratio);
-    const double effect_of_fastest = std::log(fastest(*pair.b) / fastest(*pair.a) / comparison.common_ratio);
+    const double effect_of_fastest = std::log(fastest(*pair.b) / fastest(*pair.a) / common.ratio);
     const double sign = effect > 0 ? 1 : -1;
     if (row.p <= threshold && sign * effect > floor && sign * effect_of_fastest > floor / 2) {
       row.verdict = effect > 0 ? TimingVerdict::slower : TimingVerdict::faster;
     }
   }
+  return common;
 }
 
-std::vector<std::string> remarks_on(const std::vector<Pair>& pairs, const Comparison& comparison) {
-  std::vector<std::string> remarks;
-  if (pairs.empty()) {
-    remarks.push_back("No row has CPU times on both sides and the same work: no time is compared.");
-    return remarks;
-  }
+/// @param pairs  of one device, at least one
+void add_remarks(const std::vector<Pair>& pairs, const Common& common, std::vector<std::string>& remarks) {
+  const RowKey& key = pairs.front().a->key;
+  const std::string where = key.device.empty() ? "" : " on " + key.device;
   if (pairs.size() < enough_rows) {
-    remarks.push_back(
-        fmt::format("Only {} rows can be compared in time, fewer than {}: a difference of the whole session "
-                    "cannot be told from a difference of the rows, and none is removed.",
-                    pairs.size(), enough_rows));
+    remarks.push_back(fmt::format(
+        "Only {} rows{} can be compared in time, fewer than {}: a difference of the whole session "
+        "cannot be told from a difference of the rows, and none is removed.",
+        pairs.size(), where, enough_rows));
   } else {
     remarks.push_back(fmt::format(
-        "B takes {:.3f} times the CPU time of A, in the median over {} rows; this common ratio (machine, "
+        "B takes {:.3f} times the {} of A{}, in the median over {} rows; this common ratio (machine, "
         "session, or a change that touches every row alike) is removed before rows are judged.",
-        comparison.common_ratio, pairs.size()));
+        common.ratio, name_of_time(key), where, pairs.size()));
     remarks.push_back(fmt::format(
         "Around it the rows scatter by {:.1f} %; differences below {:.1f} % count as noise, for noisier rows "
         "more.",
-        100 * comparison.scatter, 100 * std::max(minimum_effect, 3 * comparison.scatter)));
+        100 * common.scatter, 100 * std::max(minimum_effect, 3 * common.scatter)));
   }
-  const auto few = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) {
-    return std::min(pair.a->cpu_s.size(), pair.b->cpu_s.size()) < enough_repetitions;
+  const auto few = std::ranges::count_if(pairs, [](const Pair& pair) {
+    return std::min(times_of(*pair.a).size(), times_of(*pair.b).size()) < enough_repetitions;
   });
   if (few > 0) {
     remarks.push_back(
         fmt::format("{} of the rows have fewer than {} repetitions: their differences can be missed.", few,
                     enough_repetitions));
   }
-  return remarks;
+  const auto elsewhere = std::ranges::count_if(pairs, [](const Pair& pair) {
+    return pair.a->clock_mhz != pair.b->clock_mhz || pair.a->driver != pair.b->driver;
+  });
+  if (elsewhere > 0)
+    remarks.push_back(
+        fmt::format("{} of the rows{} have another clock or driver in B than in A.", elsewhere, where));
+}
+
+/// Judges the rows of each device, which have times by its own clock.
+void compare_times(const std::vector<Pair>& comparable, Comparison& comparison) {
+  std::map<std::string, std::vector<Pair>> by_device;  // the processor, without a name, is the first
+  for (const Pair& pair : comparable) by_device[pair.a->key.device].push_back(pair);
+  for (const auto& [device, pairs] : by_device) {
+    const Common common = judge(pairs);
+    add_remarks(pairs, common, comparison.remarks);
+    if (device != by_device.begin()->first) continue;
+    comparison.common_ratio = common.ratio;
+    comparison.scatter = common.scatter;
+  }
+  if (by_device.empty())
+    comparison.remarks.push_back("No row has times on both sides and the same work: no time is compared.");
 }
 
 /// P(U <= u) without ties. The number of arrangements with each U are the coefficients of the Gaussian
@@ -187,7 +211,7 @@ double mann_whitney_p(std::span<const double> a, std::span<const double> b) {
 
 std::vector<std::string> changes_between(const Row& a, const Row& b) {
   std::vector<std::string> changes;
-  const auto add = [&](const char* name, const std::string& before, const std::string& after) {
+  const auto add = [&](std::string_view name, const std::string& before, const std::string& after) {
     changes.push_back(fmt::format("{}: {} -> {}", name, before, after));
   };
   if (a.outcome != b.outcome) add("outcome", a.outcome, b.outcome);
@@ -211,8 +235,9 @@ std::vector<std::string> changes_between(const Row& a, const Row& b) {
   nearly("error_global", a.error_global, b.error_global, slack);
   // Rows of an earlier hmax have none.
   if (!std::isnan(a.error_l2) && !std::isnan(b.error_l2)) nearly("error_l2", a.error_l2, b.error_l2, slack);
-  const bool has_a = are_times(a.cpu_s), has_b = are_times(b.cpu_s);
-  if (has_a != has_b) add("CPU time", has_a ? "measured" : "missing", has_b ? "measured" : "missing");
+  const bool has_a = are_times(times_of(a)), has_b = are_times(times_of(b));
+  if (has_a != has_b)
+    add(name_of_time(a.key), has_a ? "measured" : "missing", has_b ? "measured" : "missing");
   return changes;
 }
 
@@ -242,8 +267,8 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b) {
     RowComparison& row = comparison.rows[i];
     pair.result = &row;
     row.key = pair.a->key;
-    row.median_a = timed(*pair.a) ? median(pair.a->cpu_s) : nan;
-    row.median_b = timed(*pair.b) ? median(pair.b->cpu_s) : nan;
+    row.median_a = timed(*pair.a) ? median(times_of(*pair.a)) : nan;
+    row.median_b = timed(*pair.b) ? median(times_of(*pair.b)) : nan;
     row.ratio = row.median_b / row.median_a;
     row.relative_ratio = row.p = row.noise_floor = nan;
     row.changes = changes_between(*pair.a, *pair.b);
@@ -254,8 +279,7 @@ Comparison compare(std::span<const Row> a, std::span<const Row> b) {
       comparable.push_back(pair);
     }
   }
-  judge(comparable, comparison);
-  comparison.remarks = remarks_on(comparable, comparison);
+  compare_times(comparable, comparison);
   if (explored > 0)
     comparison.remarks.push_back(fmt::format(
         "{} of the rows were explored on one side at least: their times are not compared.", explored));

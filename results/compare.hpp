@@ -21,9 +21,9 @@ std::string_view to_string(TimingVerdict verdict);
 struct RowComparison {
   RowKey key;
   TimingVerdict verdict = TimingVerdict::same;
-  double median_a = 0, median_b = 0;  ///< CPU time of one run [s]; NaN without samples
+  double median_a = 0, median_b = 0;  ///< time of one run by the clock of its device [s]; NaN without samples
   double ratio = 0;                   ///< median_b / median_a as measured; NaN without samples
-  double relative_ratio = 0;          ///< ratio / Comparison::common_ratio: what is judged
+  double relative_ratio = 0;          ///< ratio / the common one of its device: what is judged
   double p = 1;            ///< of the rank test on the samples, common ratio removed; NaN without samples
   double noise_floor = 0;  ///< relative_ratio within [1 / (1 + noise_floor), 1 + noise_floor] is noise
   std::vector<std::string> changes;  ///< "steps: 1000 -> 1001"
@@ -32,8 +32,10 @@ struct RowComparison {
 struct Comparison {
   std::vector<RowComparison> rows;           ///< in the order of A
   std::vector<RowKey> only_in_a, only_in_b;  ///< in their own order
-  double common_ratio = 1;           ///< of B to A, median over the rows; 1 when rows are too few to tell
-  double scatter = 0;                ///< robust relative spread of the rows around common_ratio
+  /// Of B to A, median over the rows of the processor or, where it has none, of the first device; 1 when rows
+  /// are too few to tell.
+  double common_ratio = 1;
+  double scatter = 0;                ///< robust relative spread of the same rows around common_ratio
   std::vector<std::string> remarks;  ///< sentences for the reader: the common ratio, the noise, caveats
 
   std::size_t count(TimingVerdict verdict) const;
@@ -60,6 +62,9 @@ struct Comparison {
 ///  3. The fastest samples differ in the same direction by at least half of that: a slow stretch that spared
 ///  one
 ///     repetition leaves the minimum where it was, a slower program moves it.
+///
+/// Rows of each device are judged among themselves, and those of the processor too: their times are by
+/// different clocks.
 ///
 /// The scatter assumes that fewer than half of the rows changed by much. With fewer than 8 timed rows in
 /// common neither it nor the common ratio can be told from changes: none is removed and a remark says so.

@@ -60,7 +60,8 @@ Aggregates aggregates(const std::vector<double>& samples) {
 
 Json object_of(const Row& row) {
   const RowKey& key = row.key;
-  const TimingSummary cpu = summarise(row.cpu_s);
+  const TimingSummary time = summarise(times_of(row));
+  const bool there = is_on_device(row);
   const auto when = [](bool applies, double value) { return applies ? Json(value) : Json(); };
   Json object{{"problem", key.problem},
               {"material", key.material},
@@ -73,27 +74,35 @@ Json object_of(const Row& row) {
               {"t_reached", row.t_reached},
               {"steps", row.steps},
               {"rhs", row.rhs},
-              {"cpu_median_s", cpu.median},
-              {"cpu_q1_s", cpu.q1},
-              {"cpu_q3_s", cpu.q3},
-              {"cpu_p99_s", cpu.p99},
+              {"cpu_median_s", when(!there, time.median)},
+              {"cpu_q1_s", when(!there, time.q1)},
+              {"cpu_q3_s", when(!there, time.q3)},
+              {"cpu_p99_s", when(!there, time.p99)},
               {"error_end", row.error_end},
               {"error_global", row.error_global},
-              {"realtime_factor", ratio(row.t_reached, cpu.median)},
+              {"realtime_factor", ratio(row.t_reached, time.median)},
               {"parameters", key.parameters},
               {"y0", key.y0},
               {"control", key.control},
               {"atol", when(key.mode != "fixed", key.atol)},
               {"rejected", row.rejected},
-              {"cpu_per_step_median_s", ratio(cpu.median, static_cast<double>(row.steps))},
-              {"repetitions", row.cpu_s.size()},
+              {"cpu_per_step_median_s", when(!there, ratio(time.median, static_cast<double>(row.steps)))},
+              {"repetitions", times_of(row).size()},
               {"runs_per_sample", row.runs_per_sample},
               {"reference", row.reference},
               {"reference_error", row.reference_error},
               {"error_l2", row.error_l2},
               {"subnormals", row.subnormals},
               {"session", row.session},
-              {"explored", std::int64_t{row.explored}}};
+              {"explored", std::int64_t{row.explored}},
+              {"device", key.device},
+              {"precision", key.precision},
+              {"clock_mhz", when(there, row.clock_mhz)},
+              {"driver", row.driver},
+              {"device_median_s", when(there, time.median)},
+              {"device_q1_s", when(there, time.q1)},
+              {"device_q3_s", when(there, time.q3)},
+              {"device_p99_s", when(there, time.p99)}};
   std::string status = row.status;
   if (status.empty()) {
     for (const auto& [name, value] : object.items())
@@ -157,6 +166,7 @@ std::string benchmark_name(const RowKey& key) {
   add(key.method);
   add(key.mode);
   if (key.control != "none") add(key.control);
+  if (!key.device.empty()) add("device:" + key.device + "/" + key.precision);
   if (key.mode != "adaptive") add("h:" + to_text(key.h));
   if (key.mode != "fixed") add("rtol:" + to_text(key.rtol) + "/atol:" + to_text(key.atol));
   add("t_end:" + to_text(key.t_end));
@@ -167,6 +177,7 @@ namespace {
 
 /// Why a row has no CPU time that others can be compared with.
 std::string words_of_no_time(const Row& row) {
+  if (is_on_device(row)) return "The row has the time of a device and no CPU time.";
   if (row.explored) return "The row was explored: its CPU time is not comparable.";
   return row.status.empty() ? "No CPU time was measured: " + row.outcome + "." : row.status;
 }
@@ -190,7 +201,7 @@ std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprin
       e["time_unit"] = unit;
       return e;
     };
-    if (!std::isfinite(summarise(comparable_times(row)).median)) {
+    if (is_on_device(row) || !std::isfinite(summarise(comparable_times(row)).median)) {
       Json e = entry(0.0, "ns");
       e["repetition_index"] = 0;
       e["error_occurred"] = true;

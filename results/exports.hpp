@@ -22,10 +22,11 @@ inline constexpr std::array<std::string_view, 3> export_formats{"csv", "jsonl", 
 
 /// The columns of a measured row in their order; the first 17 are fixed by contract, units are in the names
 /// (`_s` is seconds). `error_*` and reference_error are in the unit of the state; realtime_factor is
-/// t_reached / cpu_median_s, simulated seconds (from t = 0) per CPU second.
+/// t_reached / cpu_median_s, simulated seconds (from t = 0) per CPU second, or the same by device_median_s.
 ///
-/// A number that does not apply is null: h in mode adaptive, rtol and atol in mode fixed. A number that could
-/// not be obtained is not finite, and `status` says so.
+/// A number that does not apply is null: h in mode adaptive, rtol and atol in mode fixed, `cpu_*` of a
+/// device, `device_*` and clock_mhz of the processor. A number that could not be obtained is not finite, and
+/// `status` says so.
 nlohmann::ordered_json object_of(const Row& row);
 
 /// Every column of a limit but its details; of advice every one. A number that does not apply is null, a
@@ -60,7 +61,7 @@ std::string rows_to_jsonl(const std::vector<Record>& rows) {
 /// The JSON of Google Benchmark, readable by its tools/compare.py: per row one entry of run_type "iteration"
 /// for each repetition and the aggregates mean, median, stddev and cv. Times in ns; what is measured is CPU
 /// time, and real_time repeats it because the tools want both. Rows without a time become entries with
-/// error_occurred.
+/// error_occurred, those of a device too.
 std::string rows_to_google_benchmark(std::span<const Row> rows, const Fingerprint& fingerprint);
 
 /// The name of a row in rows_to_google_benchmark: every part of the key that is there, joined by slashes.

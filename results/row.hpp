@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "results/fields.hpp"
@@ -17,12 +18,14 @@ struct RowKey {
   std::string parameters;  ///< all parameters, "m=1.45 c=2 ...", shortest digits that read back equal
   std::string y0;          ///< initial state, "0.5,1"
   std::string method;      ///< method id
-  std::string mode;     ///< fixed: steps of h; sampled: adaptive inside, output every h; adaptive: rtol only
-  std::string control;  ///< none | i | pi | deadband | matlab | own
-  double h = 0;         ///< step or output interval [s]; 0 in mode adaptive
-  double rtol = 0;      ///< relative tolerance; 0 in mode fixed
-  double atol = 0;      ///< absolute tolerance; 0 in mode fixed
-  double t_end = 0;     ///< end time asked for [s]
+  std::string mode;      ///< fixed: steps of h; sampled: adaptive inside, output every h; adaptive: rtol only
+  std::string control;   ///< none | i | pi | deadband | matlab | own
+  std::string device{};  ///< name of the device that runs it, such as a GPU; empty: the processor
+  std::string precision{};  ///< of the numbers of a device, double; empty: the processor
+  double h = 0;             ///< step or output interval [s]; 0 in mode adaptive
+  double rtol = 0;          ///< relative tolerance; 0 in mode fixed
+  double atol = 0;          ///< absolute tolerance; 0 in mode fixed
+  double t_end = 0;         ///< end time asked for [s]
 
   auto operator<=>(const RowKey&) const = default;
 };
@@ -34,6 +37,8 @@ inline constexpr Field<RowKey> row_key_fields[] = {{"problem", &RowKey::problem}
                                                    {"method", &RowKey::method},
                                                    {"mode", &RowKey::mode},
                                                    {"control", &RowKey::control},
+                                                   {"device", &RowKey::device},
+                                                   {"precision", &RowKey::precision},
                                                    {"h", &RowKey::h},
                                                    {"rtol", &RowKey::rtol},
                                                    {"atol", &RowKey::atol},
@@ -48,6 +53,9 @@ struct Row {
   std::int64_t rejected = 0;  ///< rejected attempts
   std::int64_t rhs = 0;       ///< evaluations of f
   std::vector<double> cpu_s;  ///< CPU time of one run, one entry per repetition, in the order measured [s]
+  std::vector<double> device_s{};    ///< the same of a device by its own clock; a row has one of the two
+  double clock_mhz = 0;              ///< the highest of the device; 0 of the processor
+  std::string driver{};              ///< of the device, with its run time; empty of the processor
   std::int64_t runs_per_sample = 1;  ///< runs timed together in one repetition
   double error_end = 0;              ///< max norm of the error at t_end
   double error_global = 0;           ///< largest max-norm error over all output points
@@ -66,6 +74,9 @@ inline constexpr Field<Row> row_fields[] = {{"outcome", &Row::outcome},
                                             {"rejected", &Row::rejected},
                                             {"rhs", &Row::rhs},
                                             {"cpu_s", &Row::cpu_s},
+                                            {"device_s", &Row::device_s},
+                                            {"clock_mhz", &Row::clock_mhz},
+                                            {"driver", &Row::driver},
                                             {"runs_per_sample", &Row::runs_per_sample},
                                             {"error_end", &Row::error_end},
                                             {"error_global", &Row::error_global},
@@ -76,12 +87,21 @@ inline constexpr Field<Row> row_fields[] = {{"outcome", &Row::outcome},
                                             {"status", &Row::status},
                                             {"explored", &Row::explored}};
 
-/// Order statistics of the CPU samples of one row [s].
+/// Order statistics of the samples of one row [s].
 struct TimingSummary {
   double median, q1, q3, p99;
 };
 
-/// The CPU samples that figures and comparisons may use: those of the row, none where it was explored.
+/// Whether a device ran it, and not the processor.
+bool is_on_device(const Row& row);
+
+/// The samples of a row by the clock of what ran it: `device_s` where it has a device, else `cpu_s`. Those of
+/// different devices, the processor among them, are never compared.
+const std::vector<double>& times_of(const Row& row);
+/// "device time" or "CPU time"
+std::string_view name_of_time(const RowKey& key);
+
+/// Those that figures and comparisons may use: none where the row was explored.
 std::vector<double> comparable_times(const Row& row);
 
 /// Quantiles by linear interpolation between order statistics (type 7 of [hyndman1996sample]); NaN when there

@@ -39,7 +39,7 @@ class Store {
  public:
   /// The number of the table layout in results/sqlite/schema.hpp; a file with another one is refused and left
   /// untouched. Numbers up to 8 are those of development versions.
-  static constexpr int schema_version = 9;
+  static constexpr int schema_version = 10;
 
   /// Opens for reading and writing; a missing file, and its folder, are created.
   static Store open_or_create(const std::filesystem::path& file);
@@ -106,7 +106,8 @@ class Store {
   std::int64_t size() const;
 
   /// Every row, bit for bit as inserted, in an order that does not depend on the order of insertion: by
-  /// problem, material, parameters, y0, mode, method, control, then h, rtol, atol, t_end from large to small.
+  /// problem, material, parameters, y0, mode, method, control, device, precision, then h, rtol, atol, t_end
+  /// from large to small.
   std::vector<Row> rows() const;
 
   /// Sessions by id.

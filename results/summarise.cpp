@@ -6,8 +6,14 @@
 
 namespace hmax {
 
+bool is_on_device(const Row& row) { return !row.key.device.empty(); }
+
+const std::vector<double>& times_of(const Row& row) { return is_on_device(row) ? row.device_s : row.cpu_s; }
+
+std::string_view name_of_time(const RowKey& key) { return key.device.empty() ? "CPU time" : "device time"; }
+
 std::vector<double> comparable_times(const Row& row) {
-  return row.explored ? std::vector<double>{} : row.cpu_s;
+  return row.explored ? std::vector<double>{} : times_of(row);
 }
 
 TimingSummary summarise(std::vector<double> samples) {

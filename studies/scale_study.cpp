@@ -8,6 +8,7 @@
 #include "analysis/spectrum/block_product.hpp"
 #include "analysis/spectrum/lanczos.hpp"
 #include "bench/timing/timing.hpp"
+#include "catalogue/device/device_run.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/problems.hpp"
@@ -55,8 +56,22 @@ double peak_memory() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+/// A step of symplectic Euler on a device [s].
+double step_on(const std::shared_ptr<Device>& device, const Problem& problem, double h,
+               const std::function<bool()>& keep_going) {
+  constexpr int steps = 100;  // that one start of the programs is shared by
+  const Runner runner = on_device(find_method("symplectic_euler"), device).bind(problem);
+  const Task task = [&](std::int64_t runs) { runner.repeat({.t_end = steps * h, .h = h}, runs); };
+  return time_interleaved(
+             {&task, 1},
+             {.repetitions = 5, .min_sample_s = 5e-3, .clock = runner.seconds, .keep_going = keep_going})
+             .front()
+             .least() /
+         steps;
+}
+
 ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
-                  const std::function<bool()>& keep_going) {
+                  const std::function<bool()>& keep_going, const std::shared_ptr<Device>& device) {
   const MeshOnDisk file(mesh, folder);
   const Problem problem = make_problem(tissue_id("fem_green", file.name(), "gravity"), {.unit = 1});
   const TissueBody& body = *problem.body;
@@ -100,6 +115,7 @@ ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
                                .min_sample_s = 5e-3,
                                .keep_going = keep_going});
   for (std::size_t i = 0; i < timings.size(); ++i) row.*timed[i].into = timings[i].least() / timed[i].runs;
+  if (device) row.device_step = step_on(device, problem, short_step, keep_going);
   row.peak_memory = peak_memory();
   return row;
 }
@@ -113,7 +129,8 @@ std::vector<std::string> scale_meshes() {
 }
 
 std::vector<ScaleRow> scale_study(std::span<const std::string> meshes, const std::filesystem::path& folder,
-                                  const std::function<void(double, const std::string&)>& progress) {
+                                  const std::function<void(double, const std::string&)>& progress,
+                                  const std::shared_ptr<Device>& device) {
   std::vector<ScaleRow> rows;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const auto tell = [&] {
@@ -121,7 +138,7 @@ std::vector<ScaleRow> scale_study(std::span<const std::string> meshes, const std
       return true;
     };
     tell();
-    rows.push_back(measured(meshes[i], folder, tell));
+    rows.push_back(measured(meshes[i], folder, tell, device));
   }
   return rows;
 }

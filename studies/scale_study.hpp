@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +14,8 @@
 #include "studies/record.hpp"
 
 namespace hmax {
+
+class Device;  // catalogue/device/device.hpp
 
 /// One mesh: fem_green in its weight, held at a tenth of its height. Times are CPU seconds of one thread, the
 /// least of a few samples.
@@ -26,6 +30,8 @@ struct ScaleRow {
   double import = 0;         ///< of a Gmsh file: read, checked, renumbered
   double omega = 0;          ///< the root of that eigenvalue [rad/s]
   double peak_memory = 0;    ///< of the process so far [bytes]
+  /// The explicit step on a device, by its clock and without copies; NaN without one.
+  double device_step = std::numeric_limits<double>::quiet_NaN();
 };
 HMAX_RECORD(ScaleRow, mesh, tetrahedra, dofs, force, stiffness, explicit_step, implicit_step, eigenvalue,
             import, peak_memory);
@@ -35,8 +41,10 @@ std::vector<std::string> scale_meshes();
 
 /// @param folder    where each mesh stands as a file while it is imported
 /// @param progress  told the share that is done and which mesh comes next; may throw to stop
+/// @param device    takes the explicit step too; null: none does
 /// @throws InputError  for meshes that are none, and a folder that cannot be written
 std::vector<ScaleRow> scale_study(std::span<const std::string> meshes, const std::filesystem::path& folder,
-                                  const std::function<void(double, const std::string&)>& progress);
+                                  const std::function<void(double, const std::string&)>& progress,
+                                  const std::shared_ptr<Device>& device = nullptr);
 
 }  // namespace hmax

@@ -13,6 +13,7 @@
 
 #include "bench/timing/reference.hpp"
 #include "bench/timing/timing.hpp"
+#include "catalogue/device/device.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "core/process/pinned_thread.hpp"
@@ -285,6 +286,10 @@ Candidate RowMeter::Parts::count(const SweepBlock& block, std::size_t method) {
   candidate.row.key = row_key(plan_, block, method);
   Row& row = candidate.row;
   row.explored = plan_.spec.explore;
+  if (const auto& device = plan_.methods[method].device) {
+    row.clock_mhz = device->clock_mhz;
+    row.driver = device->driver;
+  }
   row.error_end = row.error_global = row.error_l2 = nan;
   row.reference = reference.name;
   row.reference_error = reference.error_bound;
@@ -323,11 +328,16 @@ void RowMeter::Parts::time(const SweepBlock& block, std::vector<Candidate>& cand
   // A sample each to find the number of runs, then the repetitions; the counting before took about as much.
   const double samples = static_cast<double>(timed.size()) * (plan_.spec.repeats + 2);
   double taken = static_cast<double>(timed.size());
-  const std::vector<Timing> timings = time_interleaved(
-      runs, {.repetitions = plan_.spec.repeats, .min_sample_s = plan_.spec.min_sample_s, .keep_going = [&] {
-               tell(block, std::min(1.0, taken++ / samples));
-               return !(interrupted_ && interrupted_());
-             }});
+  const auto keep_going = [&] {
+    tell(block, std::min(1.0, taken++ / samples));
+    return !(interrupted_ && interrupted_());
+  };
+  // The methods of a plan run on one device, or all on the processor.
+  const std::vector<Timing> timings =
+      time_interleaved(runs, {.repetitions = plan_.spec.repeats,
+                              .min_sample_s = plan_.spec.min_sample_s,
+                              .clock = timed.empty() ? nullptr : timed.front()->runner.seconds,
+                              .keep_going = keep_going});
   if (timings.size() != timed.size()) throw SweepEnded{};
   for (std::size_t i = 0; i < timed.size(); ++i) {
     if (!timed[i]->agrees)
@@ -335,8 +345,9 @@ void RowMeter::Parts::time(const SweepBlock& block, std::vector<Candidate>& cand
           fmt::format("{} on {} ends elsewhere when it is timed than when it is counted: its times are not "
                       "stored.",
                       timed[i]->row.key.method, timed[i]->row.key.problem));
-    timed[i]->row.cpu_s = timings[i].samples;
-    timed[i]->row.runs_per_sample = timings[i].runs_per_sample;
+    Row& row = timed[i]->row;
+    (is_on_device(row) ? row.device_s : row.cpu_s) = timings[i].samples;
+    row.runs_per_sample = timings[i].runs_per_sample;
   }
 }
 

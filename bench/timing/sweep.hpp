@@ -45,7 +45,13 @@ struct SweepSpec {
   std::vector<Tolerance> tolerances;  ///< adaptive runs without output, besides those over h
   Controllers control = Controllers::deadband;
   std::optional<double> t_end;  ///< [s]; absent: each problem's own
-  int repeats = 9;              ///< timed repetitions, at least 9, of an exploring sweep at least 1
+  /// Puts the methods that a device runs on it; the sweep then has these alone. Null: all run on the
+  /// processor.
+  /// @param left_out  becomes the others, with the reason
+  std::function<void(const std::vector<Problem>& problems, std::vector<Method>& methods,
+                     std::vector<LeftOut>& left_out)>
+      place{};
+  int repeats = 9;  ///< timed repetitions, at least 9, of an exploring sweep at least 1
   /// On all cores, many rows at once: see Row::explored. Otherwise one thread, kept on its core, measures
   /// all.
   bool explore = false;
@@ -153,12 +159,12 @@ struct SweepSummary {
   std::vector<DealtTask> tasks;       ///< in the order in which they were stored; empty without SweepDealer
 };
 
-/// Measures what is missing in `store`. Block by block: each method runs once with its evaluations counted,
-/// its errors measured and subnormal numbers noticed; then all are timed in turn; then the rows are committed
-/// together. An exploring sweep does the same with each row by itself, those of one problem from long to
-/// short, and with one repetition takes the time of the counted run. The end state of the timed runs must
-/// agree with the counted run bit for bit (std::logic_error otherwise), so no time is stored without its
-/// error.
+/// Measures what is missing in `store`, on a device by its own clock. Block by block: each method runs once
+/// with its evaluations counted, its errors measured and subnormal numbers noticed; then all are timed in
+/// turn; then the rows are committed together. An exploring sweep does the same with each row by itself,
+/// those of one problem from long to short, and with one repetition takes the time of the counted run. The
+/// end state of the timed runs must agree with the counted run bit for bit (std::logic_error otherwise), so
+/// no time is stored without its error.
 /// @param progress     called often, also inside of a block; may be empty
 /// @param interrupted  asked often; true ends the sweep without the block at hand; may be empty. An exploring
 /// sweep asks in all threads at once.

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/timing/sweep.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/tableau_file.hpp"
 #include "catalogue/models/problems.hpp"
@@ -41,6 +42,12 @@ std::string text_of(const fs::path& file) {
 ChosenMethods methods_of(const SweepSpec& spec, const std::vector<Problem>& problems) {
   const bool is_default = spec.methods.empty() && spec.tableaux.empty();
   ChosenMethods chosen = chosen_methods(is_default ? study_methods() : spec.methods, problems);
+  if (spec.place) {
+    std::vector<LeftOut> not_there;
+    spec.place(problems, chosen.methods, not_there);
+    std::erase_if(chosen.methods, [](const Method& method) { return !method.device; });
+    std::ranges::move(not_there, std::back_inserter(chosen.left_out));
+  }
   if (is_default) chosen.left_out.clear();  // nobody has named them
   for (const fs::path& file : spec.tableaux) chosen.methods.push_back(make_method(read_tableau(file)));
   return chosen;
@@ -194,8 +201,10 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   if (spec.sampled && !spec.h.empty()) readings.push_back("sampled");
   for (const Tolerance& tolerance : spec.tolerances)
     tolerances.push_back(json::array({tolerance.rtol, tolerance.atol}));
+  const DeviceFacts* device = methods.front().device.get();
   json text{{"problems", problem_list},
             {"methods", method_list},
+            {"device", device ? device->name : "cpu"},
             {"h", spec.h},
             {"unsteered_h", spec.unsteered_h},
             {"readings", readings},
@@ -294,6 +303,7 @@ SweepPlan shard_of(SweepPlan plan, Shard shard) {
 RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t method) {
   const Problem& problem = plan.problems[block.problem];
   const RunSpec& run = block.run;
+  const DeviceFacts* device = plan.methods[method].device.get();
   return {.problem = problem.id,
           .material = problem.material,
           .parameters = describe(problem.parameters),
@@ -301,6 +311,8 @@ RowKey row_key(const SweepPlan& plan, const SweepBlock& block, std::size_t metho
           .method = plan.methods[method].id,
           .mode = block.mode,
           .control = control_of(plan.methods[method], run),
+          .device = device ? device->name : "",
+          .precision = device ? "double" : "",
           .h = run.adaptive ? run.every : run.h,
           .rtol = run.rtol,
           .atol = run.atol,

@@ -19,12 +19,6 @@ double seconds_of(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double cpu_seconds_of(const std::function<void(std::int64_t)>& candidate, std::int64_t runs) {
-  const double before = thread_cpu_seconds();
-  candidate(runs);
-  return thread_cpu_seconds() - before;
-}
-
 }  // namespace
 
 double thread_cpu_seconds() { return seconds_of(CLOCK_THREAD_CPUTIME_ID); }
@@ -44,13 +38,19 @@ double elapsed_seconds() {
 std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int64_t runs)>> candidates,
                                      const TimingOptions& options) {
   const OneThread alone;
+  const std::function<double()> clock = options.clock ? options.clock : thread_cpu_seconds;
+  const auto seconds_of_runs = [&](const std::function<void(std::int64_t)>& candidate, std::int64_t runs) {
+    const double before = clock();
+    candidate(runs);
+    return clock() - before;
+  };
   const auto stopped = [&] { return options.keep_going && !options.keep_going(); };
   std::vector<Timing> timings(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     std::int64_t& runs = timings[i].runs_per_sample;
     for (;;) {
       if (stopped()) return {};
-      const double seconds = cpu_seconds_of(candidates[i], runs);
+      const double seconds = seconds_of_runs(candidates[i], runs);
       if (seconds >= options.min_sample_s) break;
       // Aims a little beyond the target: a sample at its edge would be tried again.
       const double wanted = seconds > 0 ? 1.2 * options.min_sample_s / seconds : 1024;
@@ -61,7 +61,7 @@ std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       if (stopped()) return {};
       const std::int64_t runs = timings[i].runs_per_sample;
-      timings[i].samples.push_back(cpu_seconds_of(candidates[i], runs) / static_cast<double>(runs));
+      timings[i].samples.push_back(seconds_of_runs(candidates[i], runs) / static_cast<double>(runs));
     }
   }
   return timings;

@@ -1,4 +1,4 @@
-/// CPU time of repeated runs, several candidates in turn.
+/// Time of repeated runs, by the CPU or by a clock of their own; several candidates in turn.
 #pragma once
 
 #include <algorithm>
@@ -27,14 +27,16 @@ double elapsed_seconds();
 
 struct TimingOptions {
   int repetitions = 9;         ///< samples of each candidate, at least 1
-  double min_sample_s = 2e-3;  ///< CPU time of one sample, for the clock to resolve it well [s]
+  double min_sample_s = 2e-3;  ///< time of one sample, for the clock to resolve it well [s]
+  /// Of all candidates, such as that of their device [s]. Empty: thread_cpu_seconds().
+  std::function<double()> clock{};
   /// Asked before every sample; false ends the timing. Empty: never asked.
   std::function<bool()> keep_going{};
 };
 
 /// What was measured of one candidate.
 struct Timing {
-  std::vector<double> samples;       ///< CPU time of one run, one entry for each repetition in order [s]
+  std::vector<double> samples;       ///< time of one run, one entry for each repetition in order [s]
   std::int64_t runs_per_sample = 1;  ///< runs timed together
 
   /// Of the fastest sample; there must be one [s].

@@ -12,6 +12,7 @@
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/device_option.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -213,11 +214,17 @@ void add_tissue_study(CLI::App& reproduce, Console& console) {
            "Step limits on the phantom instead of the liver and at a few points; takes seconds");
   add_flag(tissue, "--scale", options->scale,
            "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
+  auto device = std::make_shared<DeviceChoice>();
+  device->add_to(tissue, "explicit steps of --scale also");
   add_force(tissue);
   add_figure_style(tissue);
   add_jobs(tissue);
-  set_callback(tissue, [&console, folder, options] {
+  set_callback(tissue, [&console, folder, options, device] {
     refuse_copies("hmax reproduce");
+    device->check({});
+    if (device->is_gpu() && !options->scale)
+      throw InputError("--device gpu is for the costs of --scale; add it, or leave --device out");
+    options->device = device->open();
     show(reproduce_tissue_part(*folder, *options, console), console);
   });
 }

@@ -334,12 +334,27 @@ double spread(const std::vector<ScaleRow>& rows, double ScaleRow::*seconds) {
   return high / low;
 }
 
+/// What steps take on a device, beside no CPU time; null without one.
+Json steps_on(const std::shared_ptr<Device>& device, const std::vector<ScaleRow>& rows) {
+  if (!device) return nullptr;
+  Json steps = Json::array();
+  for (const ScaleRow& row : rows)
+    steps.push_back({{"mesh", row.mesh}, {"tetrahedra", row.tetrahedra}, {"device_step", row.device_step}});
+  const DeviceFacts facts = device->facts();
+  return {{"device", facts.name},
+          {"clock_mhz", facts.clock_mhz},
+          {"driver", facts.driver},
+          {"precision", "double"},
+          {"steps", std::move(steps)}};
+}
+
 /// What meshes cost as they grow.
 void costs_over_size(TissuePage& tissue, const std::function<void(const std::string&)>& progress) {
   const std::vector<std::string> sizes =
       tissue.options.quick ? std::vector<std::string>{"ball:n=2", "ball:n=4"} : scale_meshes();
-  const std::vector<ScaleRow> rows =
-      scale_study(sizes, tissue.page.folder, [&](double, const std::string& mesh) { progress(mesh); });
+  const std::vector<ScaleRow> rows = scale_study(
+      sizes, tissue.page.folder, [&](double, const std::string& mesh) { progress(mesh); },
+      tissue.options.device);
   Panel panel{.x = {.label = "tetrahedra [1]", .logarithmic = true},
               .y = {.label = "CPU time for each tetrahedron [ns]", .logarithmic = true}};
   int k = 0;
@@ -357,9 +372,11 @@ void costs_over_size(TissuePage& tissue, const std::function<void(const std::str
                     .panel_height = 380},
                    "costs_over_size");
   tissue.document["sizes"] = rows;
+  tissue.document["device"] = steps_on(tissue.options.device, rows);
   tissue.page.values["sizes"] = {{"meshes", rows},
                                  {"force_spread", spread(rows, &ScaleRow::force)},
-                                 {"step_spread", spread(rows, &ScaleRow::explicit_step)}};
+                                 {"step_spread", spread(rows, &ScaleRow::explicit_step)},
+                                 {"device", tissue.document["device"]}};
 }
 
 }  // namespace
@@ -418,6 +435,7 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"echography", telling(echographic_image)}};
   tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
   tissue.document["sizes"] = Json::array();
+  tissue.document["device"] = nullptr;
   if (options.scale) sections.emplace_back("sizes", telling(costs_over_size));
   for (const auto& [name, make] : sections) {
     progress(share, name);

@@ -5,10 +5,12 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "analysis/statics/static_solution.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/methods/method.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "plots/drawn/bodies.hpp"
@@ -21,6 +23,7 @@ struct TissueOptions {
   std::string machine;  ///< one line: where it is done
   bool quick = false;  ///< limits of the step on the phantom and at a few points of each curve, a small thigh
   bool scale = false;  ///< also what meshes of up to a million tetrahedra cost
+  std::shared_ptr<Device> device = nullptr;  ///< takes steps of them too
 
   /// Whose limits are shown.
   [[nodiscard]] const char* mesh() const { return quick ? "phantom" : "liver"; }

@@ -41,6 +41,8 @@ double step_of(const Row& row) {
   return row.steps > 0 ? row.t_reached / static_cast<double>(row.steps) : nan;
 }
 
+TimingSummary shown_times(const Row& row) { return summarise(comparable_times(row)); }
+
 const std::vector<ShownColumn<Row>>& run_columns() {
   using C = const Row&;
   static const std::vector<ShownColumn<Row>> columns{
@@ -51,13 +53,18 @@ const std::vector<ShownColumn<Row>>& run_columns() {
       {"h", "h", "ms", "number", [](C r) -> Cell { return in_ms(unless_zero(r.key.h)); }},
       {"rtol", "rtol", "", "number", [](C r) -> Cell { return unless_zero(r.key.rtol); }},
       {"error", "largest error", "", "number", [](C r) -> Cell { return r.error_global; }},
+      {"device", "device", "", "text", [](C r) -> Cell { return r.key.device; }},
       {"cpu", "CPU time", "ms", "number",
-       [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).median); }},
+       [](C r) -> Cell { return is_on_device(r) ? nan : in_ms(shown_times(r).median); }},
+      {"device_time", "device time", "ms", "number",
+       [](C r) -> Cell { return is_on_device(r) ? in_ms(shown_times(r).median) : nan; }},
       {"outcome", "outcome", "", "text", [](C r) -> Cell { return r.outcome; }},
       {"speed", "real-time factor", "", "number",
-       [](C r) -> Cell { return r.t_reached / summarise(comparable_times(r)).median; }},
+       [](C r) -> Cell { return r.t_reached / shown_times(r).median; }},
       {"cpu_p99", "CPU time, 99 %", "ms", "number",
-       [](C r) -> Cell { return in_ms(summarise(comparable_times(r)).p99); }},
+       [](C r) -> Cell { return is_on_device(r) ? nan : in_ms(shown_times(r).p99); }},
+      {"device_p99", "device time, 99 %", "ms", "number",
+       [](C r) -> Cell { return is_on_device(r) ? in_ms(shown_times(r).p99) : nan; }},
       {"error_end", "error at end", "", "number", [](C r) -> Cell { return r.error_end; }},
       {"reference_error", "error of reference", "", "number", [](C r) -> Cell { return r.reference_error; }},
       {"step", "time step", "ms", "number", [](C r) -> Cell { return in_ms(step_of(r)); }},
@@ -187,6 +194,7 @@ std::string label_of(const Row& row) {
   if (row.key.mode == "adaptive") label += ", adaptive";
   if (!row.key.control.empty() && row.key.control != "none" && row.key.control != "own")
     label += ", " + row.key.control;
+  if (is_on_device(row)) label += " on " + row.key.device;
   return label;
 }
 std::string label_of(const LimitRow& row) { return row.method; }
@@ -355,15 +363,29 @@ Json advice_figures() {
   return Json::array({errors, frames, tail, steps});
 }
 
-Json run_figures() {
-  Json precision = figure(
-      "work_precision", runs_table, "Work-precision diagram",
-      "Median CPU time of a run against its largest error, in the unit of the state. A curve further to the left "
-      "and below is more accurate and faster.",
-      "error", "cpu", "largest error", "CPU time [ms]");
-  const Json best = {"error", "cpu"};
+/// @param key, label  of the time
+Json work_precision(const char* id, const char* title, const char* words, const char* key,
+                    const char* label) {
+  Json precision = figure(id, runs_table, title, words, "error", key, "largest error", label);
   precision["join"] = true;
-  precision["best"] = best;
+  precision["best"] = {"error", key};
+  return precision;
+}
+
+/// Times of devices and CPU times never share a figure.
+Json run_figures(bool has_cpu_times, bool has_device_times) {
+  Json figures = Json::array();
+  if (has_cpu_times)
+    figures.push_back(work_precision(
+        "work_precision", "Work-precision diagram",
+        "Median CPU time of a run against its largest error, in the unit of the state. A curve further to the left "
+        "and below is more accurate and faster.",
+        "cpu", "CPU time [ms]"));
+  if (has_device_times)
+    figures.push_back(
+        work_precision("device_work_precision", "Work-precision diagram of devices",
+                       "Median time of a run by the clock of its device against its largest error.",
+                       "device_time", "device time [ms]"));
   Json steps = figure(
       "time_steps", runs_table, "Error and time step",
       "With adaptive steps the time step is the mean of the accepted ones. Runs that have no error, such as those that diverged, are in "
@@ -371,8 +393,9 @@ Json run_figures() {
       "step", "error", "time step [ms]", "largest error");
   steps["join"] = true;
   steps["strip"] = true;
-  steps["best"] = best;
-  return Json::array({precision, steps});
+  if (!figures.empty()) steps["best"] = figures.front().at("best");
+  figures.push_back(std::move(steps));
+  return figures;
 }
 
 Json limit_figures() {
@@ -403,8 +426,14 @@ ReportData report_data(std::span<const ReportedStore> stores, std::size_t most_r
   };
   add(advice_columns(), &ReportedStore::advice, advice_table, "Advice",
       {"h", "steps", "h_max", "observed", "error", "p50", "p99", "max", "verdict"}, advice_figures());
+  const auto has_runs = [&](bool on_device) {
+    return std::ranges::any_of(stores, [&](const ReportedStore& store) {
+      return std::ranges::any_of(store.runs, [&](const Row& row) { return is_on_device(row) == on_device; });
+    });
+  };
   add(run_columns(), &ReportedStore::runs, runs_table, "Runs",
-      {"problem", "h", "rtol", "error", "cpu", "outcome"}, run_figures());
+      {"problem", "h", "rtol", "error", "cpu", "device_time", "outcome"},
+      run_figures(has_runs(false), has_runs(true)));
   add(limit_columns(), &ReportedStore::limits, limits_table, "Limits",
       {"problem", "material", "h_max", "observed", "gap", "verdict"}, limit_figures());
   for (const ReportedStore& store : stores) names.push_back(store.name);

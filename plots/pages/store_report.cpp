@@ -45,7 +45,8 @@ std::string colour_variables() {
 
 /// Rows of each kind in all stores.
 struct Counts {
-  std::size_t runs = 0, explored = 0, limits = 0, advice = 0;  ///< explored ones are among the runs
+  /// Explored ones, and those on devices, are among the runs.
+  std::size_t runs = 0, explored = 0, on_devices = 0, limits = 0, advice = 0;
 };
 
 Counts count_rows(std::span<const ReportedStore> stores) {
@@ -53,6 +54,7 @@ Counts count_rows(std::span<const ReportedStore> stores) {
   for (const ReportedStore& store : stores) {
     counts.runs += store.runs.size();
     counts.explored += static_cast<std::size_t>(std::ranges::count_if(store.runs, &Row::explored));
+    counts.on_devices += static_cast<std::size_t>(std::ranges::count_if(store.runs, is_on_device));
     counts.limits += store.limits.size();
     counts.advice += store.advice.size();
   }
@@ -126,20 +128,28 @@ Section advice_section(std::span<const ReportedStore> stores, const AnswerSectio
           "<noscript>\n" + markdown_parts(answer->table).html + "</noscript>\n"};
 }
 
+Section runs_section(const Counts& counts) {
+  std::vector<std::string_view> figures{"time_steps"};
+  std::string remarks;
+  if (counts.on_devices > 0) {
+    figures.insert(figures.begin(), "device_work_precision");
+    remarks += fmt::format(
+        "<p>Times of devices are by their own clocks, in columns and a figure of their own; {} on a device.</p>\n",
+        counted(counts.on_devices, "of these runs is", "of these runs are"));
+  }
+  if (counts.on_devices < counts.runs) figures.insert(figures.begin(), "work_precision");
+  if (counts.explored > 0)
+    remarks += fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
+                           counted(counts.explored, "of these was", "of these were"));
+  return {runs_table, "Runs", "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.", figures,
+          remarks};
+}
+
 std::vector<Section> sections_of(std::span<const ReportedStore> stores, const AnswerSections* answer) {
   const Counts counts = count_rows(stores);
   std::vector<Section> sections;
   if (counts.advice > 0) sections.push_back(advice_section(stores, answer));
-  if (counts.runs > 0)
-    sections.push_back(
-        {runs_table,
-         "Runs",
-         "Runs of <code>hmax sweep</code> and <code>hmax precision</code>.",
-         {"work_precision", "time_steps"},
-         counts.explored > 0
-             ? fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
-                           counted(counts.explored, "of these was", "of these were"))
-             : ""});
+  if (counts.runs > 0) sections.push_back(runs_section(counts));
   if (counts.limits > 0)
     sections.push_back(
         {limits_table,

@@ -48,10 +48,7 @@ CREATE TABLE sessions (
   fingerprint TEXT NOT NULL,
   digest TEXT NOT NULL
 );
-)sql" +
-         table(
-             "rows", declared(row_key_fields, " REAL") + declared(row_fields),
-             "problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC") +
+)sql" + table("rows", declared(row_key_fields, " REAL") + declared(row_fields), std::string(order_of_rows)) +
          table("operating_points", point + "  document TEXT NOT NULL,\n",
                sqlite::joined("", "", ", ", point_key_fields)) +
          table("limits",

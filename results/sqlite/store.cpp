@@ -164,9 +164,6 @@ std::string names_of_columns() {
   return sqlite::joined("", "", ", ", row_key_fields, row_fields) + ", session";
 }
 
-constexpr const char* order =
-    "problem, material, parameters, y0, mode, method, control, h DESC, rtol DESC, atol DESC, t_end DESC";
-
 void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   int index = 0;
   sqlite::bind_key(statement, index, row.key, row_key_fields);
@@ -184,8 +181,8 @@ Row read_row(const Statement& query) {
 }
 
 std::string describe(const RowKey& key) {
-  return fmt::format("{} {} {} {} h={} rtol={}", key.problem, key.material, key.method, key.mode,
-                     to_text(key.h), to_text(key.rtol));
+  return fmt::format("{} {} {} {}{} h={} rtol={}", key.problem, key.material, key.method, key.mode,
+                     key.device.empty() ? "" : " on " + key.device, to_text(key.h), to_text(key.rtol));
 }
 
 /// Throws where there is something else than a store, or nothing and none is to be made; makes its folder.
@@ -284,7 +281,7 @@ void sqlite::read(const Statement& query, int column, std::vector<double>& value
       values.push_back(entry.is_string() ? to_number(entry.get<std::string>()).value_or(std::nan(""))
                                          : entry.get<double>());
   } catch (const nlohmann::json::exception&) {
-    throw Failure(SQLITE_CORRUPT, 0, "CPU times that cannot be read");
+    throw Failure(SQLITE_CORRUPT, 0, "times that cannot be read");
   }
 }
 
@@ -401,8 +398,9 @@ std::int64_t Store::size() const {
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
     std::vector<Row> rows;
-    Statement query(impl_->db(),
-                    fmt::format("SELECT {} FROM rows ORDER BY {}", names_of_columns(), order).c_str());
+    Statement query(
+        impl_->db(),
+        fmt::format("SELECT {} FROM rows ORDER BY {}", names_of_columns(), order_of_rows).c_str());
     while (query.step()) rows.push_back(read_row(query));
     return rows;
   });

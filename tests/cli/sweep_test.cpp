@@ -68,6 +68,35 @@ TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   expect_refused(shell.hmax(options + "--out other --jobs 2"), "--explore");
 }
 
+TEST(SweepCommand, MeasuresOnAGpuOrSaysWhyNot) {
+  const Shell shell;
+  const std::string cube = "sweep --mesh cube:n=2 --h 2e-3,1e-3 --t-end 0.02 ",
+                    ask = cube + "--methods symplectic_euler,newmark --device gpu ";
+  const Told told = shell.hmax(ask + "--out there --json");
+  if (told.exit_code == 0) {
+    EXPECT_TRUE(says(told.err, "newmark"));
+    EXPECT_EQ(told.json()["rows"], 2);
+    EXPECT_NE(told.json()["device"], "");
+    const auto here = shell.json(cube + "--methods symplectic_euler --fixed --out here");
+    EXPECT_EQ(here.count("device"), 0U);
+    const auto a = shell.json("export here"), b = shell.json("export there");
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(b[i]["error_global"], a[i]["error_global"]);
+  } else {
+    expect_refused(told, "leave out --device");
+  }
+  expect_refused(shell.hmax(cube + "--device tpu"), "--device");
+  expect_refused(shell.hmax(cube + "--methods newmark --device gpu"),
+                 "runs none of these methods: newmark runs on no GPU");
+  expect_refused(shell.hmax("sweep --methods rk4 --device gpu"), "bodies on meshes alone");
+  for (const std::string option : {"--sampled", "--explore", "--rtol 1e-3"})
+    expect_refused(shell.hmax(ask + option),
+                   "--device gpu does not take " + option.substr(0, option.find(' ')));
+  expect_refused(shell.hmax(ask + "--jobs 2"), "--jobs");
+  expect_refused(shell.line("OMPI_COMM_WORLD_SIZE=2 '" HMAX_PROGRAM "' " + ask), "start one, without mpirun");
+  write_text(shell / "s.toml", "[sweep]\nreadings = [\"fixed\", \"sampled\"]\n");
+  expect_refused(shell.hmax(ask + "s.toml"), "--device gpu does not take --sampled");
+}
+
 TEST(SweepCommand, DrawsAFigureForEachProblem) {
   const Shell shell;
   const Told told = shell.hmax(

@@ -51,6 +51,27 @@ TEST(Figures, RefuseExploredRows) {
   EXPECT_THROW(run_time_panel(some, "fixed", kMethods), InputError);
 }
 
+TEST(Figures, ShowOneDeviceOrTheProcessor) {
+  std::vector<Row> some = rows();
+  for (Row& row : some) {
+    row.key.device = "card";
+    row.device_s.swap(row.cpu_s);
+  }
+  const Panel there = run_time_panel(some, "fixed", kMethods),
+              here = run_time_panel(rows(), "fixed", kMethods);
+  EXPECT_EQ(here.title, "CPU time of one run");
+  EXPECT_EQ(here.y.label, "CPU time [s]");
+  EXPECT_EQ(there.title, "device time of one run on card");
+  EXPECT_EQ(there.y.label, "device time [s]");
+  EXPECT_EQ(there.curves.at(1).y, here.curves.at(1).y);
+  EXPECT_EQ(work_precision_figure(some, kMethods).panels[0].y.label, "device time [s]");
+  EXPECT_EQ(step_cost_figure(some, kMethods).panels[0].y.label, "device time per step [ns]");
+  some[0] = rows()[0];
+  EXPECT_THROW(step_figure(some, kMethods), InputError);
+  EXPECT_THROW(step_cost_figure(some, kMethods), InputError);
+  EXPECT_THROW(work_precision_figure(some, kMethods), InputError);
+}
+
 TEST(StepFigure, ShowsTimeOverErrorForBothReadingsOfAStep) {
   const Figure figure = step_figure(rows(), kMethods);
   ASSERT_EQ(figure.panels.size(), 4u);

@@ -287,5 +287,50 @@ TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
   EXPECT_TRUE(says(found.remarks.back(), "2 of the rows were explored"));
 }
 
+/// Rows of a session as those of a device.
+std::vector<Row> on_a_card(std::vector<Row> rows) {
+  for (Row& row : rows) {
+    row.key.device = "card";
+    row.device_s.swap(row.cpu_s);
+    row.driver = "driver 1";
+  }
+  return rows;
+}
+
+TEST(Compare, JudgesTheRowsOfADeviceAmongThemselves) {
+  std::mt19937 random(1);
+  const auto here = [&](double slowdown) {
+    return session(random, 0.01, [&](int, int) { return slowdown; });
+  };
+  const auto joined = [](std::vector<Row> rows, const std::vector<Row>& more) {
+    rows.insert(rows.end(), more.begin(), more.end());
+    return rows;
+  };
+  // A driver that makes all runs on the card twice as fast changes none of them alone.
+  const std::vector<Row> a = joined(here(1), on_a_card(here(1)));
+  std::vector<Row> b = joined(here(1), on_a_card(here(0.5)));
+  b.back().driver = "driver 2";
+  const Comparison found = compare(a, b);
+  EXPECT_EQ(found.rows.size(), 2U * rows_per_session);
+  EXPECT_EQ(found.count(TimingVerdict::same), found.rows.size());
+  EXPECT_NEAR(found.common_ratio, 1, 0.05);
+  EXPECT_NEAR(found.rows.back().ratio, 0.5, 0.05);
+  EXPECT_NEAR(found.rows.back().relative_ratio, 1, 0.05);
+  EXPECT_TRUE(says(found.remarks[0], "times the CPU time of A, in the median"));
+  EXPECT_TRUE(says(found.remarks[2], "times the device time of A on card, in the median"));
+  EXPECT_TRUE(says(found.remarks.back(), "1 of the rows on card have another clock or driver"));
+  EXPECT_NEAR(compare(on_a_card(here(1)), on_a_card(here(0.5))).common_ratio, 0.5, 0.05);
+}
+
+TEST(Compare, NeverComparesADeviceWithTheProcessor) {
+  std::mt19937 random(1);
+  const std::vector<Row> a = session(random, 0.01, [](int, int) { return 1.0; });
+  const Comparison found = compare(a, on_a_card(a));
+  EXPECT_TRUE(found.rows.empty());
+  EXPECT_EQ(found.only_in_a.size(), a.size());
+  EXPECT_EQ(found.only_in_b.size(), a.size());
+  EXPECT_TRUE(says(found.remarks.at(0), "no time is compared"));
+}
+
 }  // namespace
 }  // namespace hmax

@@ -5,6 +5,7 @@
 #include <set>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -50,6 +51,16 @@ Row diverged() {
   r.cpu_s = {};
   r.error_end = std::numeric_limits<double>::quiet_NaN();
   r.error_global = std::numeric_limits<double>::infinity();
+  return r;
+}
+
+Row on_a_device() {
+  Row r = measured();
+  r.key.device = "card";
+  r.key.precision = "double";
+  r.device_s.swap(r.cpu_s);
+  r.clock_mhz = 1980;
+  r.driver = "driver 1, run time 2";
   return r;
 }
 
@@ -123,6 +134,40 @@ TEST(Exports, JsonlIsOneObjectPerRowWithNullsAndAStatus) {
   EXPECT_TRUE(says(b["status"].get<std::string>(), "error_end"));
 }
 
+TEST(Exports, HaveTheTimeOfADeviceInColumnsOfItsOwn) {
+  std::istringstream in(rows_to_jsonl(std::vector{measured(), on_a_device()}));
+  std::string line;
+  std::getline(in, line);
+  const json here = json::parse(line);
+  std::getline(in, line);
+  const json there = json::parse(line);
+  for (const char* name : {"median", "q1", "q3", "p99"}) {
+    const std::string cpu = fmt::format("cpu_{}_s", name), device = fmt::format("device_{}_s", name);
+    EXPECT_TRUE(here[cpu].is_number() && here[device].is_null()) << name;
+    EXPECT_TRUE(there[cpu].is_null()) << name;
+    EXPECT_EQ(there[device], here[cpu]) << name;
+  }
+  EXPECT_TRUE(there["cpu_per_step_median_s"].is_null());
+  EXPECT_EQ(there["realtime_factor"], here["realtime_factor"]);
+  EXPECT_EQ(there["repetitions"], 4);
+  EXPECT_EQ(there["status"], "");
+  EXPECT_EQ(there["device"], "card");
+  EXPECT_EQ(there["precision"], "double");
+  EXPECT_EQ(there["clock_mhz"], 1980);
+  EXPECT_EQ(there["driver"], "driver 1, run time 2");
+  EXPECT_EQ(here["device"], "");
+  EXPECT_EQ(here["precision"], "");
+  EXPECT_TRUE(here["clock_mhz"].is_null());
+  EXPECT_EQ(here["driver"], "");
+}
+
+TEST(Exports, GoogleBenchmarkHasNoTimesOfDevices) {
+  const json document = json::parse(rows_to_google_benchmark(std::vector{on_a_device()}, {}));
+  ASSERT_EQ(document["benchmarks"].size(), 1U);
+  EXPECT_EQ(document["benchmarks"][0]["cpu_time"], 0);
+  EXPECT_TRUE(says(document["benchmarks"][0]["error_message"].get<std::string>(), "time of a device"));
+}
+
 TEST(Exports, GoogleBenchmarkHasOneEntryPerRepetitionAndItsAggregates) {
   Fingerprint print;
   print.cores = "2";
@@ -173,6 +218,8 @@ TEST(Exports, EveryPartOfAKeyIsInItsBenchmarkName) {
   changed([](RowKey& k) { k.method = "rk2"; });
   changed([](RowKey& k) { k.mode = "sampled"; });
   changed([](RowKey& k) { k.control = "i"; });
+  changed([](RowKey& k) { k.device = "card"; });
+  changed([](RowKey& k) { k.device = "card", k.precision = "single"; });
   changed([](RowKey& k) { k.rtol = 1e-4; });
   changed([](RowKey& k) { k.atol = 1e-7; });
   changed([](RowKey& k) { k.t_end = 10; });

@@ -61,6 +61,9 @@ void expect_same_row(const Row& a, const Row& b) {
   EXPECT_EQ(a.rhs, b.rhs);
   ASSERT_EQ(a.cpu_s.size(), b.cpu_s.size());
   for (std::size_t i = 0; i < a.cpu_s.size(); ++i) expect_same_number(a.cpu_s[i], b.cpu_s[i]);
+  EXPECT_EQ(a.device_s, b.device_s);
+  EXPECT_EQ(a.clock_mhz, b.clock_mhz);
+  EXPECT_EQ(a.driver, b.driver);
   EXPECT_EQ(a.runs_per_sample, b.runs_per_sample);
   expect_same_number(a.error_end, b.error_end);
   expect_same_number(a.error_global, b.error_global);
@@ -135,6 +138,32 @@ TEST(Store, OrderOfRowsDoesNotDependOnOrderOfInsertion) {
   EXPECT_EQ(order.front().method, "dormand_prince_54");
   EXPECT_EQ(order[0].h, 2.0);
   EXPECT_EQ(order[3].h, 0.00005);
+}
+
+TEST(Store, KeepsARowOfADeviceBesideThatOfTheProcessor) {
+  Scratch scratch;
+  Store store = Store::open_or_create(scratch / "a");
+  store.begin_session({});
+  const Row here = row("rk4", 1);
+  Row there = here, other = here;
+  there.key.device = "card";
+  there.key.precision = "double";
+  there.cpu_s = {};
+  there.device_s = {1e-6, 2e-6};
+  there.clock_mhz = 1980;
+  there.driver = "driver 1, run time 2";
+  store.insert(here);
+  EXPECT_FALSE(store.contains(there.key));
+  EXPECT_FALSE(store.contains_measured(there.key));
+  store.insert(there);
+  other.key = there.key;
+  other.key.precision = "single";
+  store.insert(other);
+  const std::vector<Row> rows = store.rows();
+  ASSERT_EQ(rows.size(), 3U);
+  expect_same_row(rows[0], here);
+  expect_same_row(rows[1], there);
+  EXPECT_EQ(rows[2].key.precision, "single");
 }
 
 TEST(Store, AKeyIsStoredOnceAndASpanWithADoubleIsStoredNotAtAll) {

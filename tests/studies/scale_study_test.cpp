@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "catalogue/device/host_device.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "limits/modes/fastest_mode.hpp"
@@ -35,9 +37,21 @@ TEST(ScaleStudy, MeasuresEveryCostOfTheBodyThatItsMeshNames) {
       EXPECT_LT(seconds, 60);
     }
     EXPECT_LT(row.force, row.implicit_step);
+    EXPECT_TRUE(std::isnan(row.device_step));
     EXPECT_GT(row.peak_memory, 1e6);
   }
   EXPECT_TRUE(std::filesystem::is_empty(scratch / "new"));
+}
+
+TEST(ScaleStudy, TimesTheExplicitStepOfADeviceByItsClock) {
+  const Scratch scratch;
+  const std::vector<std::string> meshes{"ball:n=2"};
+  const auto device = std::make_shared<HostDevice>();
+  const auto rows = scale_study(
+      meshes, scratch / "new", [](double, const std::string&) {}, device);
+  EXPECT_GT(rows.at(0).device_step, 0);
+  EXPECT_LT(rows.at(0).device_step, 1);
+  EXPECT_EQ(device->seconds(), 0) << "nobody has read the time of its last steps";
 }
 
 TEST(ScaleStudy, GoesFromAThousandToAMillionTetrahedra) {

@@ -400,7 +400,7 @@ function make_legend(figure, rows, hidden, redraw) {
     legend.prepend(element(
         "p", {class: "note"},
         `At first ${members.length - hidden.size} of ${
-            members.length} curves are shown: those with a run that no other run beats in both error and CPU time.`));
+            members.length} curves are shown: those with a run that no other run beats in both error and time.`));
   return legend;
 }
 

@@ -62,6 +62,16 @@ TEST(Timing, ACandidateThatCostsNothingStillEnds) {
   EXPECT_EQ(time_interleaved(candidates, {.repetitions = 2, .min_sample_s = 1e-4})[0].samples.size(), 2u);
 }
 
+TEST(Timing, IsByTheClockThatIsGiven) {
+  constexpr double of_a_run = 1.0 / 256;  // differences of such times are exact
+  double now = 0;
+  const std::vector<Candidate> candidates{repeated([&] { now += of_a_run; })};
+  const Timing timing = time_interleaved(
+      candidates, {.repetitions = 4, .min_sample_s = 1.5 * of_a_run, .clock = [&] { return now; }})[0];
+  EXPECT_EQ(timing.runs_per_sample, 2);
+  EXPECT_EQ(timing.samples, std::vector<double>(4, of_a_run));
+}
+
 TEST(Timing, CanBeEndedBetweenSamples) {
   int asked = 0, called = 0;
   const std::vector<Candidate> candidates{[&](std::int64_t) { ++called, burning(1e-4)(1); }};

@@ -162,12 +162,23 @@ TEST(ReportText, OfTissueQuotesTheLargeMassAsItIsPrinted) {
 TEST(ReportText, HasAPlaceForEveryCostOfAMesh) {
   const std::string_view text = report_text("tissue");
   const std::vector<ScaleRow> rows{{.mesh = "ball:n=2", .tetrahedra = 48, .peak_memory = 2.5e9}};
-  const Ordered sizes{{"meshes", rows}, {"force_spread", 1.25}, {"step_spread", 1.5}};
-  const std::string part = filled(text.substr(text.find("{{#sizes}}")), Ordered::object({{"sizes", sizes}}),
-                                  {{"figure costs_over_size", "the figure"}});
+  Ordered sizes{{"meshes", rows}, {"force_spread", 1.25}, {"step_spread", 1.5}, {"device", nullptr}};
+  const auto filled_with = [&] {
+    return filled(text.substr(text.find("{{#sizes}}")), Ordered::object({{"sizes", sizes}}),
+                  {{"figure costs_over_size", "the figure"}});
+  };
+  const std::string part = filled_with();
   EXPECT_NE(part.find("| ball:n=2 | 48 | 0 | 0 | 0 | 0 | 0 | 0 | 0 | 2.50 |\n\nthe figure\n"),
             std::string::npos)
       << part;
+  EXPECT_EQ(part.find("device time"), std::string::npos);
+  sizes["device"] = {{"device", "card"},
+                     {"clock_mhz", 1980.0},
+                     {"driver", "driver 1"},
+                     {"precision", "double"},
+                     {"steps", {{{"mesh", "ball:n=2"}, {"tetrahedra", 48}, {"device_step", 1.25e-5}}}}};
+  EXPECT_TRUE(says(filled_with(), "on card, 1980 MHz, driver 1, in double precision"));
+  EXPECT_TRUE(says(filled_with(), "| ball:n=2 | 48 | 1.25e-05 |"));
 }
 
 }  // namespace

@@ -258,6 +258,7 @@ void expect_identified(const nlohmann::json& thigh, const Shell& shell) {
 
 TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibrium) {
   const Shell shell;
+  expect_refused(shell.hmax("reproduce tissue --quick --device gpu"), "is for the costs of --scale");
   const nlohmann::json study = shell.json("reproduce tissue --quick --scale --output both/tissue");
   EXPECT_EQ(study.at("unsolved"), 0);
   EXPECT_GT(study.at("force_ratio"), 1);
@@ -294,6 +295,7 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibri
   }
   EXPECT_GT(largest_change, 0.001);
   expect_identified(study.at("thigh"), shell);
+  EXPECT_TRUE(study.at("device").is_null());
   ASSERT_EQ(study.at("sizes").size(), 2U);
   for (const nlohmann::json& size : study.at("sizes"))
     for (const char* cost : {"force", "stiffness", "explicit_step", "implicit_step", "eigenvalue", "import"})

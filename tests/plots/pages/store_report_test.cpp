@@ -181,6 +181,41 @@ TEST(StoreReport, SaysWhereTimesOfExploredRunsAre) {
   EXPECT_TRUE(contains(page, "2 runs in 1 store"));
 }
 
+TEST(StoreReport, ShowsTimesOfDevicesApart) {
+  ReportedStore store{.name = "a.sqlite", .runs = {made_run("rk4", 0.1), made_run("rk4", 0.1)}};
+  const auto ids = [&] {
+    std::string text;
+    const auto data = data_in(page_of({store}));
+    for (const auto& figure : data.at("figures")) text += figure.at("id").get<std::string>() + " ";
+    return text;
+  };
+  EXPECT_EQ(ids(), "work_precision time_steps ");
+  Row& there = store.runs[1];
+  there.key.device = "card";
+  there.device_s.swap(there.cpu_s);
+  EXPECT_EQ(ids(), "work_precision device_work_precision time_steps ");
+  const std::string page = page_of({store});
+  EXPECT_TRUE(contains(page, "id=\"figure-device_work_precision\""));
+  EXPECT_TRUE(contains(page, "1 of these runs is on a device"));
+  const auto data = data_in(page);
+  const auto& table = data.at("tables").at(0);
+  const auto cell = [&](std::size_t row, const std::string& key) {
+    constexpr std::size_t hidden_cells = 4;
+    for (std::size_t c = 0; c < table.at("columns").size(); ++c)
+      if (table.at("columns")[c].at("key") == key) return table.at("rows")[row].at(c + hidden_cells);
+    throw std::runtime_error("no column " + key);
+  };
+  EXPECT_TRUE(cell(0, "cpu").is_number() && cell(0, "device_time").is_null());
+  EXPECT_TRUE(cell(1, "cpu").is_null() && cell(1, "cpu_p99").is_null());
+  EXPECT_EQ(cell(1, "device_time"), cell(0, "cpu"));
+  EXPECT_EQ(cell(1, "device_p99"), cell(0, "cpu_p99"));
+  EXPECT_EQ(cell(1, "speed"), cell(0, "speed"));
+  EXPECT_EQ(data.at("series")[1].at("label"), "rk4 on card");
+  store.runs.erase(store.runs.begin());
+  EXPECT_EQ(ids(), "device_work_precision time_steps ");
+  EXPECT_FALSE(contains(page_of({store}), "id=\"figure-work_precision\""));
+}
+
 TEST(StoreReport, LeavesOutRowsThatWouldMakeItTooLarge) {
   const std::vector<ReportedStore> stores{made_store("a.sqlite", 3000)};
   const std::size_t whole = page_of(stores).size(), most = whole - 100'000;
