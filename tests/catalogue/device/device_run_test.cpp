@@ -251,15 +251,18 @@ TEST(HostDevice, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
 template <class Real = double>
 void expect_same_at_a_time(Device& device, const Problem& problem, const char* id, std::int32_t count) {
   const DeviceMethod method = *device_method(find_method(id));
-  const auto driven = [](BodyOnDevice<Real>& body, const DeviceMethod& own, std::int64_t steps) {
-    std::vector<double> times;
-    for (std::int64_t n = 0; n < steps; ++n) own.append_times(1e-3 * n, 1e-3, {}, times);
-    if (body.is_driven()) body.set_times(times);
-  };
   const auto run = [&](BodyOnDevice<Real>& body) {
+    std::vector<double> times{0.0};
+    const auto tell_times = [&] {
+      if (body.is_driven()) body.set_times(times);
+    };
+    tell_times();
     body.start();
     for (const std::int64_t steps : {31, 8}) {
-      driven(body, method, steps);
+      times.clear();
+      for (std::int64_t n = 0; n < steps; ++n)
+        method.append_times(1e-3 * static_cast<double>(n), 1e-3, {}, times);
+      tell_times();
       body.advance(1e-4, steps);
     }
   };
