@@ -319,7 +319,7 @@ template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
   return (newton_ ? newton_->flops() : 0) +
-         static_cast<double>(method_.evaluations()) *
+         step_.bodies * static_cast<double>(method_.evaluations()) *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
               31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }

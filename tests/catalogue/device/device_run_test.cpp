@@ -291,6 +291,23 @@ void expect_same_at_a_time(Device& device) {
   expect_same_at_a_time<float>(device, driven_body(), "rk4", 3);
 }
 
+TEST(HostDevice, CountsTheWorkOfAllBodies) {
+  const Problem body = make_problem("fem_green@cube:n=2");
+  HostDevice device;
+  const auto run = [&](const char* method, std::int32_t bodies) {
+    return run_on_device(device, body, find_method(method), {.t_end = 1e-3, .h = 1e-4},
+                         Precision::double_precision, bodies);
+  };
+  for (const char* method : {"symplectic_euler", "rk4"}) {
+    const DeviceRun one = run(method, 1), three = run(method, 3), five = run(method, 5);
+    EXPECT_EQ(three.flops, 3 * one.flops);
+    EXPECT_DOUBLE_EQ(five.bytes - three.bytes, three.bytes - one.bytes) << "elements are read once";
+    EXPECT_LT(three.bytes, 3 * one.bytes);
+    EXPECT_EQ(unequal(three.record.y, one.record.y), 0U);
+  }
+  EXPECT_THROW(run("newton_truncated", 2), InputError);
+}
+
 TEST(HostDevice, StepsBodiesAtATimeAsEachAlone) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
