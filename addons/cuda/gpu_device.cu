@@ -54,12 +54,14 @@ void with_kernel(const DeviceProgram& program, const F& f) {
 /// Programs as a graph.
 struct ProgramGraph {
   std::vector<DeviceProgram> of;
+  LoadEvaluations loads;
   cudaGraphExec_t graph = nullptr;
 
   ProgramGraph() = default;
   ProgramGraph(ProgramGraph&& other) noexcept { *this = std::move(other); }
   ProgramGraph& operator=(ProgramGraph&& other) noexcept {
     std::swap(of, other.of);
+    std::swap(loads, other.loads);
     std::swap(graph, other.graph);
     return *this;
   }
@@ -167,17 +169,19 @@ class Gpu final : public Device {
     if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(loads.before, before);
   }
 
-  /// The graph of these programs, one of the two that are kept where it is there: displacements end in either of two
-  /// places, and the next steps begin there.
+  /// The graph of these programs, one of those that are kept where it is there. A run of long steps has up to three:
+  /// of two steps, there and back, of an odd one and of the last one; frames of one step have two.
   cudaGraphExec_t graph_of(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) {
     const auto is_it = [&](const ProgramGraph& each) {
-      return each.graph && std::equal(programs.begin(), programs.end(), each.of.begin(), each.of.end(),
-                                      [](const auto& own, const auto& its) { return own.is(its); });
+      return each.graph && each.loads == loads &&
+             std::equal(programs.begin(), programs.end(), each.of.begin(), each.of.end(),
+                        [](const auto& own, const auto& its) { return own.is(its); });
     };
-    if (is_it(graphs_[0])) return graphs_[0].graph;
-    std::swap(graphs_[0], graphs_[1]);
-    if (is_it(graphs_[0])) return graphs_[0].graph;
+    const auto found = std::find_if(graphs_.begin(), graphs_.end(), is_it);
+    const auto taken = found == graphs_.end() ? found - 1 : found;  // else in the place of the oldest
+    std::rotate(graphs_.begin(), taken, taken + 1);
     ProgramGraph& kept = graphs_[0];
+    if (found != graphs_.end()) return kept.graph;
     if (kept.graph) cudaGraphExecDestroy(std::exchange(kept.graph, nullptr));
     cudaGraph_t graph = nullptr;
     check(cudaStreamBeginCapture(stream_, cudaStreamCaptureModeThreadLocal), "makes no graph");
@@ -187,6 +191,7 @@ class Gpu final : public Device {
     cudaGraphDestroy(graph);
     check(made, "makes no graph");
     kept.of.assign(programs.begin(), programs.end());
+    kept.loads = loads;
     return kept.graph;
   }
 
@@ -205,7 +210,7 @@ class Gpu final : public Device {
   cudaDeviceProp card_{};
   cudaStream_t stream_ = nullptr;
   cudaEvent_t begin_ = nullptr, end_ = nullptr;
-  std::array<ProgramGraph, 2> graphs_;
+  std::array<ProgramGraph, 4> graphs_;
   std::vector<std::unique_ptr<void, FreeMemory>> memory_;
   double milliseconds_ = 0;
 };

@@ -24,9 +24,10 @@ struct DeviceFacts {
 
 /// How often programs evaluate loads.
 struct LoadEvaluations {
-  std::int64_t* before =
-      nullptr;            ///< BodyStep::evaluated, in the memory of the device; it grows. Null: never
+  /// BodyStep::evaluated, in the memory of the device; it grows. Null: never.
+  std::int64_t* before = nullptr;
   std::int32_t each = 0;  ///< those of all programs, once
+  bool operator==(const LoadEvaluations&) const = default;
 };
 
 /// Memory of a device and the programs that it runs, one after the other.
