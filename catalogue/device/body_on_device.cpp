@@ -31,7 +31,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
       patches_(
           body_patches(body, points_of_a_patch(body, bodies), device.facts().shared_memory / sizeof(Real))),
       loads_(body.settings().forces) {
-  step_.bodies = bodies;
+  step_.bodies = bodies;  // which the sizes of its arrays depend on
   step_ = {.body = arrays(),
            .bodies = bodies,
            .move = Move::start,
@@ -51,7 +51,6 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .evaluation = 0,
            .sum = {}};
   place_loads();
-  programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
@@ -63,6 +62,8 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
       throw InputError("newton_truncated steps one body at a time on a GPU; leave --bodies out");
     newton_.emplace(memory_, body, patches_, method_.newton);
   }
+  if (patches_.begin.size() == 2 && !newton_)
+    programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
   step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
   for (Real*& q : stage_q_) q = numbers(displacements());
@@ -167,7 +168,7 @@ template <class Real>
 void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
   std::vector<Real> q(displacements() / sizeof(Real), 0.0), v(velocities() / sizeof(Real));
   for (std::size_t n = 0; n < bodies(); ++n)
-    visit(n, q, v, [&own = y[n]](Eigen::Index i, Real& to_q, Real& to_v) {
+    visit(n, q, v, [&own = y[y.size() == 1 ? 0 : n]](Eigen::Index i, Real& to_q, Real& to_v) {
       to_q = static_cast<Real>(own[i]), to_v = static_cast<Real>(own[own.size() / 2 + i]);
     });
   // All of them, since steps write the free points alone.
@@ -214,7 +215,7 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
 template <class Real>
 void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64_t times,
                              std::int32_t instants) {
-  if (patches_.begin.size() > 2 || newton_) return device_.run(programs, times, {evaluated_, instants});
+  if (!programs_) return device_.run(programs, times, {evaluated_, instants});
   std::vector<BodyStep<Real>> steps;
   for (const DeviceProgram& each : programs) steps.push_back(std::get<BodyStep<Real>>(each.of));
   device_.write(programs_, steps.data(), steps.size() * sizeof steps.front());

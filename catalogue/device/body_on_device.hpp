@@ -36,12 +36,8 @@ class BodyOnDevice {
   /// Whether loads change with time, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
-  /// @param y  of each body, shape (dim)
+  /// @param y  of each body, or the one state of all; shape (dim)
   void set(std::span<const Eigen::VectorXd> y);
-  /// The same state of all.
-  void set(const Eigen::VectorXd& y) {
-    set(std::vector<Eigen::VectorXd>(static_cast<std::size_t>(step_.bodies), y));
-  }
   /// That of body `number`.
   [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0);
   /// Where the evaluations that follow stand [s]: 0 of a start, or those of all steps of advance().
@@ -98,7 +94,7 @@ class BodyOnDevice {
   std::vector<PressingForce> loads_;
   Real* load_table_ = nullptr;
   std::int64_t* evaluated_ = nullptr;
-  BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps
+  BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps; null where a body is no single block
   BodyStep<Real> step_{};
   Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
   struct {

@@ -69,7 +69,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     return record;
   }
   const double start = 0;
-  body.set(problem.y0);
+  body.set({&problem.y0, 1});
   if (body.is_driven()) body.set_times({&start, 1});
   body.start();
   Steps steps(spec, system, problem.y0);

@@ -273,7 +273,7 @@ void expect_same_at_a_time(Device& device, const Problem& problem, const char* i
   all.set(starts);
   run(all);
   for (std::int32_t n = 0; n < count; ++n) {
-    alone.set(starts[static_cast<std::size_t>(n)]);
+    alone.set({&starts[static_cast<std::size_t>(n)], 1});
     run(alone);
     EXPECT_EQ(unequal(all.get(n), alone.get()), 0U) << id << ", body " << n;
     EXPECT_GT(unequal(all.get(n), all.get((n + 1) % count)), 0U);
