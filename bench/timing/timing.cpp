@@ -45,13 +45,15 @@ std::vector<Timing> time_interleaved(std::span<const std::function<void(std::int
     return clock() - before;
   };
   const auto stopped = [&] { return options.keep_going && !options.keep_going(); };
+  // A clock may never move, as that of a device that has nothing to do.
+  const double longest = 1000 * options.min_sample_s;
   std::vector<Timing> timings(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     std::int64_t& runs = timings[i].runs_per_sample;
     for (;;) {
       if (stopped()) return {};
-      const double seconds = seconds_of_runs(candidates[i], runs);
-      if (seconds >= options.min_sample_s) break;
+      const double begun = elapsed_seconds(), seconds = seconds_of_runs(candidates[i], runs);
+      if (seconds >= options.min_sample_s || elapsed_seconds() - begun > longest) break;
       // Aims a little beyond the target: a sample at its edge would be tried again.
       const double wanted = seconds > 0 ? 1.2 * options.min_sample_s / seconds : 1024;
       runs *= static_cast<std::int64_t>(std::clamp(std::ceil(wanted), 2.0, 1024.0));

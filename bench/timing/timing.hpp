@@ -26,8 +26,9 @@ std::function<double()> clock_of(const Runner& runner);
 double elapsed_seconds();
 
 struct TimingOptions {
-  int repetitions = 9;         ///< samples of each candidate, at least 1
-  double min_sample_s = 2e-3;  ///< time of one sample, for the clock to resolve it well [s]
+  int repetitions = 9;  ///< samples of each candidate, at least 1
+  /// Time of one sample, for the clock to resolve it well, unless it takes 1000 times as long [s].
+  double min_sample_s = 2e-3;
   /// Of all candidates, such as that of their device [s]. Empty: thread_cpu_seconds().
   std::function<double()> clock{};
   /// Asked before every sample; false ends the timing. Empty: never asked.

@@ -72,6 +72,14 @@ TEST(Timing, IsByTheClockThatIsGiven) {
   EXPECT_EQ(timing.samples, std::vector<double>(4, of_a_run));
 }
 
+TEST(Timing, EndsByAClockThatStandsStill) {
+  const std::vector<Candidate> candidates{repeated([] { burning(1e-5)(1); })};
+  const Timing timing =
+      time_interleaved(candidates, {.repetitions = 2, .min_sample_s = 1e-6, .clock = [] { return 1.0; }})[0];
+  EXPECT_EQ(timing.samples, std::vector<double>(2, 0));
+  EXPECT_LT(timing.runs_per_sample, std::int64_t{1} << 21);
+}
+
 TEST(Timing, CanBeEndedBetweenSamples) {
   int asked = 0, called = 0;
   const std::vector<Candidate> candidates{[&](std::int64_t) { ++called, burning(1e-4)(1); }};
