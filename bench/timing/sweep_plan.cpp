@@ -205,6 +205,7 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   json text{{"problems", problem_list},
             {"methods", method_list},
             {"device", device ? device->name : "cpu"},
+            {"driver", device ? device->driver : ""},
             {"h", spec.h},
             {"unsteered_h", spec.unsteered_h},
             {"readings", readings},

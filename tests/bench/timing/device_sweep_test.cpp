@@ -30,14 +30,15 @@ SweepSpec cube() {
 
 /// The same on a device: its programs on the processor, with facts of its own, and a clock of which a second
 /// goes by from one look to the next.
-SweepSpec cube_on_device(const std::string& name = "made up") {
+SweepSpec cube_on_device(const std::string& name = "made up",
+                         const std::string& driver = "driver 1, run time 2") {
   SweepSpec spec = cube();
-  spec.place = [name, device = std::make_shared<HostDevice>()](
+  spec.place = [name, driver, device = std::make_shared<HostDevice>()](
                    const std::vector<Problem>&, std::vector<Method>& methods, std::vector<LeftOut>&) {
     DeviceFacts facts = device->facts();
     facts.name = name;
     facts.clock_mhz = 1500;
-    facts.driver = "driver 1, run time 2";
+    facts.driver = driver;
     for (Method& method : methods) {
       method = on_device(std::move(method), device);
       method.device = std::make_shared<const DeviceFacts>(facts);
@@ -99,6 +100,23 @@ TEST(DeviceSweep, HasTheErrorsOfTheProcessorAndTimesOfItsOwn) {
   }
 }
 
+TEST(DeviceSweep, IsTimedByTheClockOfItsDevice) {
+  const Scratch scratch;
+  const auto device = std::make_shared<HostDevice>();
+  SweepSpec spec = cube();
+  spec.place = [device](const std::vector<Problem>&, std::vector<Method>& methods, std::vector<LeftOut>&) {
+    for (Method& method : methods) method = on_device(std::move(method), device);
+  };
+  for (const Row& row : measured(spec, scratch / "a.sqlite")) {
+    ASSERT_EQ(row.device_s.size(), 9U);
+    for (const double seconds : row.device_s) {
+      EXPECT_GT(seconds, 0);
+      EXPECT_LT(seconds, 1);
+    }
+  }
+  EXPECT_EQ(device->seconds(), 0) << "nobody has read the time of its last steps";
+}
+
 TEST(DeviceSweep, IsNotTakenUpOnAnotherDevice) {
   const Scratch scratch;
   const std::filesystem::path file = scratch / "a.sqlite";
@@ -108,6 +126,8 @@ TEST(DeviceSweep, IsNotTakenUpOnAnotherDevice) {
   };
   EXPECT_TRUE(says(resumed(cube()), "device was \"made up\" and is \"cpu\""));
   EXPECT_TRUE(says(resumed(cube_on_device("other")), "device was \"made up\" and is \"other\""));
+  EXPECT_TRUE(says(resumed(cube_on_device("made up", "driver 2")),
+                   "driver was \"driver 1, run time 2\" and is \"driver 2\""));
   const SweepPlan plan = plan_sweep(cube_on_device());
   Store store = open_sweep_store(plan, file, true);
   EXPECT_EQ(run_sweep(plan, store).measured, 0);
