@@ -122,8 +122,8 @@ void add_remarks(const std::vector<Pair>& pairs, const Common& common, std::vect
   });
   if (few > 0) {
     remarks.push_back(
-        fmt::format("{} of the rows have fewer than {} repetitions: their differences can be missed.", few,
-                    enough_repetitions));
+        fmt::format("{} of the rows{} have fewer than {} repetitions: their differences can be missed.", few,
+                    where, enough_repetitions));
   }
   const auto elsewhere = std::ranges::count_if(pairs, [](const Pair& pair) {
     return pair.a->clock_mhz != pair.b->clock_mhz || pair.a->driver != pair.b->driver;

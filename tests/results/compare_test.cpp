@@ -69,6 +69,16 @@ Flagged a_against_a(const std::function<std::vector<Row>(std::mt19937&)>& world)
   return flagged;
 }
 
+/// Rows of a session as those of a device.
+std::vector<Row> on_a_card(std::vector<Row> rows) {
+  for (Row& row : rows) {
+    row.key.device = "card";
+    row.device_s.swap(row.cpu_s);
+    row.driver = "driver 1";
+  }
+  return rows;
+}
+
 TEST(Compare, AgainstItselfUnderPlainNoiseFlagsNothingMuch) {
   for (const double noise : {0.005, 0.02, 0.1}) {
     const Flagged flagged = a_against_a([&](std::mt19937& random) {
@@ -194,6 +204,8 @@ TEST(Compare, SaysHowManyRowsHaveFewRepetitions) {
   b[5].cpu_s.pop_back();
   EXPECT_EQ(compare(a, b).remarks.back(),
             "2 of the rows have fewer than 9 repetitions: their differences can be missed.");
+  EXPECT_EQ(compare(on_a_card(a), on_a_card(b)).remarks.back(),
+            "2 of the rows on card have fewer than 9 repetitions: their differences can be missed.");
 }
 
 TEST(Compare, AnotherResultIsAChangeWhateverTheTimes) {
@@ -285,16 +297,6 @@ TEST(Compare, TakesResultsOfExploredRowsButNotTheirTimes) {
   EXPECT_TRUE(std::isnan(found.rows[0].ratio));
   EXPECT_EQ(found.rows[1].verdict, TimingVerdict::changed);
   EXPECT_TRUE(says(found.remarks.back(), "2 of the rows were explored"));
-}
-
-/// Rows of a session as those of a device.
-std::vector<Row> on_a_card(std::vector<Row> rows) {
-  for (Row& row : rows) {
-    row.key.device = "card";
-    row.device_s.swap(row.cpu_s);
-    row.driver = "driver 1";
-  }
-  return rows;
 }
 
 TEST(Compare, JudgesTheRowsOfADeviceAmongThemselves) {
