@@ -196,6 +196,7 @@ TEST(StoreReport, ShowsTimesOfDevicesApart) {
   EXPECT_EQ(ids(), "work_precision device_work_precision time_steps ");
   const std::string page = page_of({store});
   EXPECT_TRUE(contains(page, "id=\"figure-device_work_precision\""));
+  EXPECT_FALSE(data_in(page).at("figures").back().contains("best")) << "it would hide the curves of devices";
   EXPECT_TRUE(contains(page, "1 of these runs is on a device"));
   const auto data = data_in(page);
   const auto& table = data.at("tables").at(0);
@@ -213,6 +214,7 @@ TEST(StoreReport, ShowsTimesOfDevicesApart) {
   EXPECT_EQ(data.at("series")[1].at("label"), "rk4 on card");
   store.runs.erase(store.runs.begin());
   EXPECT_EQ(ids(), "device_work_precision time_steps ");
+  EXPECT_EQ(data_in(page_of({store})).at("figures").back().at("best"), Json::array({"error", "device_time"}));
   EXPECT_FALSE(contains(page_of({store}), "id=\"figure-work_precision\""));
 }
 
