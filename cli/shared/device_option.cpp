@@ -28,7 +28,7 @@ void DeviceChoice::add_kinds_to(CLI::App& command) {
            "Numbers of --device gpu: single, which err by some 1e-6 to 1e-5, or double; double by default",
            "NAME");
   add_text(command, "--bodies", bodies_text,
-           "Bodies that --device gpu steps at a time, each of this run; 1 by default", "NUMBER");
+           "Copies of the body that --device gpu steps at the same time; 1 by default", "NUMBER");
 }
 
 std::int32_t DeviceChoice::bodies() const {

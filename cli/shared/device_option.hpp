@@ -43,8 +43,8 @@ struct DeviceChoice {
   /// beside it that a GPU does not take
   void check(std::initializer_list<std::pair<const char*, bool>> beside) const;
   /// @param beside  other options, and whether they are given, that a GPU does not take
-  /// @throws InputError  for words that are none, a precision without a GPU, for one of these, and for what a
-  /// GPU does not run
+  /// @throws InputError  for words that are none, a precision or bodies without a GPU, for one of these, and
+  /// for what a GPU does not run
   void check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
              const Method& method, const RunSpec& spec) const;
 };
