@@ -84,11 +84,10 @@ std::string time_of(const std::vector<Row>& rows) {
   return std::string(name_of_time(rows.empty() ? RowKey{} : rows.front().key));
 }
 
-/// "CPU time of one run", or "device time of one run on NVIDIA H200".
+/// "CPU time of one run", or "Device time of one run on NVIDIA H200".
 std::string title_of_time(const std::vector<Row>& rows) {
-  std::string title = time_of(rows) + " of one run";
-  if (!rows.empty() && is_on_device(rows.front())) title += " on " + rows.front().key.device;
-  return title;
+  if (rows.empty() || !is_on_device(rows.front())) return "CPU time of one run";
+  return "Device time of one run on " + rows.front().key.device;
 }
 
 Measured run_time(const Row& row) {

@@ -61,7 +61,7 @@ TEST(Figures, ShowOneDeviceOrTheProcessor) {
               here = run_time_panel(rows(), "fixed", kMethods);
   EXPECT_EQ(here.title, "CPU time of one run");
   EXPECT_EQ(here.y.label, "CPU time [s]");
-  EXPECT_EQ(there.title, "device time of one run on card");
+  EXPECT_EQ(there.title, "Device time of one run on card");
   EXPECT_EQ(there.y.label, "device time [s]");
   EXPECT_EQ(there.curves.at(1).y, here.curves.at(1).y);
   EXPECT_EQ(work_precision_figure(some, kMethods).panels[0].y.label, "device time [s]");
