@@ -364,11 +364,12 @@ Json advice_figures() {
 }
 
 /// @param key, label  of the time
-Json work_precision(const char* id, const char* title, const char* words, const char* key,
+Json work_precision(bool on_device, const char* id, const char* title, const char* words, const char* key,
                     const char* label) {
   Json precision = figure(id, runs_table, title, words, "error", key, "largest error", label);
   precision["join"] = true;
   precision["best"] = {"error", key};
+  precision["on_device"] = on_device;
   return precision;
 }
 
@@ -377,13 +378,13 @@ Json run_figures(bool has_cpu_times, bool has_device_times) {
   Json figures = Json::array();
   if (has_cpu_times)
     figures.push_back(work_precision(
-        "work_precision", "Work-precision diagram",
+        false, "work_precision", "Work-precision diagram",
         "Median CPU time of a run against its largest error, in the unit of the state. A curve further to the left "
         "and below is more accurate and faster.",
         "cpu", "CPU time [ms]"));
   if (has_device_times)
     figures.push_back(
-        work_precision("device_work_precision", "Work-precision diagram of devices",
+        work_precision(true, "device_work_precision", "Work-precision diagram of devices",
                        "Median time of a run by the clock of its device against its largest error.",
                        "device_time", "device time [ms]"));
   Json steps = figure(

@@ -406,8 +406,12 @@ function make_legend(figure, rows, hidden, redraw) {
 
 function make_figure(figure, holder) {
   const table = data.tables.find(each => each.id === figure.table);
-  const cases = [...new Set(table.rows.map(row => row[3]))];
-  const rows_of = which => table.rows.filter(row => which < 0 || row[3] === which);
+  // A figure of times has rows of the processor or of devices.
+  const own = figure.on_device === undefined ?
+      table.rows :
+      table.rows.filter(row => (value_of(row, column_of(table, "device")) !== "") === figure.on_device);
+  const cases = [...new Set(own.map(row => row[3]))];
+  const rows_of = which => own.filter(row => which < 0 || row[3] === which);
   let chosen = figure.whole ? -1 : cases[0], last_width = 0;
   let hidden = new Set(hidden_at_first(figure, table, rows_of(chosen)));
   const made = element("figure", {class: "plot"}, element("figcaption", {}, figure.title));

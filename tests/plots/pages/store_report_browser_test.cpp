@@ -46,5 +46,22 @@ TEST(StoreReportInABrowser, SortsFiltersAndShowsValues) {
   EXPECT_EQ(findings, expected);
 }
 
+TEST(StoreReportInABrowser, NamesTheCurvesOfADeviceWhereTheyAre) {
+  const std::string program = browser();
+  if (program.empty())
+    GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
+  ReportedStore store = made_store("a.sqlite", 2);
+  Row& there = store.runs[1];
+  there.key.device = "card";
+  there.device_s.swap(there.cpu_s);
+  const auto findings =
+      findings_on(store_report({&store, 1}, "1.2.3").html, "store_report_legends.js", program);
+  const std::map<std::string, std::string> expected{{"work_precision", "rk4"},
+                                                    {"device_work_precision", "newmark on card"},
+                                                    {"time_steps", "newmark on card, rk4"},
+                                                    {"errors", "none"}};
+  EXPECT_EQ(findings, expected);
+}
+
 }  // namespace
 }  // namespace hmax
