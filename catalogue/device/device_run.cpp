@@ -131,8 +131,8 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!known) return "runs on no GPU";
   const std::string why = unsuited_for_patches(*problem.body);
   if (known->newton.programs() > NewtonSteps::most_programs)
-    return "takes more conjugate gradients in a step than a GPU is told at once, some " +
-           std::to_string(NewtonSteps::most_programs / 2);
+    return "has steps of more than some " + std::to_string(NewtonSteps::most_programs / 2) +
+           " conjugate gradients, the most that a step has on a GPU";
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }
 
