@@ -383,9 +383,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   };
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
   EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
-  EXPECT_EQ(why(body, "newton_truncated:iterations=20,cg=50"), "");
-  EXPECT_TRUE(has(why(body, "newton_truncated:iterations=20,cg=100"), "2048 conjugate gradients"));
-  EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "more conjugate gradients"));
+  EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   HostDevice device;
   EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("newton_truncated"),
                                                {.t_end = 1, .h = 0.1}, Precision::single_precision)),
