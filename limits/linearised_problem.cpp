@@ -333,4 +333,19 @@ Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWa
   return near;
 }
 
+double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
+                          double most) {
+  // Of the size of the states of the problem, whatever their unit.
+  const auto largest = [](const Eigen::VectorXd& y) { return y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff(); };
+  const double scale = std::max(largest(near.point.model.y), largest(problem.y0));
+  double size = 1e-6 * (problem.body ? std::max(scale, 1.0) : scale > 0 ? scale : 1);
+  const auto change = [&] {
+    const Eigen::VectorXd y = near.point.model.y + size * direction;
+    const LinearModel displaced = linear_model(problem, near.point.model.t, y);
+    return relative_distance(near.point.model, displaced);
+  };
+  for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
+  return size;
+}
+
 }  // namespace hmax

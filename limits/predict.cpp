@@ -355,6 +355,14 @@ void predict_by_modes(Prediction& row, const Method& method, const OperatingPoin
   conclude(row, limit.of_modes[*limiting], all[*limiting], method, point);
 }
 
+/// Of steps of so many equal parts, for which the row was; the motions of `coupled` stay those of one part.
+void is_of_parts(Prediction& row, double parts) {
+  if (row.h_max) *row.h_max *= parts;
+  if (row.unstable_from) *row.unstable_from *= parts;
+  for (ModeMargin& margin : row.modes) margin.h_max *= parts;
+  if (row.coupled) row.coupled->h_max *= parts;
+}
+
 }  // namespace
 
 std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
@@ -377,7 +385,7 @@ std::string growth_in_words(const Mode& growing, const OperatingPoint& point) {
 Prediction predict(const Method& method, const OperatingPoint& point, const ModeSet& modes) {
   if (method.part) {
     Prediction row = predict(*method.part, point, modes);
-    scale_steps(row, method.parts);
+    is_of_parts(row, method.parts);
     row.method = method.id;
     return row;
   }

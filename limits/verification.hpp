@@ -24,11 +24,6 @@ namespace hmax {
 void verify(Prediction& row, const Method& method, const Problem& problem, const Linearised& near,
             const std::function<void()>& watch = {});
 
-/// The same of a method whose steps are of parts, by runs of one of them.
-/// @param verify_part  puts what those show into a row of that part
-void verify_parts(Prediction& row, const Method& method,
-                  const std::function<void(Prediction& of_part)>& verify_part);
-
 /// Steps of a method without a limit that are run.
 struct FarSteps {
   std::vector<double> h;  ///< [s], rising
@@ -42,12 +37,20 @@ FarSteps short_far_steps(double fastest);
 /// Whether a force moves a model that is not linear away from its state.
 /// @param free  the problem after its ramps
 bool driven_away(const Linearised& near, const Problem& free);
-inline constexpr const char* driven_away_words =
-    "the force moves the model away from this state, so that the runs show the limit of other states; the safe step "
-    "along the motion says more";
 
-/// Whether the model itself grows so fast that runs show this in place of a limit.
-bool grows_in_runs(const Prediction& row);
+/// What runs have shown.
+struct Finding {
+  Observation seen{};
+  std::string why{};      ///< it does not agree
+  std::string note{};     ///< what was left out
+  bool unsolved = false;  ///< the equations of steps without limit were not solved
+
+  /// Gives a reason for which runs do not agree, and that is no mistake of the prediction.
+  void excuse(std::string reason);
+  /// The same of driven_away().
+  void excuse_drive();
+};
+
 /// Whether runs of fixed steps can show what a row says.
 bool has_claim(const Prediction& row, const Method& method);
 
@@ -63,11 +66,6 @@ void verify_from(const ModeStart& start, const ShowSteps& run, Prediction& row, 
 ShowSteps steps_of(const Method& method, const Problem& problem, const Eigen::VectorXd& rest,
                    const Eigen::VectorXd& displacement, const std::shared_ptr<Outcome>& outcome,
                    const RunSpec& spec = {});
-
-/// How much of `direction` is small enough for the model to be linear: the Jacobian changes by less than
-/// `most` of itself. About rest at zero nothing is lost by that.
-double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
-                          double most);
 
 /// The steps at which a method without a limit is run: far beyond every time scale, and before them, of
 /// bodies, those that simulators take.

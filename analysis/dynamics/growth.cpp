@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -171,6 +172,39 @@ ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const Expe
     }
   }
   limit.h = onset_between(excess, low, high, at_low, at_high, expected.resolution);
+  return limit;
+}
+
+std::optional<ObservedLimit> observe_limit_by_recurrence(const ShowSteps& run, const MotionOf& motion,
+                                                         std::size_t degree, double predicted,
+                                                         double disturbance) {
+  const auto steps = static_cast<std::int64_t>(6 * degree);
+  std::map<double, double> known;
+  bool lost = false;  // at a step that obeys no recurrence
+  const auto per_step = [&](double h) {
+    const auto [at, is_new] = known.try_emplace(h);
+    if (is_new) {
+      const std::optional<double> growth = growth_of_recurrence(run, motion, degree, h, steps, disturbance);
+      lost = lost || !growth;
+      at->second = growth.value_or(0);
+    }
+    return at->second;
+  };
+  per_step(0.999 * predicted);
+  per_step(1.001 * predicted);
+  if (lost) return std::nullopt;
+  const ExpectedGrowth expected{.above = 1,
+                                .beside = -std::numeric_limits<double>::infinity(),
+                                .visible = 1e-5,
+                                .resolution = 2e-4,
+                                .least = static_cast<double>(steps)};
+  const GrowthAt growth = [&](double h, std::int64_t n) {
+    const std::int64_t half = n / 2;
+    return per_step(h) * static_cast<double>(half);
+  };
+  ObservedLimit limit = observe_limit(growth, predicted, expected);
+  limit.steps = steps;
+  if (lost) return std::nullopt;
   return limit;
 }
 

@@ -107,6 +107,12 @@ using GrowthAt = std::function<double(double h, std::int64_t steps)>;
 /// The same by another measure of growth.
 ObservedLimit observe_limit(const GrowthAt& growth, double predicted, const ExpectedGrowth& expected);
 
+/// The same by growth_of_recurrence(), to 2e-4: runs of a dozen steps.
+/// @return  nothing where the motion is not seen to obey a recurrence at one of the steps
+std::optional<ObservedLimit> observe_limit_by_recurrence(const ShowSteps& run, const MotionOf& motion,
+                                                         std::size_t degree, double predicted,
+                                                         double disturbance = 1e-6);
+
 /// The same run without motions that steps multiply by given roots, among which stands the conjugate of each
 /// that is not real: shows
 ///   rest + product of (E - root) d_n,  E d_n = d_(n+1),  d_n = y_n - rest,

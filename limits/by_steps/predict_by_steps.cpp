@@ -172,18 +172,20 @@ Distance distance_from(const VectorXd& rest, const LinearOperator& inner) {
 }
 
 /// Runs at the steps that simulators take and far beyond.
-Observation watched_without_limit(const Problem& problem, const ShowSteps& run, const Distance& distance,
-                                  double farthest, std::string& contradiction) {
-  Observation seen{.h_max = infinity, .gap = std::numeric_limits<double>::quiet_NaN(), .agrees = true};
+Finding watched_without_limit(const Problem& problem, const ShowSteps& run, const Distance& distance,
+                              double farthest) {
+  Finding finding{
+      .seen = {.h_max = infinity, .gap = std::numeric_limits<double>::quiet_NaN(), .agrees = true}};
+  Observation& seen = finding.seen;
   for (const double h : steps_without_limit(problem, farthest)) {
     seen.steps = 512;
     seen.agrees = !grows_at(run, distance, h, seen.steps);
     if (seen.agrees) continue;
     seen.h_max = std::numeric_limits<double>::quiet_NaN();
-    contradiction = fmt::format("runs of {} steps of {} s grow", seen.steps, to_text(h));
+    finding.why = fmt::format("runs of {} steps of {} s grow", seen.steps, to_text(h));
     break;
   }
-  return seen;
+  return finding;
 }
 
 /// The step at which runs begin to grow by more than weak_growth a step: from 2 % on both sides of the
@@ -202,22 +204,22 @@ double onset_of_growth(const ShowSteps& run, const Distance& distance, double pr
   return (low + high) / 2;
 }
 
-Observation watched_limit(const Found& found, const ShowSteps& run, const Distance& distance,
-                          std::string& contradiction) {
-  Observation seen{.h_max = onset_of_growth(run, distance, *found.row.h_max), .steps = watched_steps};
+Finding watched_limit(const Found& found, const ShowSteps& run, const Distance& distance) {
+  Finding finding{
+      .seen = {.h_max = onset_of_growth(run, distance, *found.row.h_max), .steps = watched_steps}};
+  Observation& seen = finding.seen;
   seen.gap = seen.h_max / *found.row.h_max - 1;
   const double tolerance = found.settings.linear ? tolerance_linear : tolerance_truncated;
   seen.agrees = std::abs(seen.gap) <= tolerance;
+  if (seen.agrees) return finding;
   // Where growth sets in gradually its onset says little.
   const double slow = 1.5 * weak_growth * static_cast<double>(watched_steps);
-  seen.excused =
-      !seen.agrees && observed_growth(run, distance, 1.02 * *found.row.h_max, watched_steps) < slow;
-  if (seen.excused)
-    contradiction = "growth beyond this limit is too slow for the runs to show where it begins";
-  else if (!seen.agrees)
-    contradiction =
+  if (observed_growth(run, distance, 1.02 * *found.row.h_max, watched_steps) < slow)
+    finding.excuse("growth beyond this limit is too slow for the runs to show where it begins");
+  else
+    finding.why =
         fmt::format("integration shows another limit, beyond the tolerance of {} %", 100 * tolerance);
-  return seen;
+  return finding;
 }
 
 void verify_steps(Found& found, const Method& method, const Problem& problem, const Linearised& near,
@@ -240,19 +242,14 @@ void verify_steps(Found& found, const Method& method, const Problem& problem, co
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run =
       steps_of(method, as_run(free, question, jacobian), rest, size * motion, outcome, spec);
-  std::string contradiction;
-  Observation seen = std::isinf(*found.row.h_max)
-                         ? watched_without_limit(problem, run, distance_from(rest, inner),
-                                                 found.settings.most, contradiction)
-                         : watched_limit(found, run, distance_from(rest, inner), contradiction);
-  seen.step_defect = step_defect(method);
-  if (!seen.agrees && driven_away(near, free)) {
-    seen.excused = true;
-    seen.gap = std::numeric_limits<double>::quiet_NaN();
-    contradiction = driven_away_words;
-  }
-  if (!contradiction.empty()) say(found.row, contradiction);
-  found.row.observed = seen;
+  const Distance distance = distance_from(rest, inner);
+  Finding finding = std::isinf(*found.row.h_max)
+                        ? watched_without_limit(problem, run, distance, found.settings.most)
+                        : watched_limit(found, run, distance);
+  if (driven_away(near, free)) finding.excuse_drive();
+  finding.seen.step_defect = step_defect(method);
+  if (!finding.why.empty()) say(found.row, finding.why);
+  found.row.observed = finding.seen;
 }
 
 /// The same model with K times `factor`.

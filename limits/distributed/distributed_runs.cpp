@@ -230,15 +230,13 @@ std::string why_not_stepped(const Method& method) {
 
 void verify(Prediction& row, const Method& method, const Linearised& near, DistributedModel& model,
             const std::function<bool()>& interrupted) {
-  if (method.part)
-    return verify_parts(
-        row, method, [&](Prediction& of_part) { verify(of_part, *method.part, near, model, interrupted); });
   if (!has_claim(row, method)) return;
   double fastest = 0;
   for (const ModeMargin& margin : row.modes) fastest = std::max(fastest, std::abs(margin.mode.lambda));
   if (fastest == 0) return;  // nothing moves
   const auto [without_rows] = summed<1>(model, {model.rows() == 0 ? 1.0 : 0.0});
-  if (std::string why = why_not_stepped(method); !why.empty()) {
+  const Method& step = method.analysed();
+  if (std::string why = why_not_stepped(step); !why.empty()) {
     row.note = fmt::format("not verified: {}; leave out --engine", why);
     return;
   }
@@ -249,7 +247,7 @@ void verify(Prediction& row, const Method& method, const Linearised& near, Distr
   }
   const Complex lambda = row.limiting ? row.limiting->lambda : row.modes.back().mode.lambda;
   const ModeStart start = start_from_fastest(model, lambda);
-  const ShowSteps run = steps_of(method, start, {model, interrupted}, fastest);
+  const ShowSteps run = steps_of(step, start, {model, interrupted}, fastest);
   FarSteps far = short_far_steps(fastest);
   far.note =
       fmt::format("verified at a step of {:.3g} s alone: --engine petsc takes no longer ones", far.h.back());

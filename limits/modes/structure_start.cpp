@@ -23,6 +23,11 @@ Eigen::Vector2d along(const VectorXd& row, const Eigen::Ref<const VectorXd>& y, 
 
 }  // namespace
 
+double StructureProducts::summed(double own) const {
+  if (add_up) add_up({&own, 1});
+  return own;
+}
+
 Distance energy_from(const VectorXd& rest, const StructureProducts& products) {
   return [rest, products](const Eigen::Ref<const VectorXd>& y) {
     const Eigen::Index n = rest.size() / 2;

@@ -43,10 +43,7 @@ struct StructureProducts {
   std::function<void(std::span<double>)> add_up = {};
 
   /// Products of vectors over all unknowns.
-  [[nodiscard]] double summed(double own) const {
-    if (add_up) add_up({&own, 1});
-    return own;
-  }
+  [[nodiscard]] double summed(double own) const;
 };
 
 /// (v^T M v + q^T K q)^1/2 of the distance from rest, which no undamped motion changes.

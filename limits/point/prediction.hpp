@@ -76,8 +76,4 @@ struct Prediction {
   std::optional<Observation> observed;
 };
 
-/// The row of steps that are `factor` as long and do the same, as of a method whose steps are of that many
-/// parts; the motions of `coupled` stay those of one part.
-void scale_steps(Prediction& row, double factor);
-
 }  // namespace hmax
