@@ -35,7 +35,8 @@ enum class CaseKind { linear, nonlinear };
 /// Every method on every case of a kind that suits it, cases first, on all cores.
 /// @param store  where rows are looked up and kept; nullptr for nowhere
 /// @param progress  told the share that is done; from the calling thread
-/// @param interrupted  asked between rows; what is finished is kept and returned
+/// @param interrupted  asked between rows; rows that are finished are kept and returned, of motions whole
+/// cases
 /// @param shard  only every `count`-th row is looked at; all shards together are the study
 std::vector<StudyRow> limit_study(const std::vector<LimitCase>& cases, CaseKind kind,
                                   const std::vector<Method>& methods, Store* store,

@@ -333,7 +333,7 @@ void predict_rows(PredictOptions options, Console& console) {
   const LimitAnswer answer = [&] {
     LimitProgress progress(console, question);
     // A user's tableau may change under its name.
-    const LimitStore kept{.store = store ? &*store : nullptr, .looks_up = options.methods.tableau.empty()};
+    LimitStore kept{.store = store ? &*store : nullptr, .looks_up = options.methods.tableau.empty()};
     return query_limits(question, problems, methods, kept, console.json, progress);
   }();
   warn_of_states(answer, problems, console);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,7 +53,7 @@ void add_remedy(const Problem& problem, OperatingPoint& point) {
 class Query {
  public:
   Query(const LimitQuestion& question, const std::vector<Problem>& problems,
-        const std::vector<Method>& methods, const LimitStore& store, bool all_facts, LimitWatcher& watcher)
+        const std::vector<Method>& methods, LimitStore& store, bool all_facts, LimitWatcher& watcher)
       : question_(question),
         problems_(problems),
         methods_(methods),
@@ -123,8 +124,7 @@ class Query {
 
   void keep(const ModelLimits& limits) {
     if (!store_.store || limits.rows.empty() || limits.point.document.empty()) return;
-    if (!has_session_) store_.store->begin_session(fingerprint());
-    has_session_ = true;
+    if (!std::exchange(store_.in_session, true)) store_.store->begin_session(fingerprint());
     store_.store->insert_limits(limits.point, limits.rows);
     answer_.stored += limits.rows.size();
   }
@@ -253,27 +253,34 @@ class Query {
     return row;
   }
 
-  void predict_all(const Problem& problem, const Linearised& near, const std::vector<Method>& methods,
-                   ModelLimits& limits) {
-    std::vector<LimitRow>& rows = limits.rows;
-    rows.resize(methods.size());
-    // Some systems have one workspace, so that a worker has a problem and a point of its own; bodies are
-    // shared.
-    std::vector<Problem> own(1, with_frozen_matrices(problem, near.point.model.t));
-    std::vector<OperatingPoint> points;
-    // What cannot be made again has one thread, and so has a device.
+  /// The problem of each worker. Some systems have one workspace, so that each has its own; bodies are
+  /// shared. What cannot be made again has one worker, and so has a device.
+  static std::vector<Problem> problems_of_workers(const Problem& problem,
+                                                  const std::vector<Method>& methods) {
     const bool on_device =
         std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; });
     const std::size_t cores = on_device ? 1 : problem.runs_elsewhere ? jobs() / 2 : jobs();
     const std::size_t workers = problem.body || problem.again ? std::max<std::size_t>(1, cores) : 1;
-    const ThreadLimit limit(workers);
-    while (own.size() < std::min(workers, methods.size())) {
-      own.push_back(problem.body ? problem : with_frozen_matrices(problem.again(), near.point.model.t));
-      if (!problem.body) ask(points.emplace_back(near.point), own.back());
-    }
+    std::vector<Problem> own(1, problem);
+    while (own.size() < std::min(workers, methods.size()))
+      own.push_back(problem.body ? problem : problem.again());
+    return own;
+  }
+
+  void predict_all(const Problem& problem, const Linearised& near, const std::vector<Method>& methods,
+                   ModelLimits& limits) {
+    std::vector<LimitRow>& rows = limits.rows;
+    rows.resize(methods.size());
+    std::vector<Problem> own = problems_of_workers(problem, methods);
+    for (Problem& each : own) each = with_frozen_matrices(each, near.point.model.t);
+    std::vector<OperatingPoint> points;
+    if (!problem.body)
+      for (std::size_t worker = 1; worker < own.size(); ++worker)
+        ask(points.emplace_back(near.point), own[worker]);
     const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {
       return worker == 0 || points.empty() ? near.point : points[worker - 1];
     };
+    const ThreadLimit limit(own.size());
     watcher_.enter(LimitStage::rows, problem);
     parallel_for(
         methods.size(),
@@ -317,25 +324,29 @@ class Query {
   void add_runs_from_start(const Problem& problem, const std::vector<Method>& methods,
                            std::vector<LimitRow>& rows, const Watcher& watch) const {
     const double t_end = question_.end_of(problem);
-    std::optional<MotionSize> size;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto runs = [&](const Method& method) { return method.fixed_step && suits(method, problem); };
+    const MotionSize size =
+        std::ranges::any_of(methods, runs) ? size_of_motion(problem, t_end, watch) : MotionSize{};
+    const std::vector<Problem> own = problems_of_workers(problem, methods);
+    const ThreadLimit limit(own.size());
+    // Worker 0 is the calling thread.
+    const Watcher leave = [this] { leave_when_stopped(); };
+    parallel_for(rows.size(), [&](std::size_t i, std::size_t worker) {
       rows[i].from_start_stride = 0;
-      if (!methods[i].fixed_step || !suits(methods[i], problem)) continue;
-      if (!size) size = size_of_motion(problem, t_end, watch);
+      if (!runs(methods[i])) return;
       const double guess = guess_from_start(rows[i].along_least, rows[i].h_max, t_end);
-      if (const auto limit =
-              limit_from_start(methods[i], problem, t_end, guess, *size, question_.run_steps, watch))
-        add_start(rows[i], *limit);
-    }
+      const auto found = limit_from_start(methods[i], own[worker], t_end, guess, size, question_.run_steps,
+                                          worker == 0 ? watch : leave);
+      if (found) add_start(rows[i], *found);
+    });
   }
 
   const LimitQuestion& question_;
   const std::vector<Problem>& problems_;
   const std::vector<Method>& methods_;
-  LimitStore store_;
+  LimitStore& store_;
   bool all_facts_;
   LimitWatcher& watcher_;
-  bool has_session_ = false;
   std::size_t done_ = 0;  ///< rows of earlier problems
   LimitAnswer answer_;
 };
@@ -343,11 +354,17 @@ class Query {
 }  // namespace
 
 LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
-                         const std::vector<Method>& methods, const LimitStore& store, bool all_facts,
+                         const std::vector<Method>& methods, LimitStore& store, bool all_facts,
                          LimitWatcher& watcher) {
   if (problems.empty() || methods.empty())
     throw InputError("limits are asked for of no model or of no method; name at least one of each");
   return Query(question, problems, methods, store, all_facts, watcher).answer();
+}
+
+LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
+                         const std::vector<Method>& methods, bool all_facts, LimitWatcher& watcher) {
+  LimitStore nowhere;
+  return query_limits(question, problems, methods, nowhere, all_facts, watcher);
 }
 
 Json answer_json(const LimitAnswer& answer, const std::vector<Problem>& problems) {

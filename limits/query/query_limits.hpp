@@ -40,8 +40,9 @@ class LimitWatcher {
 
 /// Where limits are kept.
 struct LimitStore {
-  Store* store = nullptr;  ///< null: nowhere
-  bool looks_up = true;    ///< false: every limit is computed, and replaces what the store has
+  Store* store = nullptr;   ///< null: nowhere
+  bool looks_up = true;     ///< false: every limit is computed, and replaces what the store has
+  bool in_session = false;  ///< a session of the store has begun; set by the first query that keeps a row
 };
 
 /// The limits of one model.
@@ -66,8 +67,11 @@ struct LimitAnswer {
 /// @throws InputError  where a state or a path that was asked for cannot be found, and without problems or
 /// methods
 LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
-                         const std::vector<Method>& methods, const LimitStore& store, bool all_facts,
+                         const std::vector<Method>& methods, LimitStore& store, bool all_facts,
                          LimitWatcher& watcher);
+/// The same without a store.
+LimitAnswer query_limits(const LimitQuestion& question, const std::vector<Problem>& problems,
+                         const std::vector<Method>& methods, bool all_facts, LimitWatcher& watcher);
 
 /// {"rows": .., "models": ..}
 nlohmann::ordered_json answer_json(const LimitAnswer& answer, const std::vector<Problem>& problems);

@@ -229,7 +229,7 @@ py::object predict_recipe(const Recipe& recipe, const AskedLimits& asked) {
                                               .named = named_one_by_one(asked.methods, methods)},
                                              asked.along, problems[0]);
     StoppedByCaller watcher(stop);
-    const LimitAnswer answer = query_limits(question, problems, methods, {}, true, watcher);
+    const LimitAnswer answer = query_limits(question, problems, methods, true, watcher);
     leave_if(stop);
     nlohmann::ordered_json document = answer_json(answer, problems);
     document["left_out"] = in_words(left_out);

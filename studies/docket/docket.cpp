@@ -117,7 +117,7 @@ Answer answer_of_step(const Method& method, const Problem& problem, double h) {
   const LimitQuestion question = with_path(
       {.at = problem.body ? AskedState::rest : AskedState::equilibrium, .named = {method.id}}, "", problem);
   LimitWatcher watcher;
-  const ModelLimits limits = query_limits(question, {problem}, {method}, {}, true, watcher).models.front();
+  const ModelLimits limits = query_limits(question, {problem}, {method}, true, watcher).models.front();
   const LimitRow& row = limits.rows.front();
   if (grows(limits.point)) return {"model", "the model itself grows, whatever the step is"};
   if (row.bound == "every_step") return {"step", "every step grows, however small", "another method"};

@@ -30,7 +30,8 @@ std::vector<Method> some(const std::vector<std::string>& names) {
 LimitAnswer ask(const LimitQuestion& question, const Problem& problem, const std::vector<Method>& methods,
                 Store* store = nullptr) {
   LimitWatcher watcher;
-  return query_limits(question, {problem}, methods, {.store = store}, false, watcher);
+  LimitStore kept{.store = store};
+  return query_limits(question, {problem}, methods, kept, false, watcher);
 }
 
 /// Runs of several methods on one device, here programs of devices on the processor.
@@ -118,8 +119,8 @@ TEST(QueryLimits, LooksUpWhatAStoreHasAndKeepsNoSentences) {
 
 TEST(QueryLimits, RefusesNoModelAndNoMethod) {
   LimitWatcher watcher;
-  EXPECT_THROW(query_limits({}, {}, some({"rk4"}), {}, false, watcher), InputError);
-  EXPECT_THROW(query_limits({}, {make_problem("liver_linear")}, {}, {}, false, watcher), InputError);
+  EXPECT_THROW(query_limits({}, {}, some({"rk4"}), false, watcher), InputError);
+  EXPECT_THROW(query_limits({}, {make_problem("liver_linear")}, {}, false, watcher), InputError);
 }
 
 /// Rows of a motion that was not found answer those alone who did not ask for it.
@@ -159,14 +160,15 @@ TEST(QueryLimits, KeepsWhatIsFinishedWhenItIsStopped) {
   const std::vector<Method> methods = some({"rk4", "explicit_euler", "rk2_heun", "newmark"});
   const OneThread alone;
   StopAfter second(2);
-  const LimitAnswer part = query_limits({}, {problem}, methods, {.store = &store}, false, second);
+  LimitStore kept{.store = &store};
+  const LimitAnswer part = query_limits({}, {problem}, methods, kept, false, second);
   EXPECT_TRUE(part.stopped);
   ASSERT_EQ(part.models.size(), 1U);
   EXPECT_GE(part.models[0].rows.size(), 1U);
   EXPECT_LT(part.models[0].rows.size(), methods.size());
   EXPECT_EQ(store.limits().size(), part.models[0].rows.size());
   StopAfter at_once(0);
-  EXPECT_TRUE(query_limits({}, {problem}, methods, {}, false, at_once).models.empty());
+  EXPECT_TRUE(query_limits({}, {problem}, methods, false, at_once).models.empty());
 }
 
 TEST(QueryLimits, MeansTheSameForProgramsAsForPeople) {
