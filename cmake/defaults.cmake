@@ -23,8 +23,8 @@ add_library(hmax_flags INTERFACE)
 # Contraction to fused multiply-add changes the last bits from compiler to compiler: same input, same output bits.
 target_compile_options(hmax_flags INTERFACE -ffp-contract=off)
 if(HMAX_SANITIZE)
-  target_compile_options(hmax_flags INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
-  target_link_options(hmax_flags INTERFACE -fsanitize=address,undefined)
+  target_compile_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE})
 endif()
 
 # g++ 12 sees overlapping copies in "literal" + std::string where there are none, hence -Wno-restrict.

@@ -388,7 +388,7 @@ LinearModel linearise(const S& system, double t, const typename S::State& y,
   if (!analytic) {
     const AnyMatrix J = detail::jacobian_by_differences(system, at, y, model.origin);
     detail::require_finite(J, "the Jacobian", t);
-    model.J = [J] { return J; };
+    model.J = [kept = J] { return kept; };
     if constexpr (SecondOrderSystem<S>)
       if (detail::dofs_of(system) > 0) {
         auto mass = MassMatrix<double>(mass_of(system).template cast<double>());

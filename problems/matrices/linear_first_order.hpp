@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -17,7 +16,7 @@ class LinearFirstOrder {
   static constexpr bool autonomous = true;
 
   /// @param J  shape (n, n) [1/s]
-  explicit LinearFirstOrder(Jacobian J) : J_(std::make_shared<const Jacobian>(std::move(J))) {}
+  explicit LinearFirstOrder(const Jacobian& J) : J_(std::make_shared<const Jacobian>(J)) {}
 
   [[nodiscard]] Eigen::Index dim() const { return J_->rows(); }
   void rhs(double /*t*/, const State& y, State& dydt) const { dydt.noalias() = *J_ * y; }

@@ -65,9 +65,9 @@ void check_jacobian(const Sparse& J) {
                         entry.value(), entry.row() + 1, j + 1));
 }
 
-py::dict limit_of_jacobian(const std::string& method, Sparse J, bool verify) {
+py::dict limit_of_jacobian(const std::string& method, const Sparse& J, bool verify) {
   check_jacobian(J);
-  return to_dict(in_background([=, J = std::move(J)](const Stop&) {
+  return to_dict(in_background([=](const Stop&) {
     // Zero is an equilibrium.
     return largest_stable_step(method, AnySystem(LinearFirstOrder(J)), VectorXd::Zero(J.rows()),
                                {.find_equilibrium = true, .verify = verify});

@@ -160,7 +160,8 @@ nlohmann::ordered_json advice_of(const Problem& problem, const AdviceQuestion& q
 
 /// @param make  what makes the problem, on the thread of the search
 /// @param again  how it is made again
-py::object advise_on(std::function<Problem()> make, std::function<Remaking()> again, const Asked& asked) {
+py::object advise_on(const std::function<Problem()>& make, const std::function<Remaking()>& again,
+                     const Asked& asked) {
   return to_python(in_background([=](const Stop& stop) {
     const Problem problem = make();
     return advice_of(problem, question_of(problem, asked), again(), stop);
@@ -185,7 +186,7 @@ py::object advise_structure(StructureMatrix K, StructureMatrix M, std::optional<
                             std::optional<double> budget_ms, bool least_error,
                             std::vector<std::string> methods, std::size_t frames, double within) {
   const Problem problem = structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end);
-  return advise_on([problem] { return problem; }, [] { return Remaking(); },
+  return advise_on([made = problem] { return made; }, [] { return Remaking(); },
                    {rate, tolerance, budget_ms, least_error, std::move(methods), frames, within});
 }
 

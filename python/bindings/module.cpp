@@ -37,7 +37,7 @@ PYBIND11_MODULE(_core, module) {
   // The other errors of input are std::invalid_argument, which pybind11 makes a ValueError.
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      std::rethrow_exception(thrown);
+      std::rethrow_exception(std::move(thrown));
     } catch (const hmax::InputError& error) {
       PyErr_SetString(PyExc_ValueError, with_arguments(error.what()).c_str());
     }

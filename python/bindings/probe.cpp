@@ -105,7 +105,7 @@ py::object compare(const py::object& step, VectorXd y0, const std::string& name,
 
 py::object probe(const py::object& step, const py::object& save, const py::object& restore, VectorXd y0,
                  bool in_place, const std::string& name, bool single, std::vector<Index> quaternions,
-                 VectorXd scales, Eigen::SparseMatrix<double> pattern, double h0, double h1,
+                 VectorXd scales, const Eigen::SparseMatrix<double>& pattern, double h0, double h1,
                  std::optional<double> motion, bool verify, std::optional<double> own_step) {
   PythonStepper engine({step, save, restore},
                        {.name = name,
@@ -113,7 +113,7 @@ py::object probe(const py::object& step, const py::object& save, const py::objec
                         .single = single,
                         .quaternions = std::move(quaternions),
                         .scales = std::move(scales),
-                        .pattern = std::move(pattern),
+                        .pattern = pattern,
                         .own_step = own_step},
                        std::move(y0));
   const ProbeWatch watch = [](double, std::string_view) { call_back([] {}); };

@@ -38,7 +38,7 @@ class Heap : public testing::Test {
  protected:
   void SetUp() override {
     if (!peak_memory()) GTEST_SKIP() << "no peak of the memory on this system";
-#ifdef __SANITIZE_ADDRESS__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "AddressSanitizer keeps what is freed, to find uses of it";
 #endif
     keep_freed_memory();
