@@ -26,6 +26,10 @@ if(HMAX_SANITIZE)
   target_compile_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE})
 endif()
+if(HMAX_FUZZ)  # which branches an input takes, and numbers beyond the integers that they become
+  target_compile_options(hmax_flags INTERFACE -fsanitize=fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=float-cast-overflow)
+  target_link_options(hmax_flags INTERFACE -fsanitize=float-cast-overflow)
+endif()
 
 # g++ 12 sees overlapping copies in "literal" + std::string where there are none, hence -Wno-restrict.
 add_library(hmax_warnings INTERFACE)

@@ -22,11 +22,11 @@ foreach(name sin cos tan sincos asin acos atan atan2 sinh cosh tanh asinh acosh 
   list(APPEND names ${name} ${name}f)
 endforeach()
 list(APPEND names powl)  # the only one in long double that musl computes without x87 functions
-list(TRANSFORM names PREPEND "--undefined=" OUTPUT_VARIABLE wanted)
+list(TRANSFORM names PREPEND "-Wl,--undefined=" OUTPUT_VARIABLE wanted)
 list(TRANSFORM names PREPEND "--keep-global-symbol=" OUTPUT_VARIABLE kept)
 set(object "${PROJECT_BINARY_DIR}/elementary_functions.o")
 add_custom_command(OUTPUT "${object}"
-  COMMAND "${CMAKE_LINKER}" -r ${wanted} "${HMAX_MUSL}" -o "${object}"
+  COMMAND "${CMAKE_CXX_COMPILER}" -r -nostdlib ${wanted} "${HMAX_MUSL}" -o "${object}"
   COMMAND "${CMAKE_OBJCOPY}" ${kept} "${object}"
   DEPENDS "${HMAX_MUSL}"
   COMMENT "elementary functions of musl ${HMAX_MUSL_VERSION}"

@@ -7,6 +7,8 @@
 #include <optional>
 #include <ranges>
 
+#include "core/text/sentences.hpp"
+
 namespace hmax {
 namespace {
 
@@ -377,7 +379,7 @@ std::string formula_language() {
   return text + "; log is the natural logarithm";
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string quoted(std::string_view text) { return "'" + in_one_line(std::string(text)) + "'"; }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
   const std::size_t tolerated = name.size() <= 2 ? 1 : 2;

@@ -36,7 +36,7 @@ std::string formula_language();
 /// "did you mean 'k1'?" where a known name is near, else the list of what is known.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 
-/// 'text'.
+/// 'text', with control characters as '?'.
 std::string quoted(std::string_view text);
 
 /// Adds a formula to a graph. From weak to strong: `a ? b : c`, ||, &&, comparisons, + -, * / and signs, ^ or

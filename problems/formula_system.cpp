@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "core/size_limits.hpp"
+#include "core/text/sentences.hpp"
 #include "problems/digits.hpp"
 #include "problems/formula_graph.hpp"
 #include "problems/formula_parser.hpp"
@@ -35,9 +36,7 @@ bool is_identifier(std::string_view name) {
 /// A formula as a message shows it: at most 60 characters around a position, control characters as '?'.
 std::string shown(const std::string& formula, std::size_t position) {
   const std::size_t first = formula.size() > 60 && position > 30 ? position - 30 : 0;
-  std::string text = formula.substr(first, 60);
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  const std::string text = in_one_line(formula.substr(first, 60));
   return (first > 0 ? "\"..." : "\"") + text + (first + 60 < formula.size() ? "...\"" : "\"");
 }
 

@@ -14,6 +14,7 @@
 #include "catalogue/input/suggest.hpp"
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
+#include "core/text/sentences.hpp"
 #include "core/text/utf8.hpp"
 
 // The one translation unit that sees toml++. Its assertions guard against what a user can type (a '[' at the
@@ -168,8 +169,8 @@ int TomlDocument::line(std::string_view place) const {
 
 void TomlDocument::fail(std::string_view place, std::string_view message) const {
   const int at = line(place);
-  throw InputError(at > 0 ? fmt::format("{}:{}: {}", name, at, message)
-                          : fmt::format("{}: {}", name, message));
+  throw InputError(in_one_line(at > 0 ? fmt::format("{}:{}: {}", name, at, message)
+                                      : fmt::format("{}: {}", name, message)));
 }
 
 TomlDocument parse_toml(std::string_view text, std::string name) {
@@ -181,8 +182,8 @@ TomlDocument parse_toml(std::string_view text, std::string name) {
     document.root = converted(table, "", document);
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
-    throw InputError(fmt::format("{}:{}:{}: {}{}", document.name, at.line, at.column,
-                                 unmasked(error.description()), hint(text, at.line)));
+    throw InputError(in_one_line(fmt::format("{}:{}:{}: {}{}", document.name, at.line, at.column,
+                                             unmasked(error.description()), hint(text, at.line))));
   }
   return document;
 }

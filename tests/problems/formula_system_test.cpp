@@ -191,6 +191,7 @@ TEST(FormulaSystem, NamesThatAreNotFreeAreRefused) {
   EXPECT_TRUE(says(named("1x", "a"), "the state '1x' is no name"));
   EXPECT_TRUE(says(named("x y", "a"), "is no name"));
   EXPECT_TRUE(says(named("", "a"), "is no name"));
+  EXPECT_TRUE(says(named("x\ny", "a"), "the state 'x?y' is no name"));
   EXPECT_TRUE(says(named(std::string(101, 'x'), "a"), "is no name"));
   EXPECT_EQ(named(std::string(100, 'x'), "a"), "");
 }

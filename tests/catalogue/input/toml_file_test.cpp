@@ -66,6 +66,14 @@ TEST(TomlFile, NamesFileAndLineOfASyntaxError) {
   EXPECT_EQ(complaint("a = 1\na = 2\n").substr(0, 12), "case.toml:2:");
 }
 
+TEST(TomlFile, ComplainsInOneLineOfNamesAndWordsWithLineBreaks) {
+  EXPECT_TRUE(says(complaint("a = fals\n"), "expected 'false', saw 'fals?'"));
+  const auto document = parse_toml("\"a\\nb\" = 1", "case.toml");
+  constexpr std::array<std::string_view, 1> allowed{"step"};
+  EXPECT_EQ(error_of<InputError>([&] { reject_unknown_keys(document, "", allowed); }),
+            "case.toml:1: unknown key 'a?b'; known are step");
+}
+
 TEST(TomlFile, HintsAtADecimalComma) {
   EXPECT_TRUE(says(complaint("a = 1\nh = 1,5\n"), "write 1.5 with a decimal point"));
   EXPECT_FALSE(says(complaint("a = 1\nh = = 2\n"), "decimal point"));
