@@ -18,6 +18,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(--param=ggc-min-heapsize=400000)
 endif()
 
+# The proofs of tableaux take more steps than clang++ allows by default.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+  add_compile_options(-fconstexpr-steps=100000000)
+endif()
+
 # Interface targets carried by every library of the house.
 add_library(hmax_flags INTERFACE)
 # Contraction to fused multiply-add changes the last bits from compiler to compiler: same input, same output bits.
