@@ -43,7 +43,7 @@ class MatrixMaker {
       made_.law = body_.tet_blocks()->law();
       if (made_.law == TetLaw::green) make_pairs(body_.tet_blocks()->blocks());
       if (made_.law == TetLaw::small_strain) add_up_constant();
-      if (made_.law == TetLaw::neo_hookean) place_elements();
+      if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
     if (!body_.spring_sets().empty()) place_springs(body_.spring_sets().front());
     return std::move(made_);

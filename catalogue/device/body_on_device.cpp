@@ -318,7 +318,7 @@ void BodyOnDevice<Real>::go_back() {
 
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
-  constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265};
+  constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
   return (newton_ ? newton_->flops() : 0) +
          step_.bodies * static_cast<double>(method_.evaluations()) *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +

@@ -291,7 +291,7 @@ std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
   if (!body.tet_blocks() && body.element_pieces() > 0)
-    return "has other elements than those of fem_green, fem_cauchy and fem_neo_hookean without fibres";
+    return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean without fibres";
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (springs.size() > 1) return "has a skin of springs beside those of its model";
   if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";

@@ -39,6 +39,8 @@ void with_law(TetLaw law, const F& f) {
       return f(LawConstant<TetLaw::small_strain>{});
     case TetLaw::neo_hookean:
       return f(LawConstant<TetLaw::neo_hookean>{});
+    case TetLaw::corotational:
+      return f(LawConstant<TetLaw::corotational>{});
   }
 }
 template <class Real, class F>
@@ -99,6 +101,7 @@ void with_kind(const FirstKick<Real>&, const F& f) {
 template <class F>
 void with_kind(const TetStiffness& stiffness, const F& f) {
   if (stiffness.matrix.law == TetLaw::green) return f(LawConstant<TetLaw::green>{});
+  if (stiffness.matrix.law == TetLaw::corotational) return f(LawConstant<TetLaw::corotational>{});
   f(LawConstant<TetLaw::neo_hookean>{});  // that of small strain is constant
 }
 

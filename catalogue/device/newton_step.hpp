@@ -179,6 +179,23 @@ HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::neo_hookean>, const StiffT
   kernel_loops::neo_hookean_stiffness(parts, 0, 1, entries);
 }
 
+/// The block (a, b) of the corotational solid, row i at entries[i].
+HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::corotational>, const StiffTet& tet,
+                                  const double (*U)[3], std::int32_t a, std::int32_t b,
+                                  double (*entries)[3]) {
+  kernel_loops::CorotationalParts<OneElement<double>> parts;
+  for (int k = 0; k < 9; ++k) parts.g[k / 3 + 1][k % 3] = tet.gradients[k];
+  kernel_loops::corotational_parts<OneElement<double>, double, double>(U, tet.half_lambda, tet.mu, parts);
+  double own[2][2][3];
+  for (int i = 0; i < 3; ++i) {
+    own[0][0][i] = at_corner(parts.g, a, i), own[0][1][i] = at_corner(parts.g, b, i);
+    own[1][0][i] = at_corner(parts.Rg, a, i), own[1][1][i] = at_corner(parts.Rg, b, i);
+  }
+  for (int c = 0; c < 2; ++c)
+    for (int i = 0; i < 3; ++i) parts.g[c][i] = own[0][c][i], parts.Rg[c][i] = own[1][c][i];
+  kernel_loops::corotational_stiffness(parts, 0, 1, entries);
+}
+
 /// One sum.
 template <TetLaw law>
 HMAX_DEVICE void run_thread(LawConstant<law> kind, const TetStiffness& stiffness, std::int64_t n) {

@@ -6,6 +6,8 @@
 #include <Eigen/Dense>
 
 #include "problems/digits.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
+#include "problems/tissue/forces/kernels/rotation.hpp"
 
 namespace hmax {
 namespace {
@@ -23,25 +25,6 @@ double hooke_energy(const Matrix3d& e, const Lame& lame) {
 /// 2 mu e + lambda tr(e) I.
 Matrix3d hooke_stress(const Matrix3d& e, const Lame& lame) {
   return 2 * lame.mu * e + lame.lambda * e.trace() * Matrix3d::Identity();
-}
-
-/// The rotation nearest to F: Newton's iteration R <- (R + R^-T) / 2 where F does not invert, which doubles
-/// the digits each time [higham2008functions, 8], and singular vectors where it does or is nearly flat.
-Matrix3d nearest_rotation(const Matrix3d& F) {
-  const double size = F.norm();
-  if (F.determinant() > 1e-3 * size * size * size) {
-    Matrix3d R = F;
-    for (int i = 0; i < 30; ++i) {
-      const Matrix3d next = (R + R.inverse().transpose()) / 2;
-      const double change = (next - R).norm();
-      R = next;
-      if (change < 1e-9) return (R + R.inverse().transpose()) / 2;
-    }
-  }
-  const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d U = svd.matrixU();
-  if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
-  return U * svd.matrixV().transpose();
 }
 
 Matrix3d cross_matrix(const Vector3d& w) {
@@ -94,18 +77,26 @@ Matrix3d GreenStrain::differential(const Matrix3d& dF) const {
   return dF * stress_ + F_ * hooke_stress(change, lame_);
 }
 
-Corotational::Corotational(const Matrix3d& H, const Lame& lame)
-    : lame_(lame), F_(Matrix3d::Identity() + H), R_(nearest_rotation(F_)), trace_(dot(R_, F_) - 3) {
-  const Matrix3d stretch = R_.transpose() * F_, S = (stretch + stretch.transpose()) / 2;
-  const Matrix3d sums = S.trace() * Matrix3d::Identity() - S;
-  bool unique = false;
-  sums.computeInverseWithCheck(turn_, unique, 1e-12 * std::pow(sums.norm(), 3));
-  if (!unique) turn_.setZero();
+Corotational::Corotational(const Matrix3d& H, const Lame& lame) : lame_(lame) {
+  using Lanes = OneElement<double>;
+  double gradient[3][3], W[3][3], R[3][3], strain[3][3], turn[6];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) gradient[i][j] = H(i, j);
+  kernel_loops::nearest_rotation<Lanes, double>(gradient, W);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      strain_(i, j) = strain[i][j] = gradient[i][j] - W[i][j];
+      R_(i, j) = R[i][j] = i == j ? 1 + W[i][j] : W[i][j];
+    }
+  trace_ = dot(R_, strain_);
+  kernel_loops::turning<Lanes>(R, strain, turn);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) turn_(i, j) = turn_(j, i) = turn[kernel_loops::symmetric(i, j)];
 }
 double Corotational::energy() const {
-  return lame_.mu * (F_ - R_).squaredNorm() + lame_.lambda / 2 * trace_ * trace_;
+  return lame_.mu * strain_.squaredNorm() + lame_.lambda / 2 * trace_ * trace_;
 }
-Matrix3d Corotational::stress() const { return 2 * lame_.mu * (F_ - R_) + lame_.lambda * trace_ * R_; }
+Matrix3d Corotational::stress() const { return 2 * lame_.mu * strain_ + lame_.lambda * trace_ * R_; }
 Matrix3d Corotational::differential(const Matrix3d& dF) const {
   // With F = R S and dR = R W, W = -W^T: the skew part of R^T dF is that of W S, so that
   // (tr(S) I - S) w = axis of (R^T dF - dF^T R).

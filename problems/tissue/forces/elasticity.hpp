@@ -80,6 +80,7 @@ class GreenStrain {
 /// @source  [sifakis2012fem]
 class Corotational {
  public:
+  static constexpr TetLaw kernel = TetLaw::corotational;
   Corotational(const Eigen::Matrix3d& H, const Lame& lame);
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
@@ -87,8 +88,8 @@ class Corotational {
 
  private:
   Lame lame_;
-  Eigen::Matrix3d F_, R_, turn_;  // turn_: (tr(S) I - S)^-1, from the axis of R^T dF to that of R^T dR
-  double trace_;                  // tr(R^T F) - 3
+  Eigen::Matrix3d strain_, R_, turn_;  // F - R; turn_: (tr(S) I - S)^-1, see turning() of rotation.hpp
+  double trace_;                       // tr(R^T F) - 3
 };
 
 /// Stable neo-Hookean solid: finite, with a force that restores, for every F, flat and inverted ones

@@ -13,27 +13,44 @@ Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index,
   return Ds;
 }
 
-ElementStiffness neo_hookean_stiffness(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
-                                       const RestShape& rest, const Lame& lame) {
-  using Lanes = OneElement<double>;
+namespace {
+
+/// @param block_of  gives the block of two corners of the parts
+template <class Parts, class MakeParts, class BlockOf>
+ElementStiffness stiffness_of(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
+                              const RestShape& rest, const Lame& lame, const MakeParts& make_parts,
+                              const BlockOf& block_of) {
   const Eigen::Matrix3d edges = edge_vectors(u, points);
   double U[3][3], block[3][3];
-  kernel_loops::NeoHookeanParts<Lanes> parts;
+  Parts parts;
   for (Eigen::Index a = 0; a < 3; ++a)
     for (Eigen::Index i = 0; i < 3; ++i) {
       U[a][i] = edges(i, a);
       parts.g[a + 1][i] = rest.gradients(a, i);
     }
-  kernel_loops::neo_hookean_parts<Lanes, double>(U, rest.volume * lame.lambda / 2, rest.volume * lame.mu,
-                                                 parts);
+  make_parts(U, rest.volume * lame.lambda / 2, rest.volume * lame.mu, parts);
   ElementStiffness K;
   for (int a = 0; a < 4; ++a)
     for (int b = a; b < 4; ++b) {
-      kernel_loops::neo_hookean_stiffness<Lanes>(parts, a, b, block);
+      block_of(parts, a, b, block);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
     }
   return K;
+}
+
+}  // namespace
+
+ElementStiffness kernel_stiffness(TetLaw law, const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
+                                  const RestShape& rest, const Lame& lame) {
+  using Lanes = OneElement<double>;
+  using namespace kernel_loops;
+  if (law == TetLaw::corotational)
+    return stiffness_of<CorotationalParts<Lanes>>(u, points, rest, lame,
+                                                  corotational_parts<Lanes, double, double>,
+                                                  corotational_stiffness<Lanes, double>);
+  return stiffness_of<NeoHookeanParts<Lanes>>(u, points, rest, lame, neo_hookean_parts<Lanes, double>,
+                                              neo_hookean_stiffness<Lanes, double>);
 }
 
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,

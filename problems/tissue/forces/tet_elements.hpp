@@ -49,10 +49,11 @@ ElementStiffness element_stiffness(const RestShape& rest, const Differential& di
   return K;
 }
 
-/// K of an element of StableNeoHookean.
-[[nodiscard]] ElementStiffness neo_hookean_stiffness(const NodeRows& u,
-                                                     const std::array<TetMesh::Index, 4>& points,
-                                                     const RestShape& rest, const Lame& lame);
+/// K of an element of StableNeoHookean, or of Corotational.
+/// @param law  its kernel
+[[nodiscard]] ElementStiffness kernel_stiffness(TetLaw law, const NodeRows& u,
+                                                const std::array<TetMesh::Index, 4>& points,
+                                                const RestShape& rest, const Lame& lame);
 
 /// The finite elements of a mesh, each with a constant displacement gradient
 ///   H = Ds Bm,   Ds = (u1 - u0, u2 - u0, u3 - u0),
@@ -60,7 +61,7 @@ ElementStiffness element_stiffness(const RestShape& rest, const Differential& di
 /// are the rows of Bm and g_0 = -(g_1 + g_2 + g_3). Rows u are the displacements of the points: positions
 /// would carry their own rounding into the strains, multiplied with the longest edge over the height.
 /// Forces of laws that the kernels have, those with Law::kernel, are theirs, as is the stiffness of
-/// StableNeoHookean.
+/// StableNeoHookean and Corotational.
 /// @tparam Law  a class of elasticity.hpp
 template <class Law>
 class TetElements final : public Elements {
@@ -133,8 +134,8 @@ void TetElements<Law>::add_force(const NodeRows& u, NodeRows& f) const {
 
 template <class Law>
 ElementStiffness TetElements<Law>::stiffness(const NodeRows& u, const Element& e) {
-  if constexpr (std::is_same_v<Law, StableNeoHookean>)
-    return neo_hookean_stiffness(u, e.points, e.rest, e.lame);
+  if constexpr (std::is_same_v<Law, StableNeoHookean> || std::is_same_v<Law, Corotational>)
+    return kernel_stiffness(Law::kernel, u, e.points, e.rest, e.lame);
   const Law at = law(u, e);
   return element_stiffness(e.rest, [&](const Eigen::Matrix3d& dF) { return at.differential(dF); });
 }

@@ -3,6 +3,7 @@
 #include "catalogue/device/device_run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -125,6 +126,20 @@ Problem uneven_body(double alpha, const char* model = "fem_green",
   return body_of(mesh, settings);
 }
 
+/// An uneven body of fem_corotational whose points begin at F X: turned inside out, flat, or at one place.
+/// @param F  its diagonal
+Problem pressed_body(const Eigen::Vector3d& F) {
+  Problem problem = uneven_body(2.5, "fem_corotational");
+  const std::vector<TetMesh::Index>& free = problem.body->free_points();
+  for (std::size_t i = 0; i < free.size(); ++i)
+    problem.y0.segment<3>(3 * static_cast<Eigen::Index>(i)) =
+        (F.array() - 1).matrix().cwiseProduct(problem.body->mesh().points.col(free[i]));
+  return problem;
+}
+
+const std::array<Eigen::Vector3d, 4> pressed{Eigen::Vector3d{1.1, 0.9, -0.5}, Eigen::Vector3d{1, 1, -1},
+                                             Eigen::Vector3d{1, 0.8, 0}, Eigen::Vector3d{0, 0, 0}};
+
 void expect_same_on_bodies(Device& device) {
   const RunSpec spec{.t_end = 0.0202, .h = 1e-4};  // its last step is a sliver of rounding
   for (const char* mesh : {"liver", "beam", "ball", "phantom", "cube:n=6"})
@@ -133,9 +148,11 @@ void expect_same_on_bodies(Device& device) {
   expect_same(device, make_problem("fem_green/press@liver", {.parameters = {{"alpha", 3}}}),
               "velocity_verlet", {.t_end = 0.01234, .h = 1e-4});
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
-    for (const Problem& body : {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
-                                uneven_body(2.5, "fem_green", SkinSettings::Kind::springs),
-                                uneven_body(2.5, "fem_cauchy"), uneven_body(2.5, "fem_neo_hookean")})
+    for (const Problem& body :
+         {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
+          uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), uneven_body(2.5, "fem_cauchy"),
+          uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"),
+          uneven_body(2.5, "fem_corotational", SkinSettings::Kind::springs)})
       expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"mass_spring@liver", {{"g", 9.81}}},
@@ -144,12 +161,17 @@ void expect_same_on_bodies(Device& device) {
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 2e-5}}},
            {"mass_spring@ball", {{"g", 9.81}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
+           {"fem_corotational@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
+           {"fem_corotational@liver", {{"g", 9.81}, {"alpha", 1}}},
            {"fem_neo_hookean@liver", {{"g", 9.81}, {"alpha", 1}}}})
     for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference"})
       expect_same(device, make_problem(mesh, {.parameters = parameters}), method, spec);
   for (const char* method : {"stormer_verlet", "central_difference"})
     for (const double alpha : {0.0, 2.5})
       expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
+  for (const Eigen::Vector3d& F : pressed)
+    for (const char* method : {"symplectic_euler", "rk4"})
+      expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
 }
 
 /// Loads that come, go and oscillate.
@@ -198,13 +220,15 @@ void expect_same_newton(Device& device) {
     for (const Problem& body :
          {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "fem_green", skin),
           uneven_body(2.5, "fem_cauchy"), uneven_body(0, "fem_cauchy", skin),
-          uneven_body(2.5, "fem_neo_hookean"), uneven_body(0, "fem_neo_hookean", skin), driven_body()})
+          uneven_body(2.5, "fem_neo_hookean"), uneven_body(0, "fem_neo_hookean", skin),
+          uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
       expect_same(device, body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},
            {"fem_green@cube:n=5", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 1e-3}}},
            {"fem_neo_hookean@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
+           {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}}})
     expect_same(device, make_problem(mesh, {.parameters = parameters}), few, spec, 3);
   // Conjugate gradients that end at the rounding of the residual.
@@ -343,7 +367,8 @@ TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
     EXPECT_LT(error, most) << id << ", " << method;
     EXPECT_GT(error, least) << id << ", " << method;
   };
-  for (const char* id : {"fem_green@liver", "fem_cauchy@liver", "fem_neo_hookean@liver", "mass_spring@liver"})
+  for (const char* id : {"fem_green@liver", "fem_cauchy@liver", "fem_neo_hookean@liver",
+                         "fem_corotational@liver", "mass_spring@liver"})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
       expect_between(id, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
   // Of many short steps each rounds a displacement that it hardly changes.
@@ -392,7 +417,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(there.bind(body).run({.t_end = 1, .adaptive = true, .rtol = 1e-3, .atol = 1e-3}, {}),
                InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"fem_corotational@cube:n=2", {}, "other elements"},
+           {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
@@ -408,7 +433,7 @@ TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
 TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
   HostDevice host;
   const RunSpec spec{.t_end = 0.0203, .h = 3e-4};
-  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "mass_spring"})
+  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"}) {
       const Problem problem = uneven_body(2.5, model);
       const auto on = [&](Device& where) {

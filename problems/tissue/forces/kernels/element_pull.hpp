@@ -7,18 +7,11 @@
 #pragma once
 
 #include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/kernels/rotation.hpp"
+#include "problems/tissue/forces/kernels/small_matrices.hpp"
 #include "problems/tissue/forces/kernels/tet_law.hpp"
 
 namespace hmax::kernel_loops {
-
-/// The place of entry (i, j) of a symmetric matrix stored as 00 11 22 01 02 12.
-HMAX_DEVICE constexpr int symmetric(int i, int j) { return i == j ? i : i + j + 2; }
-
-/// a.b
-template <class Lanes>
-HMAX_DEVICE inline typename Lanes::V dot(const typename Lanes::V* a, const typename Lanes::V* b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// H = du/dX = (u1 - u0, u2 - u0, u3 - u0) Bm, entry (i, j) at H[i][j].
 /// @param U  column a at U[a];  @param g  Bm, row a at g[a]
@@ -63,27 +56,14 @@ HMAX_DEVICE inline void small_stress(const V (*H)[3], V half_lambda, V mu, V (*P
   for (int i = 0; i < 3; ++i) P[i][i] += pressure;
 }
 
-/// The cofactors of H.
-template <class V>
-HMAX_DEVICE inline void cofactors_of(const V (*H)[3], V (*K)[3]) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      K[i][j] = H[i1][j1] * H[i2][j2] - H[i1][j2] * H[i2][j1];
-    }
-}
-
 /// V (mu (F - C) + mu' s / (4 (s + 4)) F + lambda' (J - 1) C) of the stable neo-Hookean solid, mu' = 4/3 mu,
 /// lambda' = lambda + 5/6 mu, s = |F|^2 - 3, C = dJ/dF = I + D with D = tr(H) I - H^T + K and the cofactors K
 /// of H, so that no number is the difference of larger ones.
 template <class Lanes, class V>
 HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
   V K[3][3];
-  cofactors_of<V>(H, K);
   const V trace = H[0][0] + H[1][1] + H[2][2];
-  const V square =
-      (trace + trace) + (dot<Lanes>(H[0], H[0]) + dot<Lanes>(H[1], H[1]) + dot<Lanes>(H[2], H[2]));
-  const V volume = trace + (K[0][0] + K[1][1] + K[2][2]) + dot<Lanes>(H[0], K[0]);
+  const V square = square_change<Lanes, V>(H, trace), volume = volume_change<Lanes, V>(H, trace, K);
   const V stretched = Lanes::splat(1.0 / 3) * mu * square / (square + Lanes::splat(4));
   const V squeezed = ((half_lambda + half_lambda) + Lanes::splat(5.0 / 6) * mu) * volume;
   for (int i = 0; i < 3; ++i)
@@ -91,6 +71,22 @@ HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu,
       const V D = (i == j ? trace - H[j][i] : -H[j][i]) + K[i][j], one = Lanes::splat(i == j ? 1 : 0);
       P[i][j] = mu * (H[i][j] - D) + stretched * (one + H[i][j]) + squeezed * (one + D);
     }
+}
+
+/// V (2 mu (F - R) + lambda tr(R^T (F - R)) R) with the rotation R nearest to F.
+template <class Lanes, class Number, class V>
+HMAX_DEVICE inline void corotational_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
+  V R[3][3], e[3][3];
+  nearest_rotation<Lanes, Number>(H, R);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      e[i][j] = H[i][j] - R[i][j];
+      if (i == j) R[i][j] += Lanes::splat(1);
+    }
+  const V pressure = (half_lambda + half_lambda) *
+                     (dot<Lanes>(R[0], e[0]) + dot<Lanes>(R[1], e[1]) + dot<Lanes>(R[2], e[2]));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) P[i][j] = (mu + mu) * e[i][j] + pressure * R[i][j];
 }
 
 /// V P Bm^T: what the corners 1, 2 and 3 are pulled back with, that of corner a + 1 at pull[a]. The force
@@ -105,6 +101,8 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
   if constexpr (law == TetLaw::small_strain) small_stress<V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
   if constexpr (law == TetLaw::neo_hookean)
     neo_hookean_stress<Lanes, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
+  if constexpr (law == TetLaw::corotational)
+    corotational_stress<Lanes, Number, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
 }

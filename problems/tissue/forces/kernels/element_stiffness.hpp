@@ -62,12 +62,10 @@ HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHook
   auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
   V H[3][3], K[3][3];
   displacement_gradient<Lanes>(U, g + 1, H);
-  cofactors_of<V>(H, K);
   for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
   const V trace = H[0][0] + H[1][1] + H[2][2], one = Lanes::splat(1);
-  const V n = (trace + trace) + (dot<Lanes>(H[0], H[0]) + dot<Lanes>(H[1], H[1]) + dot<Lanes>(H[2], H[2])) +
-              Lanes::splat(4);
-  const V volume = trace + (K[0][0] + K[1][1] + K[2][2]) + dot<Lanes>(H[0], K[0]);
+  const V n = square_change<Lanes, V>(H, trace) + Lanes::splat(4);
+  const V volume = volume_change<Lanes, V>(H, trace, K);
   V C[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -91,12 +89,9 @@ template <class Lanes, class V>
 HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes>& parts, int a, int b,
                                               V (*block)[3]) {
   const auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
-  V cross[3], w[3];
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    cross[i] = g[a][j] * g[b][k] - g[a][k] * g[b][j];
-  }
-  for (int i = 0; i < 3; ++i) w[i] = turned * dot<Lanes>(F[i], cross);
+  V normal[3], w[3];
+  cross(g[a], g[b], normal);
+  for (int i = 0; i < 3; ++i) w[i] = turned * dot<Lanes>(F[i], normal);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       block[i][j] = stretched * (Fg[a][i] * Fg[b][j]) + squeezed * (Cg[a][i] * Cg[b][j]);
@@ -107,6 +102,58 @@ HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes>& part
     block[i][j] += w[k];
     block[j][i] -= w[k];
   }
+}
+
+/// What the stiffness of the corotational solid is made of: gradients g_a, R g_a, the rotation R, its
+/// turning() T, and V times 2 mu, lambda and lambda tr(R^T F - I) - 2 mu; see Corotational.
+template <class Lanes>
+struct CorotationalParts {
+  typename Lanes::V g[4][3], Rg[4][3], R[3][3], T[6], shear, squeezed, turned;
+};
+
+/// @param U  as of displacement_gradient()
+/// @param parts  has Bm, row a at g[a + 1]
+template <class Lanes, class Number, class V>
+HMAX_DEVICE inline void corotational_parts(const V (*U)[3], V half, V mu, CorotationalParts<Lanes>& parts) {
+  auto& [g, Rg, R, T, shear, squeezed, turned] = parts;
+  V H[3][3], e[3][3];
+  displacement_gradient<Lanes>(U, g + 1, H);
+  nearest_rotation<Lanes, Number>(H, R);
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      e[i][j] = H[i][j] - R[i][j];
+      if (i == j) R[i][j] += Lanes::splat(1);
+    }
+  for (int a = 0; a < 4; ++a)
+    for (int i = 0; i < 3; ++i) Rg[a][i] = dot<Lanes>(R[i], g[a]);
+  turning<Lanes>(R, e, T);
+  shear = mu + mu;
+  squeezed = half + half;
+  turned = squeezed * (dot<Lanes>(R[0], e[0]) + dot<Lanes>(R[1], e[1]) + dot<Lanes>(R[2], e[2])) - shear;
+}
+
+/// The block of corners a and b, entry (i, j) at block[i][j]:
+///   2 mu g_a.g_b e_ij + lambda (R g_a)_i (R g_b)_j
+///   + (lambda tr(R^T F - I) - 2 mu) (g_a x R^T e_i).T (g_b x R^T e_j).
+/// That of b and a is the transposed one to the last bit.
+template <class Lanes, class V>
+HMAX_DEVICE inline void corotational_stiffness(const CorotationalParts<Lanes>& parts, int a, int b,
+                                               V (*block)[3]) {
+  const auto& [g, Rg, R, T, shear, squeezed, turned] = parts;
+  V x[3][3], y[3][3];
+  for (int i = 0; i < 3; ++i) cross(g[a], R[i], x[i]), cross(g[b], R[i], y[i]);
+  const V along = shear * dot<Lanes>(g[a], g[b]);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const V* const p = x[i];
+      const V* const q = y[j];
+      const V turn = T[0] * (p[0] * q[0]) + T[1] * (p[1] * q[1]) + T[2] * (p[2] * q[2]) +
+                     T[3] * (p[0] * q[1] + p[1] * q[0]) + T[4] * (p[0] * q[2] + p[2] * q[0]) +
+                     T[5] * (p[1] * q[2] + p[2] * q[1]);
+      block[i][j] = squeezed * (Rg[a][i] * Rg[b][j]) + turned * turn;
+      if (i == j) block[i][j] += along;
+    }
 }
 
 /// dT/dl e e^T + T / l (I - e e^T) of a spring, entry (i, j) at B[i][j].

@@ -6,6 +6,7 @@
 ///   width                    doubles in a register; divides 8
 ///   V, load(p), splat(s)     a register, from aligned memory, from one number
 ///   root(v)                  square root
+///   any(mask)                whether a comparison of registers holds in a lane
 ///   Rows                     `width` rows of four numbers
 ///   rows(x, from)            those that begin at x + from[i]
 ///   minus(a, b), plus(a, b)  by entries
@@ -155,12 +156,12 @@ void spring_force(const SpringSlice* slices, std::size_t count, const SpringBloc
 /// The table of one instruction set.
 template <class Lanes>
 constexpr TissueKernels kernels_of(const char* name) {
-  return {
-      name,
-      Lanes::width,
-      {force<Lanes, TetLaw::green>, force<Lanes, TetLaw::small_strain>, force<Lanes, TetLaw::neo_hookean>},
-      green_stiffness<Lanes>,
-      spring_force<Lanes>};
+  return {name,
+          Lanes::width,
+          {force<Lanes, TetLaw::green>, force<Lanes, TetLaw::small_strain>, force<Lanes, TetLaw::neo_hookean>,
+           force<Lanes, TetLaw::corotational>},
+          green_stiffness<Lanes>,
+          spring_force<Lanes>};
 }
 
 }  // namespace hmax::kernel_loops

@@ -18,6 +18,7 @@ struct Lanes {
   static V load(const double* p) { return _mm256_load_pd(p); }
   static V splat(double s) { return _mm256_set1_pd(s); }
   static V root(V v) { return _mm256_sqrt_pd(v); }
+  static bool any(auto mask) { return _mm256_movemask_pd(reinterpret_cast<V>(mask)) != 0; }
   static Rows rows(const double* x, const std::int32_t* p) {
     return {{_mm256_load_pd(x + p[0]), _mm256_load_pd(x + p[1]), _mm256_load_pd(x + p[2]),
              _mm256_load_pd(x + p[3])}};

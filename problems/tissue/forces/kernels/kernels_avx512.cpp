@@ -18,6 +18,9 @@ struct Lanes {
   static V load(const double* p) { return _mm512_load_pd(p); }
   static V splat(double s) { return _mm512_set1_pd(s); }
   static V root(V v) { return _mm512_sqrt_pd(v); }
+  static bool any(auto mask) {
+    return _mm512_test_epi64_mask(reinterpret_cast<__m512i>(mask), reinterpret_cast<__m512i>(mask)) != 0;
+  }
   static __m512d two(const double* a, const double* b) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(a)), _mm256_load_pd(b), 1);
   }

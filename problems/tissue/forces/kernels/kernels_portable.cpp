@@ -20,6 +20,7 @@ struct Lanes {
   static V load(const double* p) { return *reinterpret_cast<const InMemory*>(p); }
   static V splat(double s) { return V{s, s}; }
   static V root(V v) { return V{std::sqrt(v[0]), std::sqrt(v[1])}; }
+  static bool any(auto mask) { return (mask[0] | mask[1]) != 0; }
   static Row at(const double* x, std::int32_t p) { return {load(x + p), load(x + p + 2)}; }
   static Rows rows(const double* x, const std::int32_t* p) { return {{at(x, p[0]), at(x, p[1])}}; }
   static Rows minus(const Rows& a, const Rows& b) {

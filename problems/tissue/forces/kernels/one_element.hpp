@@ -14,6 +14,7 @@ struct OneElement {
   HMAX_DEVICE static Real splat(double s) { return static_cast<Real>(s); }
   HMAX_DEVICE static Real load(const Real* p) { return *p; }
   HMAX_DEVICE static Real root(Real s) { return std::sqrt(s); }
+  HMAX_DEVICE static bool any(bool mask) { return mask; }
 };
 
 }  // namespace hmax

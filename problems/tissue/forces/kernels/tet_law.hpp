@@ -6,8 +6,8 @@
 
 namespace hmax {
 
-/// GreenStrain, SmallStrain and StableNeoHookean of elasticity.hpp.
-enum class TetLaw : std::uint8_t { green, small_strain, neo_hookean };
-inline constexpr std::size_t tet_laws = 3;
+/// GreenStrain, SmallStrain, StableNeoHookean and Corotational of elasticity.hpp.
+enum class TetLaw : std::uint8_t { green, small_strain, neo_hookean, corotational };
+inline constexpr std::size_t tet_laws = 4;
 
 }  // namespace hmax

@@ -131,8 +131,10 @@ TEST(TissueKernels, ForcesOfOtherLawsAgreeWithThePlainElementsWithTheSameBits) {
     Parts parts(count);
     expect_forces_of_plain_elements<SmallStrain>(parts);
     expect_forces_of_plain_elements<StableNeoHookean>(parts);
+    expect_forces_of_plain_elements<Corotational>(parts);
     for (NodeRow& u : parts.u) as_vector(u) *= 20;  // elements invert
     expect_forces_of_plain_elements<StableNeoHookean>(parts);
+    expect_forces_of_plain_elements<Corotational>(parts);
   }
 }
 

@@ -122,9 +122,7 @@ TEST_F(Slivers, ForcesLoseNoMoreThanTheLongestEdgeOverTheHeight) {
         const LongVector exact = exact_forces(body, q.cast<Long>());
         const double error =
             static_cast<double>((force(body, 0, q, 0 * q).cast<Long>() - exact).norm() / exact.norm());
-        // F - R loses what the strain is smaller than 1.
-        const double rotation = model == tissue_model("fem_corotational") ? 20 / strain : 0;
-        EXPECT_LT(error, eps * (20 / (angle * degree) + 20 + rotation))
+        EXPECT_LT(error, eps * (20 / (angle * degree) + 20))
             << model.id << ", " << angle << " degrees, strain " << strain;
       }
 }
