@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/instructions/device_code.hpp"
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "integrators/state.hpp"
 #include "integrators/tolerances.hpp"
 

@@ -9,8 +9,8 @@
 #include <type_traits>
 
 #include "core/instructions/device_code.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "integrators/error_norm.hpp"
-#include "integrators/linear/piece_sums.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 

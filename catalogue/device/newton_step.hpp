@@ -14,7 +14,7 @@
 
 #include "catalogue/device/body_step.hpp"
 #include "core/instructions/device_code.hpp"
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/spring_law.hpp"
 

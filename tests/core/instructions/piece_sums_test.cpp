@@ -1,5 +1,5 @@
 /// Products of vectors in pieces: right, and the same by the threads of blocks.
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
