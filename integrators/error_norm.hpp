@@ -5,10 +5,32 @@
 #include <cmath>
 
 #include "core/instructions/device_code.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "integrators/state.hpp"
 #include "integrators/tolerances.hpp"
 
 namespace hmax {
+
+/// What a norm makes of the weighted squares of all components: it takes up those of each piece one after the
+/// other, and then what the pieces come to, so that devices, which have all pieces at once, have the same
+/// bits.
+/// @tparam Norm   WeightedRms or WeightedMaximum
+/// @param error   callable, error(i) = component i of the local error
+template <class Norm, class State, class Error>
+HMAX_DEVICE auto squared_by_pieces(const Norm& norm, const State& y, const State& y_new, const Error& error) {
+  using Real = decltype(norm.rtol);
+  const Eigen::Index n = y.size();
+  const auto of_piece = [&](Eigen::Index first, Eigen::Index end) {
+    Real part{0};
+    for (Eigen::Index i = first; i < end; ++i) norm.take(norm.square(i, y[i], y_new[i], error(i)), part);
+    return part;
+  };
+  if (n <= piece_size) return norm.of_all(of_piece(0, n), n);
+  Real all{0};
+  for (Eigen::Index first = 0; first < n; first += piece_size)
+    norm.take(of_piece(first, std::min<Eigen::Index>(first + piece_size, n)), all);
+  return norm.of_all(all, n);
+}
 
 /// Root mean square of e_i / (atol_i + rtol max(|y_i|, |y_new,i|)) [hairer1993solving, II.4]. Norms are kept
 /// squared: the loop then needs no square root.
@@ -19,16 +41,19 @@ struct WeightedRms {
   Atol atol;  ///< one number, or a vector of shape (n), in the units of the state
 
   /// (1/n) sum_i (e_i / (atol_i + rtol max(|y_i|, |y_new,i|)))^2; NaN where an e_i is NaN.
-  /// @param error  callable, error(i) = component i of the local error
   template <class State, class Error>
   HMAX_DEVICE Real squared(const State& y, const State& y_new, const Error& error) const {
-    Real sum{0};
-    for (Eigen::Index i = 0; i < y.size(); ++i) {
-      const Real weight = detail::atol_of(atol, i) + rtol * std::max(std::abs(y[i]), std::abs(y_new[i]));
-      sum += Eigen::numext::abs2(error(i) / weight);
-    }
-    return sum / static_cast<Real>(y.size());
+    return squared_by_pieces(*this, y, y_new, error);
   }
+
+  /// The square of component i; sums of squares; the norm of such a sum.
+  template <class Scalar, class Error>
+  HMAX_DEVICE Real square(Eigen::Index i, const Scalar& y, const Scalar& y_new, const Error& error) const {
+    const Real weight = detail::atol_of(atol, i) + rtol * std::max(std::abs(y), std::abs(y_new));
+    return Eigen::numext::abs2(error / weight);
+  }
+  HMAX_DEVICE static void take(Real square, Real& sum) { sum += square; }
+  HMAX_DEVICE static Real of_all(Real sum, Eigen::Index n) { return sum / static_cast<Real>(n); }
 };
 
 /// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol_i / rtol), accepted when at most
@@ -39,19 +64,23 @@ struct WeightedMaximum {
   Atol atol;  ///< one number, or a vector of shape (n), in the units of the state
 
   /// max_i (e_i / max(rtol |y_i|, rtol |y_new,i|, atol_i))^2; NaN where an e_i is NaN.
-  /// @param error  callable, error(i) = component i of the local error
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {
-    Real largest{0};
-    for (Eigen::Index i = 0; i < y.size(); ++i) {
-      const Real weight =
-          std::max({rtol * std::abs(y[i]), rtol * std::abs(y_new[i]), detail::atol_of(atol, i)});
-      const Real e = Eigen::numext::abs2(error(i) / weight);
-      // A comparison alone would overlook NaN.
-      if (e > largest || std::isnan(e)) largest = e;
-    }
-    return largest;
+    return squared_by_pieces(*this, y, y_new, error);
   }
+
+  /// The square of component i; the larger of them; the norm of the largest.
+  template <class Scalar, class Error>
+  HMAX_DEVICE Real square(Eigen::Index i, const Scalar& y, const Scalar& y_new, const Error& error) const {
+    const Real absolute = detail::atol_of(atol, i);
+    const Real weight = std::max(std::max(rtol * std::abs(y), rtol * std::abs(y_new)), absolute);
+    return Eigen::numext::abs2(error / weight);
+  }
+  HMAX_DEVICE static void take(Real square, Real& largest) {
+    // A comparison alone would overlook NaN.
+    if (square > largest || std::isnan(square)) largest = square;
+  }
+  HMAX_DEVICE static Real of_all(Real largest, Eigen::Index) { return largest; }
 };
 
 /// With one absolute tolerance, and with one for each component.
@@ -72,8 +101,12 @@ struct AnyNorm {
 
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {
-    return matlab ? MatlabNorm<Real>{rtol, atol}.squared(y, y_new, error)
-                  : RmsNorm<Real>{rtol, atol}.squared(y, y_new, error);
+    return visit([&](const auto& norm) { return norm.squared(y, y_new, error); });
+  }
+  /// f(norm) of the one that is chosen.
+  template <class F>
+  decltype(auto) visit(const F& f) const {
+    return matlab ? f(MatlabNorm<Real>{rtol, atol}) : f(RmsNorm<Real>{rtol, atol});
   }
 };
 

@@ -68,6 +68,8 @@ class BasicAnySystem {
     from_ = from;
     to_ = to;
   }
+  /// The time of that interval that is nearest to t.
+  [[nodiscard]] Real inside(Real t) const { return std::clamp(t, from_, to_); }
   [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
   void offset(State& X) const { self_->offset(X); }
 
@@ -394,8 +396,6 @@ class BasicAnySystem {
 
     S system_;
   };
-
-  [[nodiscard]] Real inside(Real t) const { return std::clamp(t, from_, to_); }
 
   std::shared_ptr<const Interface> self_;
   bool is_part_ = false;  ///< of a system whose other unknowns are elsewhere

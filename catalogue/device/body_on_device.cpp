@@ -65,7 +65,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   if (patches_.begin.size() == 2 && !newton_)
     programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
-  step_.sum.slopes = numbers(2 * velocities() * method_.rows.size());
+  step_.sum.slopes = numbers(2 * velocities() * method_.nodes.size());
   for (Real*& q : stage_q_) q = numbers(displacements());
   for (Real*& v : stage_v_) v = numbers(velocities());
 }
@@ -180,11 +180,11 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
 }
 
 template <class Real>
-Eigen::VectorXd BodyOnDevice<Real>::get(std::int32_t number) {
+Eigen::VectorXd BodyOnDevice<Real>::get(const Real* from_q, const Real* from_v, std::int32_t number) const {
   std::vector<Real> q(3 * static_cast<std::size_t>(patches_.points)), v(3 * patches_.mass.size());
   const auto n = static_cast<std::size_t>(number);
-  device_.read(q.data(), step_.q + n * q.size(), q.size() * sizeof(Real));
-  device_.read(v.data(), step_.v + n * v.size(), v.size() * sizeof(Real));
+  device_.read(q.data(), from_q + n * q.size(), q.size() * sizeof(Real));
+  device_.read(v.data(), from_v + n * v.size(), v.size() * sizeof(Real));
   Eigen::VectorXd y(2 * static_cast<Eigen::Index>(v.size()));
   visit(0, q, v, [&](Eigen::Index i, Real& of_q, Real& of_v) { y[i] = of_q, y[y.size() / 2 + i] = of_v; });
   return y;
@@ -238,25 +238,42 @@ void BodyOnDevice<Real>::start() {
 }
 
 template <class Real>
-void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs) const {
+void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::span<const double> times) {
+  if (is_driven()) set_times(times);
+  device_.run(programs, 1, {evaluated_, 0});
+}
+
+template <class Real>
+StageSum<Real> BodyOnDevice<Real>::sum_of(const BodyStep<Real>& step, std::span<const long double> weights) {
+  StageSum<Real> sum = step.sum;
+  sum.terms = 0;
+  for (std::size_t j = 0; j < weights.size(); ++j)
+    if (weights[j] != 0) {
+      sum.slope[sum.terms] = static_cast<std::int32_t>(j);
+      sum.weight[sum.terms++] = step.h * static_cast<Real>(weights[j]);
+    }
+  return sum;
+}
+
+template <class Real>
+void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs,
+                                       std::optional<std::int32_t> known) const {
   const BodyStep<Real> whole = step;
   const std::size_t stages = method_.rows.size();
   step.move = Move::stage;
   step.sum.q = whole.q, step.sum.v = whole.v;
   for (std::size_t i = 0; i < stages; ++i) {
-    StageSum<Real>& sum = step.sum;
-    sum.stage = static_cast<std::int32_t>(i);
-    sum.is_end = i + 1 == stages;
-    sum.terms = 0;
-    for (std::size_t j = 0; j <= i; ++j)
-      if (const long double weight = method_.rows[i][j]; weight != 0) {
-        sum.slope[sum.terms] = static_cast<std::int32_t>(j);
-        sum.weight[sum.terms++] = step.h * static_cast<Real>(weight);
-      }
-    step.q_next = sum.is_end ? whole.q_next : stage_q_[i % 2];
-    step.v_next = sum.is_end ? whole.v_next : stage_v_[i % 2];
-    programs.push_back({step});
-    ++step.evaluation;
+    step.sum = sum_of(step, std::span(method_.rows[i]).first(i + 1));
+    step.sum.stage = static_cast<std::int32_t>(i);
+    step.sum.is_end = i + 1 == stages;
+    step.q_next = step.sum.is_end ? whole.q_next : stage_q_[i % 2];
+    step.v_next = step.sum.is_end ? whole.v_next : stage_v_[i % 2];
+    if (i == 0 && known) {
+      programs.push_back({KnownStage<Real>{step, *known}});
+    } else {
+      programs.push_back({step});
+      ++step.evaluation;
+    }
     step.q = step.q_next, step.v = step.v_next;
   }
 }

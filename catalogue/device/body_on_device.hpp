@@ -32,19 +32,36 @@ class BodyOnDevice {
   BodyOnDevice(const BodyOnDevice&) = delete;
   BodyOnDevice& operator=(const BodyOnDevice&) = delete;
 
+  [[nodiscard]] Device& device() const { return device_; }
   [[nodiscard]] const DeviceMethod& method() const { return method_; }
+  /// The next step, from the state that get() has.
+  [[nodiscard]] const BodyStep<Real>& step() const { return step_; }
+  /// Of each free point of the body: its number there.
+  [[nodiscard]] const std::vector<std::int32_t>& order() const { return patches_.order; }
   /// Whether loads change with time, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
   /// @param y  of each body, or the one state of all; shape (dim)
   void set(std::span<const Eigen::VectorXd> y);
   /// That of body `number`.
-  [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0);
+  [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0) const { return get(step_.q, step_.v, number); }
+  /// Of displacements and velocities as those of BodyStep.
+  [[nodiscard]] Eigen::VectorXd get(const Real* q, const Real* v, std::int32_t number = 0) const;
   /// Where the evaluations that follow stand [s]: 0 of a start, or those of all steps of advance().
   void set_times(std::span<const double> times);
   /// What a step needs besides (q, v): the acceleration, of methods that kick.
   void start();
   void advance(double h, std::int64_t count);
+  /// Appends the stages of a Runge-Kutta method, as many evaluations as instants().
+  /// @param known  the stage of an earlier step whose slope is that of the first one, which then is not
+  ///               evaluated
+  void append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs,
+                     std::optional<std::int32_t> known = {}) const;
+  /// h w_0 k_0 + h w_1 k_1 ..., of the slopes of step.sum.
+  [[nodiscard]] static StageSum<Real> sum_of(const BodyStep<Real>& step,
+                                             std::span<const long double> weights);
+  /// Programs of evaluations that stand at `times` [s], once.
+  void run(std::span<const DeviceProgram> programs, std::span<const double> times);
   /// Whether a point was beyond what is watched since the last call.
   [[nodiscard]] bool left();
   void keep();
@@ -85,7 +102,6 @@ class BodyOnDevice {
   /// The programs one after the other, over and over again.
   /// @param instants  of all of them
   void run(std::span<const DeviceProgram> programs, std::int64_t times, std::int32_t instants);
-  void append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs) const;
 
   Device& device_;
   DeviceMemory memory_;

@@ -9,6 +9,8 @@
 #include <type_traits>
 
 #include "core/instructions/device_code.hpp"
+#include "core/instructions/piece_sums.hpp"
+#include "integrators/error_norm.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 
@@ -82,7 +84,8 @@ enum class Move : std::int32_t {
   kick_drift,        ///< v += h/2 a twice, q += h v: the end of a step and the beginning of the next
   kick,              ///< v += h/2 a: the end of a step; they are kept
   force,             ///< they are not made: the forces are kept in their place
-  stage              ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
+  stage,             ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
+  slope              ///< the slope is kept, and nothing is made of it
 };
 
 /// The argument of the next stage of a Runge-Kutta step, y + w_0 k_0 + w_1 k_1 ..., or the end of the step,
@@ -193,27 +196,47 @@ HMAX_DEVICE inline Real damping_of(const BodyStep<Real>& step, std::int32_t i, s
   return sum;
 }
 
-/// What y, the displacement or velocity of a degree of freedom at the beginning of a step, becomes.
-/// @param k     its slopes, one every `next` numbers
+/// The numbers of one array of slopes, which are as velocities.
 template <class Real>
-HMAX_DEVICE inline Real stage_sum(const StageSum<Real>& sum, Real y, const Real* k, std::int64_t next) {
-  Real all = sum.weight[0] * k[sum.slope[0] * next];
-  if (!sum.is_end) all = y + all;
-  for (std::int32_t n = 1; n < sum.terms; ++n) all = all + sum.weight[n] * k[sum.slope[n] * next];
-  return sum.is_end ? y + all : all;
+HMAX_DEVICE inline std::int64_t slope_size(const BodyStep<Real>& step) {
+  return 3 * static_cast<std::int64_t>(step.body.free) * step.bodies;
 }
 
-/// Keeps the slope (v, a), and puts what follows from all of them into q and v.
+/// w_0 k_0 + (w_1 k_1 ...), from left to right, or the same added to y.
+/// @param k     slopes of a degree of freedom, one every `next` numbers
 template <class Real>
-HMAX_DEVICE inline void end_stage(const BodyStep<Real>& step, std::int64_t at, std::int64_t dof, Real a,
-                                  Real& q, Real& v) {
+HMAX_DEVICE inline Real add_slopes(const StageSum<Real>& sum, const Real* y, const Real* k,
+                                   std::int64_t next) {
+  Real all = sum.weight[0] * k[sum.slope[0] * next];
+  if (y) all = *y + all;
+  for (std::int32_t n = 1; n < sum.terms; ++n) all = all + sum.weight[n] * k[sum.slope[n] * next];
+  return all;
+}
+
+/// What y, the displacement or velocity of a degree of freedom at the beginning of a step, becomes.
+template <class Real>
+HMAX_DEVICE inline Real stage_sum(const StageSum<Real>& sum, Real y, const Real* k, std::int64_t next) {
+  return sum.is_end ? y + add_slopes<Real>(sum, nullptr, k, next) : add_slopes(sum, &y, k, next);
+}
+
+/// Puts what follows from the slopes into q and v.
+template <class Real>
+HMAX_DEVICE inline void sum_slopes(const BodyStep<Real>& step, std::int64_t at, std::int64_t dof, Real& q,
+                                   Real& v) {
   const StageSum<Real>& sum = step.sum;
-  const std::int64_t size = 3 * static_cast<std::int64_t>(step.body.free) * step.bodies;
-  Real* const k = sum.slopes + dof;
-  k[2 * sum.stage * size] = v;
-  k[(2 * sum.stage + 1) * size] = a;
+  const std::int64_t size = slope_size(step);
+  const Real* const k = sum.slopes + dof;
   q = stage_sum(sum, sum.q[at], k, 2 * size);
   v = stage_sum(sum, sum.v[dof], k + size, 2 * size);
+}
+
+/// Keeps the slope (v, a).
+template <class Real>
+HMAX_DEVICE inline void keep_slope(const BodyStep<Real>& step, std::int64_t dof, Real v, Real a) {
+  const std::int64_t size = slope_size(step);
+  Real* const k = step.sum.slopes + dof;
+  k[2 * step.sum.stage * size] = v;
+  k[(2 * step.sum.stage + 1) * size] = a;
 }
 
 /// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
@@ -251,10 +274,12 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
     return;
   }
   const Real a = all / step.body.mass[p];
+  if (step.move == Move::stage || step.move == Move::slope) keep_slope(step, dof, v, a);
+  if (step.move == Move::slope) return;
   if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, dof - first, a, q, v);
-  if (step.move == Move::stage) end_stage(step, at, dof, a, q, v);
+  if (step.move == Move::stage) sum_slopes(step, at, dof, q, v);
   const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
   step.q_next[at] = q;
@@ -350,6 +375,74 @@ HMAX_DEVICE inline void run_thread(std::true_type, const FirstKick<Real>& first,
   step.q_next[at] = q;
   if (step.half_v) step.half_v[dof] = v;
   step.v[dof] = step.half_v ? v + step.half * step.a[dof] : v;
+}
+
+/// The argument of the second stage where the slope of the first is known.
+template <class Real>
+struct KnownStage {
+  static constexpr std::int32_t threads = 256;
+  BodyStep<Real> step;  ///< as of stage 0
+  std::int32_t stage;   ///< whose slope it is; it becomes that of stage 0
+  bool operator==(const KnownStage&) const = default;
+};
+template <class Real>
+HMAX_DEVICE std::int64_t count_of(const KnownStage<Real>& known) {
+  return slope_size(known.step);
+}
+/// Of one degree of freedom.
+template <class Real>
+HMAX_DEVICE inline void run_thread(std::true_type, const KnownStage<Real>& known, std::int64_t dof) {
+  const BodyStep<Real>& step = known.step;
+  const std::int64_t at = dof / step.body.free * step.body.points + dof % step.body.free,
+                     size = slope_size(step);
+  const Real* const k = step.sum.slopes + 2 * known.stage * size + dof;
+  keep_slope(step, dof, k[0], k[size]);
+  sum_slopes(step, at, dof, step.q_next[at], step.v_next[dof]);
+}
+
+/// The error of an attempt from (step.sum.q, step.sum.v) to (step.q_next, step.v_next), step.sum of its
+/// slopes: what squared_by_pieces() has of each piece, a block of threads. Numbers are in the order of the
+/// body, those of q before those of v, x, y, z of one free point after the other.
+struct ErrorPieces {
+  static constexpr std::int32_t threads = piece_size;
+  BodyStep<double> step;
+  const std::int32_t* place;  ///< of each free point of the body: its number in BodyArrays
+  AnyNorm<double> norm;
+  double* pieces;
+
+  [[nodiscard]] HMAX_DEVICE std::int64_t numbers() const {
+    return 6 * static_cast<std::int64_t>(step.body.free);
+  }
+};
+inline std::int64_t blocks_of(const ErrorPieces& errors) {
+  return (errors.numbers() + piece_size - 1) / piece_size;
+}
+inline std::size_t shared_bytes_of(const ErrorPieces&) { return sizeof(double) * piece_size; }
+
+template <class Norm, class Block>
+HMAX_DEVICE void run_block(std::type_identity<Norm>, const Block& block, const ErrorPieces& errors,
+                           std::int32_t number, void* shared) {
+  const BodyStep<double>& step = errors.step;
+  const Norm norm{errors.norm.rtol, errors.norm.atol};
+  const std::int64_t first = static_cast<std::int64_t>(number) * piece_size, left = errors.numbers() - first,
+                     dofs = errors.numbers() / 2, size = slope_size(step);
+  const std::int32_t here = left < piece_size ? static_cast<std::int32_t>(left) : piece_size;
+  double* const squares = static_cast<double*>(shared);
+  block.each(here, [&](std::int32_t n) {
+    const bool is_q = first + n < dofs;
+    const std::int64_t i = is_q ? first + n : first + n - dofs, row = i % 3, point = errors.place[i / 3],
+                       at = row * step.body.points + point, dof = row * step.body.free + point;
+    const double e =
+        add_slopes<double>(step.sum, nullptr, step.sum.slopes + (is_q ? dof : size + dof), 2 * size);
+    squares[n] = is_q ? norm.square(i, step.sum.q[at], step.q_next[at], e)
+                      : norm.square(i, step.sum.v[dof], step.v_next[dof], e);
+  });
+  block.barrier();
+  block.each(1, [&](std::int32_t) {
+    double all = 0;
+    for (std::int32_t n = 0; n < here; ++n) norm.take(squares[n], all);
+    errors.pieces[number] = all;
+  });
 }
 
 }  // namespace hmax

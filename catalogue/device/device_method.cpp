@@ -12,14 +12,20 @@ namespace hmax {
 
 namespace {
 
-template <std::size_t S>
-DeviceMethod runge_kutta(const ButcherTableau<S>& tableau) {
+template <class Method>
+DeviceMethod runge_kutta() {
+  constexpr const auto& tableau = Method::tableau;
+  constexpr std::size_t S = tableau.stages;
   static_assert(S <= StageSum<double>::most);
   DeviceMethod method{.kind = DeviceMethod::Kind::runge_kutta, .first_same_as_last = is_fsal(tableau)};
   for (std::size_t i = 1; i < S; ++i) method.rows.emplace_back(tableau.a[i].begin(), tableau.a[i].end());
   method.nodes.assign(tableau.c.begin(), tableau.c.end());
   // The last row is b where the last stage is the first of the next step.
   if (!method.first_same_as_last) method.rows.emplace_back(tableau.b.begin(), tableau.b.end());
+  method.error_order = Method::error_order;
+  if (has_error_estimate(tableau)) method.errors.emplace_back(tableau.b_err.begin(), tableau.b_err.end());
+  if constexpr (requires { Method::b_err_low; })
+    method.errors.emplace_back(Method::b_err_low.begin(), Method::b_err_low.end());
   return method;
 }
 
@@ -52,7 +58,7 @@ std::optional<DeviceMethod> device_method(const Method& method) {
   }
   std::optional<DeviceMethod> found;
   [&]<class... T>(std::type_identity<std::tuple<T...>>) {
-    ((method.id == T::id ? void(found = runge_kutta(T::tableau)) : void()), ...);
+    ((method.id == T::id ? void(found = runge_kutta<T>()) : void()), ...);
   }(std::type_identity<tableaux::All>{});
   return found;
 }

@@ -31,8 +31,12 @@ struct DeviceMethod {
   std::vector<std::vector<long double>> rows{};
   std::vector<long double> nodes{};  ///< c_i of its stages
   bool first_same_as_last = false;
+  /// b_err of each estimate of the error, none where steps cannot be chosen; err = O(h^error_order).
+  std::vector<std::vector<long double>> errors{};
+  int error_order = 0;
   NewtonSteps newton{};
 
+  [[nodiscard]] std::int32_t last_stage() const { return static_cast<std::int32_t>(nodes.size()) - 1; }
   /// Evaluations of a step, and of those before the first one.
   [[nodiscard]] std::int64_t evaluations() const { return kind == Kind::newton ? newton.all() : instants(); }
   /// At which times they stand: evaluations of loads.

@@ -93,9 +93,9 @@ HMAX_DEVICE void run_block(Kind kind, const Block& block, const P& p, std::int32
              [&](std::int32_t n) { run_thread(kind, p, first + n); });
 }
 
-template <class Real, class F>
-void with_kind(const FirstKick<Real>&, const F& f) {
-  f(std::true_type{});
+template <class F>
+void with_kind(const ErrorPieces& errors, const F& f) {
+  errors.norm.visit([&]<class Norm>(const Norm&) { f(std::type_identity<Norm>{}); });
 }
 
 template <class F>
@@ -108,7 +108,9 @@ void with_kind(const TetStiffness& stiffness, const F& f) {
 /// Programs of one kind.
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
-    std::same_as<P, MatrixBlocks>
+    std::same_as<P, MatrixBlocks> || std::same_as<P, FirstKick<double>> ||
+    std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
+    std::same_as<P, KnownStage<float>>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>
@@ -124,8 +126,9 @@ void with_kind(const Motions& motions, const F& f) {
 /// Any of them.
 struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
-               FirstKick<float>, AdaptiveMotions, SharedMotions, OwnMotions, NewtonBegin, TetStiffness,
-               MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate, NewtonEnd>
+               FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
+               SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
+               GradientProduct, GradientUpdate, NewtonEnd>
       of;
 
   template <class F>

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "catalogue/device/adaptive_on_device.hpp"
 #include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device_method.hpp"
@@ -117,9 +118,16 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
 template <class Real>
 DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
                    std::int32_t bodies) {
+  if (spec.adaptive && (sizeof(Real) != sizeof(double) || bodies > 1))
+    throw InputError(
+        "a GPU chooses steps of one body in double precision; leave --precision and --bodies out, or give --h");
   BodyOnDevice<Real> body(device, *problem.body, *device_method(method), bodies);
   static_cast<void>(device.seconds());
-  RunRecord record = run_body(body, problem, spec, {});
+  RunRecord record = [&] {
+    if constexpr (std::is_same_v<Real, double>)
+      if (spec.adaptive) return run_adaptive(body, problem, spec);
+    return run_body(body, problem, spec, {});
+  }();
   return {std::move(record), device.seconds(), body.flops(), body.bytes()};
 }
 
@@ -168,10 +176,9 @@ Method on_device(Method method, const std::shared_ptr<Device>& device) {
     Runner runner;
     runner.seconds = [device, kept] { return kept->seconds += device->seconds(); };
     runner.run = [problem, device, there = kept->there](const RunSpec& spec, const Sink& sink) {
-      if (spec.adaptive || spec.every > 0)
-        throw InputError(
-            "a GPU runs fixed steps, and shows nothing between them; give --h, and leave --every out");
-      return run_body(*there, problem, spec, sink);
+      if (spec.every > 0 || (spec.adaptive && sink))
+        throw InputError("a GPU shows nothing between steps, nor steps that it chooses; leave --every out");
+      return spec.adaptive ? run_adaptive(*there, problem, spec) : run_body(*there, problem, spec, sink);
     };
     runner.repeat = [run = runner.run, end = std::make_shared<Eigen::VectorXd>()](
                         const RunSpec& spec, std::int64_t runs) -> const Eigen::VectorXd& {

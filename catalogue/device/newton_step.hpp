@@ -14,7 +14,7 @@
 
 #include "catalogue/device/body_step.hpp"
 #include "core/instructions/device_code.hpp"
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/spring_law.hpp"
 
@@ -82,7 +82,7 @@ struct NewtonArrays {
   bool operator==(const NewtonArrays&) const = default;
 
   [[nodiscard]] HMAX_DEVICE std::int32_t dofs() const { return 3 * matrix.points; }
-  [[nodiscard]] HMAX_DEVICE std::int32_t pieces() const { return (dofs() + piece - 1) / piece; }
+  [[nodiscard]] HMAX_DEVICE std::int32_t pieces() const { return (dofs() + piece_size - 1) / piece_size; }
 };
 
 /// Where degree of freedom n of the body stands among displacements and among velocities.
@@ -96,7 +96,7 @@ struct DofPlace {
 /// A program for each degree of freedom, and the body that it moves: from step.q to step.q_next, where the
 /// iterate is kept, with its velocities in step.v_next.
 struct DofProgram {
-  static constexpr std::int32_t threads = piece;
+  static constexpr std::int32_t threads = piece_size;
   NewtonArrays newton;
   BodyStep<double> step;
   bool operator==(const DofProgram&) const = default;
@@ -306,14 +306,14 @@ HMAX_DEVICE inline void run_thread(std::true_type, const MatrixBlocks& program, 
 
 /// A program of pieces of the degrees of freedom, a block of threads for each.
 struct PieceProgram {
-  static constexpr std::int32_t threads = piece;
+  static constexpr std::int32_t threads = piece_size;
   NewtonArrays newton;
   std::int32_t iteration;  ///< of conjugate gradients
   bool operator==(const PieceProgram&) const = default;
 };
 inline std::int64_t blocks_of(const PieceProgram& program) { return program.newton.pieces(); }
 /// A piece of numbers, and partial sums.
-inline std::size_t shared_bytes_of(const PieceProgram&) { return 2 * sizeof(double) * piece; }
+inline std::size_t shared_bytes_of(const PieceProgram&) { return 2 * sizeof(double) * piece_size; }
 
 /// The residual at the iterate of `step`, whose force is step.a, and dq = 0.
 struct GradientBegin : PieceProgram {
@@ -329,23 +329,23 @@ struct GradientUpdate : PieceProgram {
   bool operator==(const GradientUpdate&) const = default;
 };
 
-/// to[number] = the product of two vectors over piece `number`. @param shared  shape (2 piece)
+/// to[number] = the product of two vectors over piece `number`. @param shared  shape (2 piece_size)
 template <class Block>
 HMAX_DEVICE inline void multiply_piece(const Block& block, std::int32_t number, std::int32_t here,
                                        const double* a, const double* b, double* shared, double* to) {
-  const std::int64_t first = static_cast<std::int64_t>(number) * piece;
+  const std::int64_t first = static_cast<std::int64_t>(number) * piece_size;
   block.barrier();
   block.each(here, [&](std::int32_t n) { shared[n] = a[first + n] * b[first + n]; });
   block.barrier();
-  add_up<lanes_of_a_piece>(block, here, shared, shared + piece);
-  block.each(1, [&](std::int32_t) { to[number] = shared[piece]; });
+  add_up<lanes_of_a_piece>(block, here, shared, shared + piece_size);
+  block.each(1, [&](std::int32_t) { to[number] = shared[piece_size]; });
 }
 
 /// The sum of the products of all pieces, for all threads of a block.
 template <class Block>
 HMAX_DEVICE inline double sum_of_pieces(const Block& block, std::int32_t pieces, const double* products,
                                         double* shared) {
-  add_up<piece>(block, pieces, products, shared);
+  add_up<piece_size>(block, pieces, products, shared);
   const double sum = shared[0];
   block.barrier();
   return sum;
@@ -353,8 +353,8 @@ HMAX_DEVICE inline double sum_of_pieces(const Block& block, std::int32_t pieces,
 
 /// How many degrees of freedom a piece has.
 HMAX_DEVICE inline std::int32_t numbers_of_piece(const NewtonArrays& newton, std::int32_t number) {
-  const std::int32_t left = newton.dofs() - number * piece;
-  return left < piece ? left : piece;
+  const std::int32_t left = newton.dofs() - number * piece_size;
+  return left < piece_size ? left : piece_size;
 }
 
 /// z of the residual, and the products r.r and r.z of a piece.
@@ -372,7 +372,7 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientBeg
   const std::int32_t here = numbers_of_piece(newton, number);
   const double h = newton.h;
   block.each(here, [&](std::int32_t k) {
-    const std::int32_t n = number * piece + k;
+    const std::int32_t n = number * piece_size + k;
     const DofPlace place(newton, begin.step, n);
     const double mass = begin.step.body.mass[newton.place[n / 3]];
     const double r =
@@ -418,7 +418,7 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientPro
   const double* const before = k == 0 ? nullptr : newton.p[(k + 1) % 2];
   double* const p = newton.p[k % 2];
   block.each(here, [&](std::int32_t m) {
-    const std::int32_t n = number * piece + m;
+    const std::int32_t n = number * piece_size + m;
     p[n] = before ? newton.z[n] + beta * before[n] : newton.z[n];
     newton.Ap[n] = row_product(newton, n, before, beta);
   });
@@ -446,7 +446,7 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientUpd
   const double step = state.rz / curvature;
   const double* const p = newton.p[update.iteration % 2];
   block.each(here, [&](std::int32_t k) {
-    const std::int32_t n = number * piece + k;
+    const std::int32_t n = number * piece_size + k;
     newton.dq[n] = newton.dq[n] + step * p[n];
     const double r = newton.residual[n] - step * newton.Ap[n];
     newton.residual[n] = r;

@@ -25,6 +25,34 @@ namespace detail {
 template <class StepperT>
 inline constexpr bool steps_are_cheap = StepperT::is_explicit&& is_small_state<typename StepperT::State>;
 
+template <class Real>
+Tolerances<Real> tolerances_of(const RunSpec& spec) {
+  return {static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol), static_cast<Real>(spec.h_first),
+          static_cast<Real>(spec.h_max)};
+}
+
+/// Steps steered by the error as `spec` asks, of all controllers in one type.
+/// @param error_order  order of the error estimate
+template <class Real>
+Adaptive<Real, AnyController, AnyNorm> any_adaptive(const RunSpec& spec, int error_order) {
+  const auto tolerances = tolerances_of<Real>(spec);
+  const AnyController<Real> controller = [&] {
+    switch (spec.control) {
+      case Controllers::i:
+        return AnyController<Real>(IntegralController<Real>(error_order));
+      case Controllers::pi:
+        return AnyController<Real>(PiController<Real>(error_order));
+      case Controllers::matlab:
+        return AnyController<Real>(MatlabController<Real>(error_order));
+      case Controllers::deadband:
+        break;
+    }
+    return AnyController<Real>(DeadbandController<Real>(error_order));
+  }();
+  const AnyNorm<Real> norm{tolerances.rtol, tolerances.atol, spec.control == Controllers::matlab};
+  return {tolerances, error_order, controller, norm};
+}
+
 /// Calls go(control) with the control that `spec` asks for; the typed world begins here. The steps of an
 /// explicit method on a small state are so cheap that each controller is compiled into a loop of its own.
 /// @param error_order  order of the error estimate; 0 for a method without one, which then only runs at fixed
@@ -33,8 +61,7 @@ inline constexpr bool steps_are_cheap = StepperT::is_explicit&& is_small_state<t
 template <class StepperT, bool each_controller = steps_are_cheap<StepperT>,
           class Real = typename StepperT::Real, class Go>
 auto with_control(const RunSpec& spec, int error_order, Go&& go) {
-  const Tolerances<Real> tolerances{static_cast<Real>(spec.rtol), static_cast<Real>(spec.atol),
-                                    static_cast<Real>(spec.h_first), static_cast<Real>(spec.h_max)};
+  const auto tolerances = tolerances_of<Real>(spec);
   if constexpr (requires { typename StepperT::Control; }) {
     return go(typename StepperT::Control(tolerances));
   } else {
@@ -56,21 +83,7 @@ auto with_control(const RunSpec& spec, int error_order, Go&& go) {
         }
         return go(Adaptive<Real, DeadbandController>(tolerances, error_order));
       } else {
-        const AnyController<Real> controller = [&] {
-          switch (spec.control) {
-            case Controllers::i:
-              return AnyController<Real>(IntegralController<Real>(error_order));
-            case Controllers::pi:
-              return AnyController<Real>(PiController<Real>(error_order));
-            case Controllers::matlab:
-              return AnyController<Real>(MatlabController<Real>(error_order));
-            case Controllers::deadband:
-              break;
-          }
-          return AnyController<Real>(DeadbandController<Real>(error_order));
-        }();
-        const AnyNorm<Real> norm{tolerances.rtol, tolerances.atol, spec.control == Controllers::matlab};
-        return go(Adaptive<Real, AnyController, AnyNorm>(tolerances, error_order, controller, norm));
+        return go(any_adaptive<Real>(spec, error_order));
       }
     }
   }

@@ -74,10 +74,9 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
 }
 
 void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
-                         const Method& method, const RunSpec& spec) const {
+                         const Method& method) const {
   check(beside);
   if (!is_gpu()) return;
-  if (spec.adaptive) throw InputError("--device gpu runs fixed steps; give --h in the place of tolerances");
   if (const std::string why = unsuited_for_device(problem, method); !why.empty())
     throw InputError(
         fmt::format("{} {}; leave --device out{}", method.id, why,

@@ -46,7 +46,7 @@ struct DeviceChoice {
   /// @throws InputError  for words that are none, a precision or bodies without a GPU, for one of these, and
   /// for what a GPU does not run
   void check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
-             const Method& method, const RunSpec& spec) const;
+             const Method& method) const;
 };
 
 /// What the steps of a run on a device took, and on which: never a CPU time.

@@ -121,6 +121,14 @@ class StaticCoefficients {
   }
 };
 
+/// The square of |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2), of two estimates e5 and e3 of one error
+/// [hairer1993solving, II.10], from their squares.
+template <class Real>
+Real square_of_two(Real e5, Real e3) {
+  const Real denominator = e5 + Real(0.01) * e3;
+  return denominator == 0 ? Real{0} : e5 * e5 / denominator;
+}
+
 /// One step of an explicit Runge-Kutta method,
 ///   k_i = f(t + c_i h, y + h sum_j a_ij k_j),    y_new = y + h sum_i b_i k_i.
 /// @tparam Coefficients  StaticCoefficients<Method>, or RuntimeTableau for a user's file
@@ -218,18 +226,14 @@ class ExplicitRk {
   }
 
   /// Square of the weighted error norm of the last attempt; at most 1 means good enough.
-  /// With two error rows (DOP853) the estimates e5 and e3 are combined as |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2)
-  /// [hairer1993solving, II.10].
+  /// With two error rows (DOP853) that of both estimates.
   /// @param norm  carries the tolerances: RmsNorm or MatlabNorm
   template <class Norm>
   requires may_estimate_error Real error_squared(Real h, const State& y, const State& y_new, const Norm& norm)
   const {
     const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
     if constexpr (has_low_error()) {
-      const Real e_low = weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm);
-      // |e5|^4 / (|e5|^2 + 0.01 |e3|^2), in the squares that the norm returns.
-      const Real denominator = e + Real(0.01) * e_low;
-      return denominator == 0 ? Real{0} : e * e / denominator;
+      return square_of_two(e, weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm));
     }
     return e;
   }

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 #include "integrators/stats.hpp"
 #include "integrators/system.hpp"
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -165,6 +166,35 @@ TEST(RmsNorm, IsTheRootMeanSquareInUnitsOfTheTolerance) {
   const Eigen::Vector2d y(1, -2), y_new(3, 0), error(2, 6);
   // weights 1 + 3 and 1 + 2: ((2 / 4)^2 + (6 / 3)^2) / 2
   EXPECT_DOUBLE_EQ(norm.squared(y, y_new, [&](Eigen::Index i) { return error[i]; }), 2.125);
+}
+
+/// The sum of squares of some numbers, and the norm's.
+void expect_sum(Eigen::Index n, double (*sum_of)(const Eigen::VectorXd& squares)) {
+  const Eigen::VectorXd y = Eigen::VectorXd::Zero(n),
+                        error = Eigen::VectorXd::LinSpaced(n, 1, 1e3).cwiseInverse();
+  EXPECT_EQ(RmsNorm<double>({0, 1}).squared(y, y, [&](Eigen::Index i) { return error[i]; }),
+            sum_of(error.cwiseAbs2()) / static_cast<double>(n))
+      << n;
+}
+
+TEST(RmsNorm, AddsUpPiecesOf256NumbersOneAfterTheOther) {
+  const auto one_by_one = [](const Eigen::VectorXd& squares) {
+    double sum = 0;
+    for (const double each : squares) sum += each;
+    return sum;
+  };
+  const auto by_pieces = [](const Eigen::VectorXd& squares) {
+    double all = 0, piece = 0;
+    for (Eigen::Index i = 0; i < squares.size(); ++i) {
+      piece += squares[i];
+      if (i % 256 == 255 || i + 1 == squares.size()) all += std::exchange(piece, 0.0);
+    }
+    return all;
+  };
+  for (const Eigen::Index n : {1, 2, 255, 256}) expect_sum(n, one_by_one);
+  for (const Eigen::Index n : {257, 512, 1000, 2561}) expect_sum(n, by_pieces);
+  const Eigen::VectorXd numbers = Eigen::VectorXd::LinSpaced(1000, 1, 1e3).cwiseInverse().cwiseAbs2();
+  EXPECT_NE(one_by_one(numbers), by_pieces(numbers)) << "the test sees no order";
 }
 
 }  // namespace

@@ -40,6 +40,16 @@ std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return count;
 }
 
+void expect_equal(const RunRecord& found, const RunRecord& expected, const std::string& id) {
+  EXPECT_EQ(found.outcome, expected.outcome) << id;
+  EXPECT_EQ(found.t, expected.t) << id;
+  EXPECT_EQ(found.t_state, expected.t_state) << id;
+  EXPECT_EQ(found.note, expected.note) << id;
+  EXPECT_EQ(found.stats, expected.stats) << id << ", rhs " << found.stats.rhs << " of " << expected.stats.rhs;
+  EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << " of " << expected.y.size();
+  EXPECT_GT(expected.y.norm(), 0);
+}
+
 /// @returns the run on the processor
 RunRecord expect_same(Device& device, const Problem& problem, const std::string& id, const RunSpec& spec,
                       std::int64_t seen_every = 7) {
@@ -66,16 +76,7 @@ RunRecord expect_same(Device& device, const Problem& problem, const std::string&
     ++n;
   }
   EXPECT_EQ(n, seen.size()) << id;
-  EXPECT_EQ(found.outcome, expected.outcome);
-  EXPECT_EQ(found.t, expected.t);
-  EXPECT_EQ(found.t_state, expected.t_state);
-  EXPECT_EQ(found.stats.steps, expected.stats.steps);
-  EXPECT_EQ(found.stats.rhs, expected.stats.rhs);
-  EXPECT_EQ(found.stats.jacobian, expected.stats.jacobian);
-  EXPECT_EQ(found.stats.newton, expected.stats.newton);
-  EXPECT_EQ(found.stats.linear_iterations, expected.stats.linear_iterations);
-  EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << " of " << expected.y.size();
-  EXPECT_GT(expected.y.norm(), 0);
+  expect_equal(found, expected, id);
   return expected;
 }
 
@@ -238,6 +239,69 @@ void expect_same_newton(Device& device) {
   EXPECT_GT(solved.stats.linear_iterations, 10 * solved.stats.newton);
 }
 
+/// @returns the run on the processor
+RunRecord expect_same_chosen(Device& device, const Problem& problem, const std::string& id, RunSpec spec) {
+  spec.adaptive = true;
+  const Method method = find_method(id);
+  RunRecord expected = method.bind(problem).run(spec, {});
+  expect_equal(run_on_device(device, problem, method, spec).record, expected,
+               id + ", rtol " + std::to_string(spec.rtol));
+  return expected;
+}
+
+/// Chosen steps: of every method that estimates its error, tolerances and controllers; the liver has
+/// several pieces of 256 numbers.
+void expect_same_chosen(Device& device) {
+  std::int64_t rejected = 0;
+  const auto each = [&](const Problem& problem, const char* id, const RunSpec& spec) {
+    const RunRecord run = expect_same_chosen(device, problem, id, spec);
+    EXPECT_EQ(run.outcome, Outcome::reached_end) << id;
+    rejected += run.stats.rejected;
+  };
+  const Problem uneven = uneven_body(2.5, "fem_green", SkinSettings::Kind::springs);
+  [&]<class... T>(std::type_identity<std::tuple<T...>>) {
+    const auto if_it_estimates = [&]<class Method>(std::type_identity<Method>) {
+      if (Method::error_order > 0)
+        each(uneven, Method::id.data(),
+             {.t_end = 0.02, .rtol = 1e-4, .atol = 1e-7, .h_first = 0.01, .h_max = 0.1});
+    };
+    (if_it_estimates(std::type_identity<T>{}), ...);
+  }(std::type_identity<tableaux::All>{});
+  for (const char* method : {"ode45", "dop_853", "bogacki_shampine_32", "fehlberg_78"})
+    for (const double rtol : {1e-2, 1e-5, 1e-8}) {
+      const RunSpec spec{.t_end = 0.02, .rtol = rtol, .atol = 1e-3 * rtol};
+      for (const char* model : {"fem_cauchy", "fem_neo_hookean", "mass_spring"})
+        each(uneven_body(2.5, model), method, spec);
+      each(driven_body(), method, spec);
+      each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
+           method, spec);
+      each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
+    }
+  for (const Controllers control :
+       {Controllers::i, Controllers::pi, Controllers::deadband, Controllers::matlab})
+    each(driven_body(), "ode45", {.t_end = 0.05, .rtol = 1e-5, .atol = 1e-8, .control = control});
+  each(driven_body(), "dop_853", {.t_end = 0.05, .rtol = 1e-5, .atol = 1e-8, .h_first = 1e-3, .h_max = 2e-3});
+  EXPECT_GT(rejected, 20);
+}
+
+/// Runs that do not reach their end.
+void expect_same_chosen_ends(Device& device) {
+  const Problem beam = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}}});
+  const auto expect_end = [&](const Problem& problem, Outcome outcome, const RunSpec& spec) {
+    for (const char* method : {"ode45", "dop_853"})
+      EXPECT_EQ(expect_same_chosen(device, problem, method, spec).outcome, outcome);
+  };
+  // Tolerances that accept everything.
+  expect_end(beam, Outcome::diverged,
+             {.t_end = 40, .rtol = 1e100, .atol = 1e100, .h_first = 0.02, .h_max = 0.02});
+  expect_end(beam, Outcome::too_many_steps, {.t_end = 1, .rtol = 1e-6, .atol = 1e-9, .max_steps = 30});
+  expect_end(driven_body(), Outcome::too_many_steps,
+             {.t_end = 1, .rtol = 1e-6, .atol = 1e-9, .max_steps = 30});
+  Problem broken = beam;
+  broken.y0[7] = 1e200;
+  expect_end(broken, Outcome::diverged, {.t_end = 1, .rtol = 1e-6, .atol = 1e-9});
+}
+
 void expect_same_divergence(Device& device) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "explicit_euler", "ode45"}) {
@@ -261,6 +325,14 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
     expect_same_under_driven_loads(device);
     expect_same_on_bodies(device);
     expect_same_stages(device);
+  }
+}
+
+TEST(HostDevice, ChoosesStepsWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_chosen(device);
+    expect_same_chosen_ends(device);
   }
 }
 
@@ -413,9 +485,19 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("newton_truncated"),
                                                {.t_end = 1, .h = 0.1}, Precision::single_precision)),
                InputError);
-  const Method there = on_device(find_method("ode45"), std::make_shared<HostDevice>());
-  EXPECT_THROW(there.bind(body).run({.t_end = 1, .adaptive = true, .rtol = 1e-3, .atol = 1e-3}, {}),
-               InputError);
+  const RunSpec chosen{.t_end = 1e-3, .adaptive = true, .rtol = 1e-3, .atol = 1e-3};
+  const auto run = [&](const char* id, const RunSpec& spec, const Sink& sink) {
+    on_device(find_method(id), std::make_shared<HostDevice>()).bind(body).run(spec, sink);
+  };
+  EXPECT_NO_THROW(run("ode45", chosen, {}));
+  EXPECT_THROW(run("ode45", chosen, [](double, const auto&) {}), InputError);
+  EXPECT_THROW(run("rk4", chosen, {}), InputError);
+  EXPECT_THROW(run("rk4", {.t_end = 1e-3, .h = 1e-4, .every = 1e-3}, {}), InputError);
+  const auto run_many = [&](Precision precision, std::int32_t bodies) {
+    static_cast<void>(run_on_device(device, body, find_method("ode45"), chosen, precision, bodies));
+  };
+  EXPECT_THROW(run_many(Precision::single_precision, 1), InputError);
+  EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
            {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
@@ -441,6 +523,10 @@ TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
       };
       EXPECT_EQ(unequal(on(*device), on(host)), 0U) << model << ", " << method;
     }
+}
+TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
+  expect_same_chosen(*device);
+  expect_same_chosen_ends(*device);
 }
 TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
 TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_same_at_a_time(*device); }

@@ -8,7 +8,7 @@
 namespace hmax {
 
 /// Numbers of a piece, and the partial sums that it is added up in.
-inline constexpr std::int32_t piece = 256, lanes_of_a_piece = 16;
+inline constexpr std::int32_t piece_size = 256, lanes_of_a_piece = 16;
 
 /// s[0] = the sum of s[0] .. s[2 half - 1], the upper half added to the lower one until one number is left.
 /// @param block  see device_program.hpp of catalogue/device
@@ -42,20 +42,21 @@ struct LoneThread {
 };
 
 /// x.y, shape (count), on one thread: of each piece the sum by add_up() of its lanes, and of these sums that
-/// of `piece` lanes.
+/// of `piece_size` lanes.
 inline double dot_by_pieces(std::int64_t count, const double* x, const double* y) {
-  double sums[piece] = {};
-  for (std::int64_t first = 0, n = 0; first < count; first += piece, ++n) {
+  double sums[piece_size] = {};
+  for (std::int64_t first = 0, n = 0; first < count; first += piece_size, ++n) {
     double s[lanes_of_a_piece] = {};
     std::int64_t m = first;
-    for (const std::int64_t end = first + piece < count ? first + piece : count - lanes_of_a_piece + 1;
+    for (const std::int64_t end = first + piece_size < count ? first + piece_size
+                                                             : count - lanes_of_a_piece + 1;
          m < end; m += lanes_of_a_piece)
       for (std::int32_t lane = 0; lane < lanes_of_a_piece; ++lane) s[lane] += x[m + lane] * y[m + lane];
-    for (std::int32_t lane = 0; m < count && m < first + piece; ++m, ++lane) s[lane] += x[m] * y[m];
+    for (std::int32_t lane = 0; m < count && m < first + piece_size; ++m, ++lane) s[lane] += x[m] * y[m];
     add_halves<lanes_of_a_piece / 2>(LoneThread{}, s);
-    sums[n % piece] += s[0];
+    sums[n % piece_size] += s[0];
   }
-  if (count > piece) add_halves<piece / 2>(LoneThread{}, sums);
+  if (count > piece_size) add_halves<piece_size / 2>(LoneThread{}, sums);
   return sums[0];
 }
 

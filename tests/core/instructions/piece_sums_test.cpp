@@ -1,5 +1,5 @@
 /// Products of vectors in pieces: right, and the same by the threads of blocks.
-#include "integrators/linear/piece_sums.hpp"
+#include "core/instructions/piece_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -33,9 +33,9 @@ struct Backwards {
 double by_blocks(const std::vector<double>& x, const std::vector<double>& y) {
   const Backwards block;
   const auto count = static_cast<std::int32_t>(x.size());
-  std::vector<double> products(piece), lanes(piece), sums;
-  for (std::int32_t first = 0; first < count; first += piece) {
-    const std::int32_t here = std::min(piece, count - first);
+  std::vector<double> products(piece_size), lanes(piece_size), sums;
+  for (std::int32_t first = 0; first < count; first += piece_size) {
+    const std::int32_t here = std::min(piece_size, count - first);
     block.each(here, [&](std::int32_t n) {
       const auto at = static_cast<std::size_t>(first + n);
       products[static_cast<std::size_t>(n)] = x[at] * y[at];
@@ -43,7 +43,7 @@ double by_blocks(const std::vector<double>& x, const std::vector<double>& y) {
     add_up<lanes_of_a_piece>(block, here, products.data(), lanes.data());
     sums.push_back(lanes[0]);
   }
-  add_up<piece>(block, static_cast<std::int32_t>(sums.size()), sums.data(), lanes.data());
+  add_up<piece_size>(block, static_cast<std::int32_t>(sums.size()), sums.data(), lanes.data());
   return lanes[0];
 }
 
