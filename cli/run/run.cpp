@@ -653,7 +653,7 @@ void add_run(CLI::App& app, Console& console) {
   add_text(command, "--max-steps", options->max_steps,
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options->checkpoint.add_to(command);
-  options->device.add_to(command, "fixed steps of a body");
+  options->device.add_to(command, "steps of a body");
   options->device.add_kinds_to(command);
   options->jobs = add_jobs_of_timed(command);
   add_force(command);
