@@ -55,14 +55,16 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
   if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
-  if (method_.kind == DeviceMethod::Kind::newton) {
+  if (method_.is_iterated()) {
     if (sizeof(Real) != sizeof(double))
-      throw InputError("newton_truncated runs on a GPU in double precision; leave --precision out");
-    if (bodies > 1)
-      throw InputError("newton_truncated steps one body at a time on a GPU; leave --bodies out");
-    newton_.emplace(memory_, body, patches_, method_.newton);
+      throw InputError("implicit Euler runs on a GPU in double precision; leave --precision out");
+    if (bodies > 1) throw InputError("implicit Euler steps one body at a time on a GPU; leave --bodies out");
+    for (Real*& q : stage_q_) q = numbers(displacements());
   }
-  if (patches_.begin.size() == 2 && !newton_)
+  if (method_.kind == DeviceMethod::Kind::newton) newton_.emplace(memory_, body, patches_, method_.iterated);
+  if (method_.kind == DeviceMethod::Kind::constraints)
+    constraints_.emplace(memory_, body, patches_, method_.iterated);
+  if (patches_.begin.size() == 2 && !method_.is_iterated())
     programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
   if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
   step_.sum.slopes = numbers(2 * velocities() * method_.nodes.size());
@@ -75,11 +77,11 @@ void BodyOnDevice<Real>::place_loads() {
   const bool driven =
       std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
   const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.instants() : 1);
-  load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, 3 * loads_.size() * rows));
+  load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, numbers_of_a_load() * loads_.size() * rows));
   evaluated_ = memory_.template room<std::int64_t>(1);
   step_.loads = load_table_;
   step_.evaluated = evaluated_;
-  step_.next_loads = driven ? 3 * static_cast<std::int32_t>(loads_.size()) : 0;
+  step_.next_loads = driven ? static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()) : 0;
   const double start = 0;
   set_times({&start, 1});
 }
@@ -89,8 +91,11 @@ void BodyOnDevice<Real>::set_times(std::span<const double> times) {
   std::vector<Real> table;
   for (const double t : times)
     for (const PressingForce& load : loads_) {
-      const Eigen::Vector3d force = load.profile.value(t) * load.force;
-      for (const double each : force) table.push_back(static_cast<Real>(each));
+      const double factor = load.profile.value(t);
+      if (numbers_of_a_load() == 1)
+        table.push_back(static_cast<Real>(factor));
+      else
+        for (const double each : load.force) table.push_back(static_cast<Real>(factor * each));
     }
   if (!table.empty()) device_.write(load_table_, table.data(), sizeof(Real) * table.size());
   const std::int64_t none = 0;
@@ -279,6 +284,22 @@ void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DevicePr
 }
 
 template <class Real>
+template <class Iterations>
+void BodyOnDevice<Real>::append_substeps(const Iterations& iterations, BodyStep<double> step, double h,
+                                         std::vector<DeviceProgram>& programs) const {
+  if constexpr (std::is_same_v<Real, double>) {
+    const std::int32_t substeps = method_.iterated.substeps;
+    double* const end = step.q_next;
+    for (std::int32_t s = 0; s < substeps; ++s) {
+      step.q_next = s + 1 == substeps ? end : stage_q_[s % 2];
+      iterations.append(step, h / substeps, programs);
+      step.q = step.q_next, step.v = step.v_next;
+      ++step.evaluation;
+    }
+  }
+}
+
+template <class Real>
 void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
   step_.h = static_cast<Real>(h);
   step_.half = step_.h / 2;
@@ -302,8 +323,14 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
       });
     case DeviceMethod::Kind::newton:
       if constexpr (std::is_same_v<Real, double>)
-        run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
-          newton_->append(step, h, programs);
+        return run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
+          append_substeps(*newton_, step, h, programs);
+        });
+      break;
+    case DeviceMethod::Kind::constraints:
+      if constexpr (std::is_same_v<Real, double>)
+        return run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
+          append_substeps(*constraints_, step, h, programs);
         });
   }
 }
@@ -336,7 +363,7 @@ void BodyOnDevice<Real>::go_back() {
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
-  return (newton_ ? newton_->flops() : 0) +
+  return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
          step_.bodies * static_cast<double>(method_.evaluations()) *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
               31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
@@ -348,7 +375,7 @@ double BodyOnDevice<Real>::bytes() const {
   double slopes = 0;  // that are read again
   for (const std::vector<long double>& row : method_.rows)
     for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
-  return (newton_ ? newton_->bytes() : 0) +
+  return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
          static_cast<double>(method_.evaluations()) *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/constraints_on_device.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
@@ -88,6 +89,10 @@ class BodyOnDevice {
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
   void place_loads();
+  /// Numbers of a load in the table: of constraints, which push by themselves, its factor alone.
+  [[nodiscard]] std::size_t numbers_of_a_load() const {
+    return method_.kind == DeviceMethod::Kind::constraints ? 1 : 3;
+  }
   /// diag(C) / m [1/s], shape (3, free).
   [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
@@ -102,6 +107,10 @@ class BodyOnDevice {
   /// The programs one after the other, over and over again.
   /// @param instants  of all of them
   void run(std::span<const DeviceProgram> programs, std::int64_t times, std::int32_t instants);
+  /// A step of substeps, each of the programs that `iterations` appends.
+  template <class Iterations>
+  void append_substeps(const Iterations& iterations, BodyStep<double> step, double h,
+                       std::vector<DeviceProgram>& programs) const;
 
   Device& device_;
   DeviceMemory memory_;
@@ -112,11 +121,12 @@ class BodyOnDevice {
   std::int64_t* evaluated_ = nullptr;
   BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps; null where a body is no single block
   BodyStep<Real> step_{};
-  Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages
+  Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages; displacements at the ends of substeps
   struct {
     Real *q, *v, *a;
   } kept_{};
   std::optional<NewtonOnDevice> newton_;
+  std::optional<ConstraintsOnDevice> constraints_;
 };
 
 }  // namespace hmax

@@ -7,6 +7,7 @@
 
 #include "catalogue/device/body_step.hpp"
 #include "integrators/explicit/tableaux.hpp"
+#include "integrators/positional/compliant_constraints.hpp"
 
 namespace hmax {
 
@@ -29,13 +30,29 @@ DeviceMethod runge_kutta() {
   return method;
 }
 
+/// Implicit Euler by a fixed number of iterations.
+std::optional<DeviceMethod> iterated_method(const Method& method) {
+  using Kind = DeviceMethod::Kind;
+  const std::string_view family = std::string_view(method.id).substr(0, method.id.find(':'));
+  const auto value = [&](const char* name) { return method.parameter(name).value(); };
+  const auto count = [&](const char* name) { return static_cast<std::int32_t>(value(name)); };
+  if (family != "newton_truncated" && family != "xpbd" && family != "pbd") return {};
+  DeviceMethod made{.kind = family == "newton_truncated" ? Kind::newton : Kind::constraints};
+  made.iterated = {.iterations = count("iterations"), .substeps = count("substeps")};
+  if (family == "newton_truncated") made.iterated.gradients = count("cg");
+  if (family == "xpbd") made.iterated.resets = value("reset") == 1;
+  if (family == "pbd")
+    made.iterated.share = CompliantConstraints::share_of(value("stiffness"), value("iterations"));
+  return made;
+}
+
 }  // namespace
 
 void DeviceMethod::append_times(double t, double h, std::optional<double> before,
                                 std::vector<double>& times) const {
   if (kind == Kind::kicks) return times.push_back(t + h);
-  if (kind == Kind::newton) {
-    for (std::int32_t s = 1; s < newton.substeps; ++s) times.push_back(t + s * (h / newton.substeps));
+  if (is_iterated()) {
+    for (std::int32_t s = 1; s < iterated.substeps; ++s) times.push_back(t + s * (h / iterated.substeps));
     return times.push_back(t + h);
   }
   times.push_back(first_same_as_last ? before.value_or(t) : t);
@@ -49,13 +66,7 @@ std::optional<DeviceMethod> device_method(const Method& method) {
                                     std::pair{"stormer_verlet", KickDamping::predicted},
                                     std::pair{"central_difference", KickDamping::lumped}})
     if (method.id == id) return DeviceMethod{.kind = Kind::kicks, .damping = damping};
-  if (method.id.substr(0, method.id.find(':')) == "newton_truncated") {
-    const auto count = [&](const char* name) {
-      return static_cast<std::int32_t>(method.parameter(name).value());
-    };
-    return DeviceMethod{.kind = Kind::newton,
-                        .newton = {count("iterations"), count("substeps"), count("cg")}};
-  }
+  if (const std::optional<DeviceMethod> iterated = iterated_method(method)) return iterated;
   std::optional<DeviceMethod> found;
   [&]<class... T>(std::type_identity<std::tuple<T...>>) {
     ((method.id == T::id ? void(found = runge_kutta<T>()) : void()), ...);

@@ -10,19 +10,22 @@
 
 namespace hmax {
 
-/// The counts of truncated Newton.
-struct NewtonSteps {
-  std::int32_t iterations, substeps, gradients;  ///< conjugate gradients of an iteration
+/// Steps of implicit Euler by a fixed number of iterations.
+struct IteratedSteps {
+  std::int32_t iterations = 0, substeps = 0;
+  std::int32_t gradients = 0;     ///< of truncated Newton: conjugate gradients of an iteration
+  bool resets = false;            ///< of constraints, as CompliantConstraints: multipliers begin at 0
+  std::optional<double> share{};  ///< of constraints without compliance
   /// Iterations of a step.
   [[nodiscard]] std::int64_t all() const { return std::int64_t{iterations} * substeps; }
-  /// Programs of a step, and those that a list may have.
+  /// Programs of a step of truncated Newton, and those that a list may have.
   [[nodiscard]] std::int64_t programs() const { return substeps + all() * (5 + 2 * std::int64_t{gradients}); }
   static constexpr std::int64_t most_programs = 4096;
 };
 
 /// What a step of a method does.
 struct DeviceMethod {
-  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, newton };
+  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, newton, constraints };
   Kind kind;
   /// Of kicks: what damping meets, see KickDriftKick.
   KickDamping damping = KickDamping::half_step;
@@ -34,14 +37,18 @@ struct DeviceMethod {
   /// b_err of each estimate of the error, none where steps cannot be chosen; err = O(h^error_order).
   std::vector<std::vector<long double>> errors{};
   int error_order = 0;
-  NewtonSteps newton{};
+  IteratedSteps iterated{};
 
+  [[nodiscard]] bool is_iterated() const { return kind == Kind::newton || kind == Kind::constraints; }
   [[nodiscard]] std::int32_t last_stage() const { return static_cast<std::int32_t>(nodes.size()) - 1; }
-  /// Evaluations of a step, and of those before the first one.
-  [[nodiscard]] std::int64_t evaluations() const { return kind == Kind::newton ? newton.all() : instants(); }
+  /// Evaluations of forces of a step, and of those before the first one.
+  [[nodiscard]] std::int64_t evaluations() const {
+    if (kind == Kind::constraints) return 0;
+    return kind == Kind::newton ? iterated.all() : instants();
+  }
   /// At which times they stand: evaluations of loads.
   [[nodiscard]] std::int64_t instants() const {
-    if (kind == Kind::newton) return newton.substeps;
+    if (is_iterated()) return iterated.substeps;
     return kind == Kind::runge_kutta ? static_cast<std::int64_t>(rows.size()) : 1;
   }
   [[nodiscard]] std::int64_t first_evaluations() const {

@@ -16,6 +16,7 @@
 #include <variant>
 
 #include "catalogue/device/body_step.hpp"
+#include "catalogue/device/constraint_step.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/motion_program.hpp"
 #include "catalogue/device/newton_step.hpp"
@@ -110,7 +111,8 @@ template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
     std::same_as<P, MatrixBlocks> || std::same_as<P, FirstKick<double>> ||
     std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
-    std::same_as<P, KnownStage<float>>
+    std::same_as<P, KnownStage<float>> || std::same_as<P, ConstraintBegin> || std::same_as<P, MeetColours> ||
+    std::same_as<P, ConstraintEnd>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>
@@ -128,7 +130,7 @@ struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
                FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
                SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
-               GradientProduct, GradientUpdate, NewtonEnd>
+               GradientProduct, GradientUpdate, NewtonEnd, ConstraintBegin, MeetColours, ConstraintEnd>
       of;
 
   template <class F>

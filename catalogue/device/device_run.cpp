@@ -110,7 +110,8 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   const DeviceMethod& method = body.method();
   const std::int64_t taken = done + (diverged ? 1 : 0);
   record.stats.rhs = method.evaluations() * taken + method.first_evaluations();
-  record.stats.newton = record.stats.jacobian = method.newton.all() * taken;
+  record.stats.newton = method.iterated.all() * taken;
+  if (method.kind == DeviceMethod::Kind::newton) record.stats.jacobian = record.stats.newton;
   if (!diverged) record.stats.linear_iterations = body.linear_iterations();
   return record;
 }
@@ -138,8 +139,8 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   const std::optional<DeviceMethod> known = device_method(method);
   if (!known) return "runs on no GPU";
   const std::string why = unsuited_for_patches(*problem.body);
-  if (known->newton.programs() > NewtonSteps::most_programs)
-    return "has steps of more than some " + std::to_string(NewtonSteps::most_programs / 2) +
+  if (known->kind == DeviceMethod::Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
+    return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }

@@ -5,7 +5,7 @@
 namespace hmax {
 
 NewtonOnDevice::NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches,
-                               const NewtonSteps& steps)
+                               const IteratedSteps& steps)
     : memory_(memory), steps_(steps), kept_(memory.room<std::int64_t>(1)) {
   place_matrix(body, patches);
   const auto dofs = static_cast<std::size_t>(arrays_.dofs()),
@@ -17,12 +17,6 @@ NewtonOnDevice::NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, con
   for (double** const each : {&arrays_.rr, &arrays_.rz, &arrays_.pAp}) *each = memory.room<double>(pieces);
   arrays_.states = memory.room<GradientState>(static_cast<std::size_t>(steps.gradients));
   arrays_.iterations = memory.room<std::int64_t>(1);
-  // Points that stand still have no displacement.
-  const std::vector<double> still(3 * static_cast<std::size_t>(patches.points), 0.0);
-  for (double*& q : between_) {
-    q = memory.room<double>(still.size());
-    memory.device().write(q, still.data(), sizeof(double) * still.size());
-  }
   reset();
 }
 
@@ -61,30 +55,23 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
 void NewtonOnDevice::append(const BodyStep<double>& step, double h,
                             std::vector<DeviceProgram>& programs) const {
   NewtonArrays newton = arrays_;
-  newton.h = h / steps_.substeps;
-  BodyStep<double> part = step;
-  for (std::int32_t s = 0; s < steps_.substeps; ++s) {
-    part.q_next = s + 1 == steps_.substeps ? step.q_next : between_[s % 2];
-    programs.push_back({NewtonBegin{{newton, part}}});
-    BodyStep<double> force = part;
-    force.move = Move::force;
-    force.q = part.q_next;
-    force.v = part.v_next;
-    force.evaluation = step.evaluation + s;
-    for (std::int32_t i = 0; i < steps_.iterations; ++i) {
-      programs.push_back({force});
-      if (newton.matrix.sums > 0)
-        programs.push_back({TetStiffness{newton.matrix, part.q_next, part.body.points}});
-      programs.push_back({MatrixBlocks{newton, part}});
-      programs.push_back({GradientBegin{{newton, 0}, part}});
-      for (std::int32_t k = 0; k < steps_.gradients; ++k) {
-        programs.push_back({GradientProduct{{newton, k}}});
-        programs.push_back({GradientUpdate{{newton, k}}});
-      }
-      programs.push_back({NewtonEnd{{newton, part}}});
+  newton.h = h;
+  programs.push_back({NewtonBegin{{newton, step}}});
+  BodyStep<double> force = step;
+  force.move = Move::force;
+  force.q = step.q_next;
+  force.v = step.v_next;
+  for (std::int32_t i = 0; i < steps_.iterations; ++i) {
+    programs.push_back({force});
+    if (newton.matrix.sums > 0)
+      programs.push_back({TetStiffness{newton.matrix, step.q_next, step.body.points}});
+    programs.push_back({MatrixBlocks{newton, step}});
+    programs.push_back({GradientBegin{{newton, 0}, step}});
+    for (std::int32_t k = 0; k < steps_.gradients; ++k) {
+      programs.push_back({GradientProduct{{newton, k}}});
+      programs.push_back({GradientUpdate{{newton, k}}});
     }
-    part.q = part.q_next;
-    part.v = part.v_next;
+    programs.push_back({NewtonEnd{{newton, step}}});
   }
 }
 

@@ -17,9 +17,9 @@ class NewtonOnDevice {
  public:
   /// @param memory  outlives this
   NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches,
-                 const NewtonSteps& steps);
+                 const IteratedSteps& steps);
 
-  /// The programs of a step from step.q to step.q_next; evaluations of loads count on from step.evaluation.
+  /// The programs of a substep of h from step.q to step.q_next.
   void append(const BodyStep<double>& step, double h, std::vector<DeviceProgram>& programs) const;
 
   /// Conjugate gradients since reset().
@@ -36,9 +36,8 @@ class NewtonOnDevice {
   void place_matrix(const TissueBody& body, const BodyPatches& patches);
 
   DeviceMemory& memory_;
-  NewtonSteps steps_;
+  IteratedSteps steps_;
   NewtonArrays arrays_{};
-  double* between_[2]{};  ///< displacements at the ends of substeps
   std::int64_t* kept_;
   double terms_ = 0, spring_terms_ = 0;
 };

@@ -112,7 +112,7 @@ Method pbd(const Parameters& values) {
               "stiffness of pbd is {} but must lie above 0 and at most at 1: it is the share of a "
               "constraint that all iterations together meet",
               to_text(stiffness)));
-        return CompliantConstraints::stiff(1 - std::pow(1 - stiffness, 1 / p[0].second));
+        return CompliantConstraints::stiff(CompliantConstraints::share_of(stiffness, p[0].second));
       });
   method.unsuited = [of_constraints = method.unsuited](const Problem& problem) -> std::string {
     if (std::string why = of_constraints(problem); !why.empty()) return why;

@@ -82,7 +82,7 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
         fmt::format("{} {}; leave --device out{}", method.id, why,
                     unsuited_for_device(problem, find_method("rk4")).empty()
                         ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
-                          "newton_truncated or an explicit Runge-Kutta method of hmax such as rk4"
+                          "newton_truncated, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
                         : ""));
 }
 

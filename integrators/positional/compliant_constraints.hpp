@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "core/parallel_for.hpp"
+#include "integrators/positional/meet_constraint.hpp"
 #include "integrators/positional/positional_system.hpp"
 #include "integrators/stats.hpp"
 
@@ -40,6 +43,8 @@ class CompliantConstraints {
     made.share_ = share;
     return made;
   }
+  /// The share that an iteration has to meet so that `all` of them meet `stiffness`.
+  static double share_of(double stiffness, double all) { return 1 - std::pow(1 - stiffness, 1 / all); }
 
   template <ConstrainedSystem Sys>
   void init(const Sys& system) {
@@ -61,14 +66,17 @@ class CompliantConstraints {
   template <ConstrainedSystem Sys>
   void improve(const Sys& system, double, double h, Eigen::VectorXd& q, ImplicitWork&) {
     if (reset_) lambda_.setZero();
-    const double viscous = share_ ? 0 : system.stiffness_damping() / h;
+    const MeetingRule rule = meeting_rule(share_, h, system.stiffness_damping());
     for (const std::vector<std::int32_t>& colour : system.constraint_colours()) {
       const auto meet_some = [&](std::size_t begin, std::size_t end) {
         std::array<CompliantConstraint, at_once> at;
         for (std::size_t first = begin; first < end; first += at_once) {
           const auto some = std::span(colour).subspan(first, std::min(at_once, end - first));
           system.constraints(q, some, std::span(at).first(some.size()));
-          for (std::size_t i = 0; i < some.size(); ++i) meet(at[i], h, viscous, lambda_[some[i]], q);
+          for (std::size_t i = 0; i < some.size(); ++i)
+            meet_constraint(rule, at[i].value, at[i].compliance,
+                            Points{at[i], start_.data(), w_.data(), q.data()}, static_cast<int>(at[i].points),
+                            lambda_[some[i]]);
         }
       };
       parallel_rows(colour.size(), entries_of_a_constraint * colour.size(), meet_some);
@@ -81,25 +89,22 @@ class CompliantConstraints {
   /// The work of one in entries of a matrix product, for parallel_rows().
   static constexpr std::size_t entries_of_a_constraint = 40;
 
-  /// @param viscous  g
-  void meet(const CompliantConstraint& at, double h, double viscous, double& lambda,
-            Eigen::VectorXd& q) const {
-    const double compliance = share_ ? 0 : at.compliance / (h * h);
-    double sum = 0, change = 0;  // sum of w |dC|^2, and dC.(q - q_0)
-    for (std::size_t i = 0; i < at.points; ++i) {
-      const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-      sum += at.gradient[i].squaredNorm() * w_[first];
-      if (viscous > 0) change += at.gradient[i].dot(q.segment<3>(first) - start_.segment<3>(first));
+  /// The points of a constraint, for meet_constraint().
+  struct Points {
+    const CompliantConstraint& at;
+    const double *before, *w;
+    double* all;
+    [[nodiscard]] std::ptrdiff_t place(int i) const {
+      return 3 * std::ptrdiff_t{at.point[static_cast<std::size_t>(i)]};
     }
-    const double divisor = (1 + viscous) * sum + compliance;
-    if (!(divisor > 0)) return;  // nothing that it moves
-    const double step = share_.value_or(1) * (-at.value - compliance * lambda - viscous * change) / divisor;
-    lambda += step;
-    for (std::size_t i = 0; i < at.points; ++i) {
-      const Eigen::Index first = 3 * static_cast<Eigen::Index>(at.point[i]);
-      q.segment<3>(first) += step * w_[first] * at.gradient[i];
+    [[nodiscard]] static bool moves(int) { return true; }
+    [[nodiscard]] const double* gradient(int i) const {
+      return at.gradient[static_cast<std::size_t>(i)].data();
     }
-  }
+    [[nodiscard]] double weight(int i) const { return w[place(i)]; }
+    [[nodiscard]] double& q(int i, int axis) const { return all[place(i) + axis]; }
+    [[nodiscard]] double start(int i, int axis) const { return before[place(i) + axis]; }
+  };
 
   bool reset_;
   std::optional<double> share_;

@@ -9,7 +9,6 @@
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/positional/colouring.hpp"
 #include "problems/tissue/positional/point_forces.hpp"
-#include "problems/tissue/positional/tissue_constraints.hpp"
 
 namespace hmax {
 namespace {
@@ -158,24 +157,24 @@ struct PositionalBody::Parts {
           visit(point, support.stiffness[i]);
   }
 
-  void add_constraints(const TissueBody& body) {
+  [[nodiscard]] TissueConstraints constraints_of(const TissueBody& body) const {
+    TissueConstraints made;
     const TetMesh& mesh = body.mesh();
     for (const SpringSet& set : body.spring_sets())
       for (std::size_t i = 0; i < set.size(); ++i) {
         const auto& [a, b] = set.spring(i).points;
         const Eigen::Vector3d d = mesh.points.col(b) - mesh.points.col(a);
-        constraints.add(
-            TissueConstraints::Spring{{free[at(a)], free[at(b)]}, d, d.norm(), set.spring(i).stiffness});
+        made.add(TissueConstraints::Spring{{free[at(a)], free[at(b)]}, d, d.norm(), set.spring(i).stiffness});
       }
     if (!body.settings().model.is_of_springs())
       for_each_tetrahedron(body,
                            [&](const std::array<Index, 4>& points, const RestShape& rest, const Lame& lame) {
-                             constraints.add(TissueConstraints::Tetrahedron(points, rest, lame));
+                             made.add(TissueConstraints::Tetrahedron(points, rest, lame));
                            });
     for_each_anchor(body, [&](Index point, double stiffness) {
-      constraints.add(TissueConstraints::Anchor{point, stiffness});
+      made.add(TissueConstraints::Anchor{point, stiffness});
     });
-    constraint_colours = constraints.colours();
+    return made;
   }
 };
 
@@ -196,13 +195,20 @@ std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verb
   return {};
 }
 
+TissueConstraints PositionalBody::constraints_of(const TissueBody& body) {
+  return Parts(body).constraints_of(body);
+}
+
 PositionalBody::PositionalBody(std::shared_ptr<const TissueBody> body, PositionalVerbs verbs)
     : body_(std::move(body)) {
   if (const std::string why = why_not(*body_, verbs); !why.empty())
     throw std::invalid_argument("the method " + why);
   auto parts = std::make_shared<Parts>(*body_);
   if (verbs == PositionalVerbs::points) parts->add_point_forces(*body_);
-  if (verbs == PositionalVerbs::constraints) parts->add_constraints(*body_);
+  if (verbs == PositionalVerbs::constraints) {
+    parts->constraints = parts->constraints_of(*body_);
+    parts->constraint_colours = parts->constraints.colours();
+  }
   if (verbs == PositionalVerbs::weights) parts->add_weights(*body_);
   parts_ = std::move(parts);
 }

@@ -10,6 +10,7 @@
 
 #include "core/positional.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/positional/tissue_constraints.hpp"
 
 namespace hmax {
 
@@ -33,6 +34,9 @@ class PositionalBody {
 
   /// Why a body has no such verbs, "has a tool, which ..."; empty where it has.
   static std::string why_not(const TissueBody& body, PositionalVerbs verbs);
+
+  /// The constraints of a body that has them. Their points are numbers of free ones.
+  static TissueConstraints constraints_of(const TissueBody& body);
 
   /// @throws std::invalid_argument  where why_not() says so
   PositionalBody(std::shared_ptr<const TissueBody> body, PositionalVerbs verbs);

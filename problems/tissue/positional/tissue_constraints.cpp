@@ -1,14 +1,13 @@
 #include "problems/tissue/positional/tissue_constraints.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include <Eigen/Dense>
 
 #include "core/instructions/compiled_for.hpp"
 #include "core/instructions/lanes.hpp"
-#include "problems/cofactors.hpp"
 #include "problems/tissue/positional/colouring.hpp"
+#include "problems/tissue/positional/element_constraints.hpp"
 #include "problems/tissue/positional/free_points.hpp"
 
 namespace hmax {
@@ -19,7 +18,7 @@ struct TissueConstraints::SideBySide {
   bool volumetric;
   std::array<const Tetrahedron*, Lanes::count> of_lane;
   Lanes value;
-  Eigen::Matrix<Lanes, 3, 4> gradients;  ///< dC/dq_i in columns
+  Lanes gradients[4][3];  ///< dC/dq_i of each corner
 };
 
 namespace {
@@ -30,10 +29,9 @@ void evaluate_spring(const Eigen::VectorXd& q, const TissueConstraints::Spring& 
                      CompliantConstraint& at) {
   const Vector3d d =
       spring.rest + displacement_of(q, spring.points[1]) - displacement_of(q, spring.points[0]);
-  const double l = std::max(d.norm(), std::numeric_limits<double>::min());
-  at.set(l - spring.length, 1 / spring.stiffness);
-  at.add(spring.points[0], -d / l);
-  at.add(spring.points[1], d / l);
+  double gradients[2][3];
+  at.set(spring_constraint(d.data(), spring.length, gradients), 1 / spring.stiffness);
+  for (std::size_t i = 0; i < 2; ++i) at.add(spring.points[i], Vector3d(gradients[i]));
 }
 
 void evaluate_anchor(const Eigen::VectorXd& q, const TissueConstraints::Anchor& anchor, Eigen::Index axis,
@@ -44,40 +42,22 @@ void evaluate_anchor(const Eigen::VectorXd& q, const TissueConstraints::Anchor& 
 
 }  // namespace
 
-/// dC/dq_i = P g_i with P = dC/dF and the gradients g_i of the shape functions.
 [[gnu::always_inline]] inline void TissueConstraints::evaluate_tetrahedra(SideBySide& all) {
-  using Matrix = Eigen::Matrix<Lanes, 3, 3>;
   std::array<std::array<const double*, Lanes::count>, 4> u;
   for (std::size_t corner = 0; corner < 4; ++corner)
     for (std::size_t lane = 0; lane < Lanes::count; ++lane)
       u[corner][lane] = displacement_at(all.q, all.of_lane[lane]->points[corner]);
-  Matrix U, B;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const Lanes origin([&](std::size_t lane) { return u[0][lane][axis]; });
-    for (Eigen::Index a = 0; a < 3; ++a) {
+  Lanes U[3][3], g[3][3];
+  for (int i = 0; i < 3; ++i) {
+    const Lanes origin([&](std::size_t lane) { return u[0][lane][i]; });
+    for (int a = 0; a < 3; ++a) {
       const auto& corner = u[static_cast<std::size_t>(a) + 1];
-      U(axis, a) = Lanes([&](std::size_t lane) { return corner[lane][axis]; }) - origin;
-      B(axis, a) = Lanes([&](std::size_t lane) { return all.of_lane[lane]->gradients(axis, a); });
+      U[a][i] = Lanes([&](std::size_t lane) { return corner[lane][i]; }) - origin;
+      g[a][i] = Lanes([&](std::size_t lane) { return all.of_lane[lane]->gradients(a, i); });
     }
   }
-  const Matrix H = U.lazyProduct(B);
-  const Lanes trace = H.trace();
-  Matrix P;
-  if (all.volumetric) {
-    const Matrix K = cofactors(H);
-    const Lanes excess([&](std::size_t lane) { return all.of_lane[lane]->excess; });
-    all.value = trace + K.trace() + H.col(0).dot(K.col(0)) - excess;  // det F - a
-    P = K - H.transpose();                                            // the cofactors of F
-    P.diagonal().array() += Lanes(1) + trace;
-  } else {
-    P = H;
-    P.diagonal().array() += Lanes(1);
-    all.value = sqrt(P.col(0).squaredNorm() + P.col(1).squaredNorm() + P.col(2).squaredNorm());
-    const Lanes unit = Lanes(1) / (all.value + Lanes(std::numeric_limits<double>::min()));
-    for (Eigen::Index j = 0; j < 3; ++j) P.col(j) = P.col(j) * unit;
-  }
-  all.gradients.rightCols<3>() = P.lazyProduct(B.transpose());
-  all.gradients.col(0) = -all.gradients.rightCols<3>().rowwise().sum();
+  const Lanes excess([&](std::size_t lane) { return all.of_lane[lane]->excess; });
+  tetrahedron_constraint<Lanes>(U, g, all.volumetric, excess, all.value, all.gradients);
 }
 
 TissueConstraints::Tetrahedron::Tetrahedron(const std::array<Index, 4>& its_points, const RestShape& rest,
@@ -143,8 +123,8 @@ void TissueConstraints::evaluate(const Eigen::VectorXd& q, std::span<const std::
       const Tetrahedron& element = *some.of_lane[lane];
       at[i].set(some.value[lane], some.volumetric ? element.volumetric : element.deviatoric);
       for (std::size_t a = 0; a < 4; ++a) {
-        const auto column = some.gradients.col(static_cast<Eigen::Index>(a));
-        at[i].add(element.points[a], {column[0][lane], column[1][lane], column[2][lane]});
+        const Lanes(&slope)[3] = some.gradients[a];
+        at[i].add(element.points[a], {slope[0][lane], slope[1][lane], slope[2][lane]});
       }
     }
   }

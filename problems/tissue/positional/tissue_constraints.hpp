@@ -50,6 +50,9 @@ class TissueConstraints {
   void add(const Tetrahedron& element) { elements_.push_back(element); }
   void add(const Anchor& anchor) { anchors_.push_back(anchor); }
 
+  [[nodiscard]] const std::vector<Spring>& springs() const { return springs_; }
+  [[nodiscard]] const std::vector<Tetrahedron>& tetrahedra() const { return elements_; }
+
   /// In groups that have no point in common, those of a kind after each other. Numbers of constraints:
   /// springs, then two of each tetrahedron, deviatoric first, then three of each anchor.
   [[nodiscard]] Colours colours() const;

@@ -302,6 +302,31 @@ void expect_same_chosen_ends(Device& device) {
   expect_end(broken, Outcome::diverged, {.t_end = 1, .rtol = 1e-6, .atol = 1e-9});
 }
 
+/// Compliant constraints: of several counts, both kinds of elements, damping and loads.
+void expect_same_constraints(Device& device) {
+  const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
+  const auto of_model = [](const Problem& body, const char* model, double beta) {
+    TissueSettings settings = body.body->settings();
+    settings.model = tissue_model(model);
+    settings.springs.law = LinearSpring{};
+    settings.beta = beta;
+    return body_of(body.body->mesh(), settings);
+  };
+  for (const char* method :
+       {"xpbd:iterations=1", "xpbd:iterations=4,substeps=3", "xpbd:iterations=3,substeps=2,reset=1"})
+    for (const Problem& body : {uneven_body(0), uneven_body(2.5), driven_body()})
+      for (const char* model : {"mass_spring", "fem_neo_hookean"})
+        for (const double beta : {0.0, 1e-3})
+          expect_same(device, of_model(body, model, beta), method, spec, 3);
+  for (const char* method : {"pbd", "pbd:iterations=3,substeps=2,stiffness=0.7"})
+    expect_same(device, of_model(driven_body(), "mass_spring", 0), method, spec, 3);
+  // Colours of more constraints than a block has threads.
+  const Parameters heavy{{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}};
+  for (const char* id : {"mass_spring@cube:n=8", "fem_neo_hookean@cube:n=8", "fem_neo_hookean@liver"})
+    expect_same(device, make_problem(id, {.parameters = heavy}), "xpbd:substeps=3",
+                {.t_end = 0.02, .h = 0.01}, 3);
+}
+
 void expect_same_divergence(Device& device) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "explicit_euler", "ode45"}) {
@@ -316,6 +341,10 @@ void expect_same_divergence(Device& device) {
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
   EXPECT_EQ(flat.outcome, Outcome::diverged);
+  const RunRecord stiffer =
+      expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 1e6}}}),
+                  "xpbd:iterations=3,substeps=2", {.t_end = 40, .h = 0.01});
+  EXPECT_EQ(stiffer.outcome, Outcome::diverged);
   EXPECT_LT(flat.stats.linear_iterations, 8 * flat.stats.newton) << "there was curvature everywhere";
 }
 
@@ -340,6 +369,13 @@ TEST(HostDevice, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
     expect_same_newton(device);
+  }
+}
+
+TEST(HostDevice, MeetsConstraintsWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_constraints(device);
   }
 }
 
@@ -402,6 +438,14 @@ TEST(HostDevice, CountsTheWorkOfAllBodies) {
     EXPECT_EQ(unequal(three.record.y, one.record.y), 0U);
   }
   EXPECT_THROW(run("newton_truncated", 2), InputError);
+  const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
+  const auto meet = [&](const char* method) {
+    return run_on_device(device, solid, find_method(method), {.t_end = 0.02, .h = 0.01});
+  };
+  const DeviceRun once = meet("xpbd:iterations=1"), thrice = meet("xpbd:iterations=1,substeps=3");
+  EXPECT_DOUBLE_EQ(thrice.flops, 3 * once.flops);
+  EXPECT_DOUBLE_EQ(thrice.bytes, 3 * once.bytes);
+  EXPECT_LT(thrice.flops, meet("xpbd:iterations=3").flops * 3);
 }
 
 TEST(HostDevice, StepsBodiesAtATimeAsEachAlone) {
@@ -481,7 +525,19 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
   EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
+  const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
+  EXPECT_EQ(why(solid, "xpbd"), "");
+  EXPECT_TRUE(has(why(body, "vbd"), "runs on no GPU"));
   HostDevice device;
+  EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method("xpbd"), {.t_end = 1, .h = 0.1},
+                                               Precision::double_precision, 2)),
+               InputError);
+  EXPECT_THROW(static_cast<void>(
+                   on_device(find_method("xpbd:substeps=3000"), std::make_shared<HostDevice>()).bind(solid)),
+               InputError);
+  EXPECT_THROW(static_cast<void>(on_device(find_method("xpbd"), std::make_shared<HostDevice>()).bind(body)),
+               InputError)
+      << "Green's strain has no constraints";
   EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("newton_truncated"),
                                                {.t_end = 1, .h = 0.1}, Precision::single_precision)),
                InputError);
@@ -529,6 +585,7 @@ TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
   expect_same_chosen_ends(*device);
 }
 TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
+TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }
 TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_same_at_a_time(*device); }
 TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
 
