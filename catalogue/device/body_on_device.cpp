@@ -57,8 +57,9 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
   if (method_.is_iterated()) {
     if (sizeof(Real) != sizeof(double))
-      throw InputError("implicit Euler runs on a GPU in double precision; leave --precision out");
-    if (bodies > 1) throw InputError("implicit Euler steps one body at a time on a GPU; leave --bodies out");
+      throw InputError("methods of iterations run on a GPU in double precision; leave --precision out");
+    if (bodies > 1)
+      throw InputError("methods of iterations step one body at a time on a GPU; leave --bodies out");
     for (Real*& q : stage_q_) q = numbers(displacements());
   }
   if (method_.kind == DeviceMethod::Kind::newton) newton_.emplace(memory_, body, patches_, method_.iterated);

@@ -27,8 +27,9 @@ class ConstraintsOnDevice {
     place_constraints(memory, body, patches);
     place_pushes(memory, body, patches);
     const double programs = steps.substeps * (2.0 + static_cast<double>(rounds_.size()) * launches());
-    if (programs > IteratedSteps::most_programs)
-      throw InputError("a step would take more than the " + std::to_string(IteratedSteps::most_programs) +
+    constexpr int most = 1 << 16;
+    if (programs > most)
+      throw InputError("a step would take more than the " + std::to_string(most) +
                        " launches that it may have on a GPU; take fewer iterations or substeps");
   }
 
