@@ -57,7 +57,7 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
                  "bodies on meshes");
   expect_refused(
       shell.hmax(
-          "run --mesh cube:n=3 --model fem_corotational --method symplectic_euler --h 1e-4 --device gpu"),
+          "run --mesh cube:n=3 --model fem_nodal_pressure --method symplectic_euler --h 1e-4 --device gpu"),
       "other elements");
 }
 
