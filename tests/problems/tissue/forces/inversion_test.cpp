@@ -68,7 +68,8 @@ TEST(Inversion, CorotationalStressesFollowAPathThroughFlatAndInvertedStates) {
   const Lame material = lame(5000, 0.45);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
-  Eigen::Matrix3d before;
+  Eigen::Matrix3d before, along;
+  along << 0.3, -0.2, 0.5, 0.1, 0.4, -0.6, 0.2, 0.7, -0.1;
   for (int i = 0; i <= 180; ++i) {
     const Eigen::Vector3d stretches(1.1, 0.9, 1 - 0.01 * i);
     const Eigen::Matrix3d F = turn * stretches.asDiagonal();
@@ -83,6 +84,11 @@ TEST(Inversion, CorotationalStressesFollowAPathThroughFlatAndInvertedStates) {
     if (i > 0) {
       EXPECT_LT((stress - before).norm(), 0.01 * (2 * material.mu + 3 * material.lambda)) << i;
     }
+    const auto stress_at = [&](double d) {
+      return Corotational(F + d * along - Eigen::Matrix3d::Identity(), material).stress();
+    };
+    const Eigen::Matrix3d by_difference = (stress_at(1e-5) - stress_at(-1e-5)) / 2e-5;
+    EXPECT_LT((law.differential(along) - by_difference).norm(), 1e-6 * by_difference.norm()) << i;
     // Forces restore: shortening it further takes work.
     if (i > 20) {
       EXPECT_LT((stress.transpose() * turn)(2, 2), 0) << i;
