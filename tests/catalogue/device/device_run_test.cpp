@@ -533,7 +533,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
                                                Precision::double_precision, 2)),
                InputError);
   EXPECT_THROW(static_cast<void>(
-                   on_device(find_method("xpbd:substeps=3000"), std::make_shared<HostDevice>()).bind(solid)),
+                   on_device(find_method("xpbd:substeps=30000"), std::make_shared<HostDevice>()).bind(solid)),
                InputError);
   EXPECT_THROW(static_cast<void>(on_device(find_method("xpbd"), std::make_shared<HostDevice>()).bind(body)),
                InputError)
