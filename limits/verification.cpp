@@ -185,17 +185,6 @@ Eigen::MatrixXd free_motions_of_matrices(const Linearised& near) {
   return motions;
 }
 
-/// About what the runs of a verification take [bytes]: states, the factors of an implicit method, and where a
-/// force drives the problem its motion, state by state.
-double memory_of(const Method& method, const Problem& problem) {
-  const auto states = static_cast<double>(problem.y0.size());
-  // Some hundred vectors, the histories of multistep methods among them.
-  double bytes = 100 * sizeof(double) * states;
-  if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
-  if (method.needs_jacobian) bytes += bytes_of_factor(problem.body ? states / 2 : states);
-  return bytes;
-}
-
 /// The steps at which a method that is unstable at no step is run: those that users take, and far beyond.
 FarSteps far_steps(const Problem& problem, const ModeStart& start, const Rates& rates) {
   // Longer steps of large matrices take a factor: minutes.
@@ -241,6 +230,7 @@ Finding watch_limit(const Prediction& row, const Method& method, const Linearise
                            .gap = limit.h / (*row.h_max / method.parts) - 1,
                            .steps = limit.steps,
                            .agrees = limit.below_decays && limit.above_grows}};
+  if (finding.seen.agrees) return finding;
   finding.why = fmt::format("integration does not show this limit: {} steps of {} of it {}", limit.steps,
                             limit.below_decays ? 1.001 : 0.999, limit.below_decays ? "do not grow" : "grow");
   if (limit.steps >= most_steps(near))
@@ -303,6 +293,15 @@ FarSteps short_far_steps(double fastest) {
               "verified at a step of {:.3g} s alone: longer ones of so many unknowns take minutes", h)};
 }
 
+double memory_of_runs(const Method& method, const Problem& problem) {
+  const auto states = static_cast<double>(problem.y0.size());
+  // Some hundred vectors, the histories of multistep methods among them.
+  double bytes = 100 * sizeof(double) * states;
+  if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
+  if (method.needs_jacobian) bytes += bytes_of_factor(problem.body ? states / 2 : states);
+  return bytes;
+}
+
 bool driven_away(const Linearised& near, const Problem& free) {
   return near.point.linearity != Linearity::linear && is_driven(free);
 }
@@ -333,7 +332,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
     row.note = std::move(why);
     return;
   }
-  const MemoryShare memory(memory_of(step, free));
+  const MemoryShare memory(memory_of_runs(step, free));
   Eigen::VectorXd rest = near.point.model.y;
   take_off_drive(free, rest);
   const ModeStart start = start_of(row, method, near, rest, rates, free_rigid);

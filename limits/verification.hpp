@@ -34,6 +34,10 @@ struct FarSteps {
 /// @param fastest  |lambda| of the fastest mode [1/s]
 FarSteps short_far_steps(double fastest);
 
+/// About what the runs of a verification, or from a start, take [bytes]: states, the factors of an implicit
+/// method, and where a force drives the problem its motion, state by state.
+double memory_of_runs(const Method& method, const Problem& problem);
+
 /// Whether a force moves a model that is not linear away from its state.
 /// @param free  the problem after its ramps
 bool driven_away(const Linearised& near, const Problem& free);

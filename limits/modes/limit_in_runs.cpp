@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "analysis/amplification/amplification.hpp"
@@ -48,17 +47,11 @@ Growth growth_of(const Method& step, const std::vector<ModeMargin>& modes, const
                                                              : near.modes.spectrum.mechanical.at(i));
 }
 
-/// The largest factor below one by which a step of size h multiplies part of the motion of some modes.
-double decay_beside(const Method& step, std::span<const Growth> modes, double h) {
-  double slowest = 0;
-  for (const Growth& growth : modes) {
-    if (growth.polynomial) slowest = std::max(slowest, fading(growth.polynomial->roots(h)));
-    // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the
-    // start.
-    else if (step.amplification->measured && step.steps_back > 0)
-      slowest = std::max(slowest, 0.995);
-  }
-  return slowest;
+/// The largest factor below one by which a step of size h multiplies part of the motion of a mode.
+double decay_of(const Method& step, const Growth& growth, double h) {
+  if (growth.polynomial) return fading(growth.polynomial->roots(h));
+  // The roots of a foreign method that looks back are not known: a weakly damped mode may outlast the start.
+  return step.amplification->measured && step.steps_back > 0 ? 0.995 : 0;
 }
 
 /// The mode that limits a row, as runs from `start` are to show it.
@@ -78,12 +71,12 @@ ModeToWatch mode_to_watch(const Prediction& row, const Method& method, const Lin
   mode.of_oscillation = step.amplification->of_oscillation != nullptr;
   const auto at = std::ranges::min_element(
       row.modes, {}, [&](const ModeMargin& margin) { return std::abs(margin.mode.lambda - mode.lambda); });
-  std::vector<Growth> all;
-  for (std::size_t i = 0; i < row.modes.size(); ++i) all.push_back(growth_of(step, row.modes, near, i));
   const auto i = static_cast<std::size_t>(at - row.modes.begin());
-  mode.growth = all[i];
+  mode.growth = growth_of(step, row.modes, near, i);
+  mode.beside = decay_of(step, mode.growth, h_max);
   // Where the mode is watched alone, nothing else is to be seen beside it.
-  mode.beside = decay_beside(step, start.mode_alone ? std::span(all).subspan(i, 1) : all, h_max);
+  for (std::size_t k = 0; !start.mode_alone && k < row.modes.size(); ++k)
+    mode.beside = std::max(mode.beside, decay_of(step, growth_of(step, row.modes, near, k), h_max));
   const bool single = near.point.model.y.size() == 2;
   if ((start.mode_alone || single) && mode.growth.polynomial && mode.of_oscillation)
     mode.oscillation = oscillation_of(near, mode.lambda);
@@ -268,7 +261,6 @@ bool others_grow(const ModeToWatch& mode, const ModeStart& start, const ShowStep
 
 }  // namespace
 
-/// The longest run: so many numbers are stepped at most, seconds of a body.
 std::int64_t most_steps(const Linearised& near) {
   constexpr double most_numbers = 5e7, fewest = 8192;
   const auto states = static_cast<double>(near.point.model.y.size());

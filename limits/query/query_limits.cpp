@@ -11,6 +11,7 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
+#include "core/process/memory_share.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/by_steps/predict_by_steps.hpp"
 #include "limits/documents/limit_json.hpp"
@@ -253,17 +254,18 @@ class Query {
     return row;
   }
 
-  /// The problem of each worker. Some systems have one workspace, so that each has its own; bodies are
-  /// shared. What cannot be made again has one worker, and so has a device.
-  static std::vector<Problem> problems_of_workers(const Problem& problem,
-                                                  const std::vector<Method>& methods) {
-    const bool on_device =
-        std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; });
-    const std::size_t cores = on_device ? 1 : problem.runs_elsewhere ? jobs() / 2 : jobs();
-    const std::size_t workers = problem.body || problem.again ? std::max<std::size_t>(1, cores) : 1;
+  /// How many threads a problem bears. What cannot be made again has one, and so has a device.
+  static std::size_t threads_for(const Problem& problem, const std::vector<Method>& methods) {
+    if (std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; })) return 1;
+    if (!problem.body && !problem.again) return 1;
+    return std::max<std::size_t>(1, problem.runs_elsewhere ? jobs() / 2 : jobs());
+  }
+
+  /// The problem of each worker that takes some of `count` methods. Some systems have one workspace, so that
+  /// each has its own; bodies are shared.
+  static std::vector<Problem> problems_of_workers(const Problem& problem, std::size_t count) {
     std::vector<Problem> own(1, problem);
-    while (own.size() < std::min(workers, methods.size()))
-      own.push_back(problem.body ? problem : problem.again());
+    while (own.size() < count) own.push_back(problem.body ? problem : problem.again());
     return own;
   }
 
@@ -271,7 +273,8 @@ class Query {
                    ModelLimits& limits) {
     std::vector<LimitRow>& rows = limits.rows;
     rows.resize(methods.size());
-    std::vector<Problem> own = problems_of_workers(problem, methods);
+    const std::size_t threads = threads_for(problem, methods);
+    std::vector<Problem> own = problems_of_workers(problem, std::min(threads, methods.size()));
     for (Problem& each : own) each = with_frozen_matrices(each, near.point.model.t);
     std::vector<OperatingPoint> points;
     if (!problem.body)
@@ -280,7 +283,7 @@ class Query {
     const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {
       return worker == 0 || points.empty() ? near.point : points[worker - 1];
     };
-    const ThreadLimit limit(own.size());
+    const ThreadLimit limit(threads);  // a single method leaves them to what it calls
     watcher_.enter(LimitStage::rows, problem);
     parallel_for(
         methods.size(),
@@ -327,16 +330,18 @@ class Query {
     const auto runs = [&](const Method& method) { return method.fixed_step && suits(method, problem); };
     const MotionSize size =
         std::ranges::any_of(methods, runs) ? size_of_motion(problem, t_end, watch) : MotionSize{};
-    const std::vector<Problem> own = problems_of_workers(problem, methods);
-    const ThreadLimit limit(own.size());
-    // Worker 0 is the calling thread.
+    const std::size_t threads = threads_for(problem, methods);
+    const std::vector<Problem> own = problems_of_workers(problem, std::min(threads, methods.size()));
+    const ThreadLimit limit(threads);
+    // Nothing but a look: what every step of one worker writes the steps of others would wait for.
     const Watcher leave = [this] { leave_when_stopped(); };
     parallel_for(rows.size(), [&](std::size_t i, std::size_t worker) {
       rows[i].from_start_stride = 0;
       if (!runs(methods[i])) return;
+      const MemoryShare memory(memory_of_runs(methods[i], own[worker]));
       const double guess = guess_from_start(rows[i].along_least, rows[i].h_max, t_end);
-      const auto found = limit_from_start(methods[i], own[worker], t_end, guess, size, question_.run_steps,
-                                          worker == 0 ? watch : leave);
+      const auto found =
+          limit_from_start(methods[i], own[worker], t_end, guess, size, question_.run_steps, leave);
       if (found) add_start(rows[i], *found);
     });
   }
