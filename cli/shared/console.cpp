@@ -181,7 +181,8 @@ void Progress::update(double share, std::string_view detail) {
 }
 
 const std::atomic<bool>& interrupt_flag() {
-  waits_for_task = true;
+  // Written once: others wait for the line of what is written in every step.
+  if (!waits_for_task.load(std::memory_order_relaxed)) waits_for_task = true;
   return interrupted;
 }
 
