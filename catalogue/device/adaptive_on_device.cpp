@@ -147,7 +147,7 @@ class RungeKuttaOnDevice {
   double error_squared(double /*h*/, const StateOnDevice& /*y*/, const StateOnDevice& /*y_new*/,
                        const AnyNorm<double>& norm) const {
     const std::vector<double> squares = attempt_.errors_squared(step_, norm);
-    return squares.size() == 1 ? squares[0] : square_of_two(squares[0], squares[1]);
+    return squares.size() == 1 ? squares[0] : combined_error_squared(squares[0], squares[1]);
   }
 
  private:

@@ -124,7 +124,7 @@ class StaticCoefficients {
 /// The square of |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2), of two estimates e5 and e3 of one error
 /// [hairer1993solving, II.10], from their squares.
 template <class Real>
-Real square_of_two(Real e5, Real e3) {
+Real combined_error_squared(Real e5, Real e3) {
   const Real denominator = e5 + Real(0.01) * e3;
   return denominator == 0 ? Real{0} : e5 * e5 / denominator;
 }
@@ -233,7 +233,8 @@ class ExplicitRk {
   const {
     const Real e = weighted_square(coefficients_.error_weights(), h, y, y_new, norm);
     if constexpr (has_low_error()) {
-      return square_of_two(e, weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm));
+      return combined_error_squared(
+          e, weighted_square(typename Coefficients::LowErrorWeights{}, h, y, y_new, norm));
     }
     return e;
   }
