@@ -18,7 +18,7 @@ Remaking remaking(const std::string& id, const ProblemSettings& settings) {
     }
     return make_problem(id, changed);
   };
-  if (!is_tissue_id(id)) return make;
+  if (problem_kind(id) != ProblemKind::body) return make;
   const TissueId body(id);
   const auto on_mesh = [body, settings](const std::string& mesh) {
     return make_problem(tissue_id(body.model, mesh, body.load), settings);

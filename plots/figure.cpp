@@ -30,7 +30,9 @@ FigureStyle figure_style() { return chosen_style(); }
 double panel_width(int columns) { return figure_width() / columns_of(columns) - left_margin - right_margin; }
 
 std::string title_of(const std::string& problem) {
-  const std::size_t at = problem.find('@'), folder = problem.rfind('/');
+  // A file of formulas may lie in a folder with an @.
+  const std::size_t at = problem.ends_with(".toml") ? std::string::npos : problem.find('@');
+  const std::size_t folder = problem.rfind('/');
   if (folder == std::string::npos || (at != std::string::npos && folder < at)) return problem;
   return problem.substr(0, at == std::string::npos ? 0 : at + 1) + problem.substr(folder + 1);
 }

@@ -12,7 +12,6 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "problems/oscillator/liver_materials.hpp"
 
@@ -116,14 +115,14 @@ void seek_beside(const std::string& sweep_file, std::vector<std::string>& names)
     return (std::filesystem::path(sweep_file).parent_path() / file).string();
   };
   for (std::string& name : names) {
-    if (name.ends_with(".toml")) name = beside(name);
-    if (is_matrices_id(name)) {
+    const ProblemKind kind = problem_kind(name);
+    if (kind == ProblemKind::formulas) name = beside(name);
+    if (kind == ProblemKind::matrices)
       name = matrices_beside(name, std::filesystem::path(sweep_file).parent_path().string());
-      continue;
-    }
+    if (kind != ProblemKind::body) continue;
     // A mesh that is no file has a name.
-    const std::size_t mesh = is_tissue_id(name) ? name.find('@') + 1 : std::string::npos;
-    if (mesh != std::string::npos && std::filesystem::is_regular_file(beside(name.substr(mesh))))
+    const std::size_t mesh = name.find('@') + 1;
+    if (std::filesystem::is_regular_file(beside(name.substr(mesh))))
       name = name.substr(0, mesh) + beside(name.substr(mesh));
   }
 }
@@ -264,7 +263,9 @@ SweepSpec spec_from(const SweepRequest& request) {
                                 .parameters = request.parameters,
                                 .y0 = request.y0.value_or(std::vector<double>{}),
                                 .unit = request.unit}});
-  if (request.unit && std::ranges::none_of(spec.problems, is_tissue_id, &SweepProblem::name))
+  if (request.unit && std::ranges::none_of(spec.problems, [](const SweepProblem& each) {
+        return problem_kind(each.name) == ProblemKind::body;
+      }))
     throw InputError("a unit is of a mesh file, and no problem of this sweep has a mesh; leave it out");
   if (request.methods) spec.methods = *request.methods;
   if (request.tableaux) spec.tableaux.assign(request.tableaux->begin(), request.tableaux->end());

@@ -185,7 +185,8 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
                {"parameters", describe(problem.parameters)},
                {"y0", start_in_words(problem)},
                {"t_end", spec.t_end.value_or(problem.t_end)}};
-    if (spec.problems[i].name.ends_with(".toml")) entry["text"] = text_of(spec.problems[i].name);
+    if (const std::string& name = spec.problems[i].name; problem_kind(name) == ProblemKind::formulas)
+      entry["text"] = text_of(name);
     if (problem.body) entry["mesh"] = mesh_in_digits(problem.body->mesh());
     problem_list.push_back(std::move(entry));
   }

@@ -26,7 +26,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr std::string_view prefix = "matrices:";
 constexpr std::string_view lumped_word = "lumped:", series_word = "series:";
 constexpr std::array<std::string_view, 7> keys{"stiffness", "mass",    "damping", "jacobian",
                                                "initial",   "storage", "drop"};
@@ -34,7 +33,7 @@ constexpr std::array<std::string_view, 7> keys{"stiffness", "mass",    "damping"
 /// "stiffness", "K.mtx" for each part of an id.
 std::vector<std::pair<std::string, std::string>> parts_of(std::string_view id) {
   std::vector<std::pair<std::string, std::string>> parts;
-  std::string_view text = id.substr(prefix.size());
+  std::string_view text = id.substr(matrices_prefix.size());
   while (!text.empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     text.remove_prefix(std::min(text.size(), item.size() + 1));
@@ -260,9 +259,7 @@ void remark_constraints(const MatrixModel& model, std::vector<std::string>& rema
 
 }  // namespace
 
-std::string matrices_id(std::string_view text) { return fmt::format("{}{}", prefix, text); }
-
-bool is_matrices_id(std::string_view id) { return id.starts_with(prefix); }
+std::string matrices_id(std::string_view text) { return fmt::format("{}{}", matrices_prefix, text); }
 
 MatrixFiles matrix_files(const std::string& id) {
   MatrixFiles files;

@@ -14,8 +14,8 @@ namespace hmax {
 /// The id of a problem of matrices; `text` is what --matrices takes: KEY=FILE,KEY=FILE.
 std::string matrices_id(std::string_view text);
 
-/// Whether `id` is meant to name matrices.
-bool is_matrices_id(std::string_view id);
+/// What such an id begins with.
+inline constexpr std::string_view matrices_prefix = "matrices:";
 
 /// The files of such an id.
 ///   stiffness=FILE,mass=FILE[,damping=FILE]  M q'' + C q' + K q = 0; mass=lumped:FILE takes the sums of rows

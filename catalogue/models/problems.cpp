@@ -231,17 +231,33 @@ std::vector<std::string> problem_ids() {
   return ids;
 }
 
+ProblemKind problem_kind(std::string_view id_or_file) {
+  if (id_or_file.starts_with(plugin_prefix)) return ProblemKind::plugin;
+  if (id_or_file.starts_with(matrices_prefix)) return ProblemKind::matrices;
+  if (id_or_file.ends_with(".toml")) return ProblemKind::formulas;  // in whatever folder
+  return id_or_file.find('@') != std::string_view::npos ? ProblemKind::body : ProblemKind::listed;
+}
+
 namespace {
 
 Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
-  if (settings.t0 && !id_or_file.ends_with(".toml"))
+  const ProblemKind kind = problem_kind(id_or_file);
+  if (settings.t0 && kind != ProblemKind::formulas)
     throw InputError(
         fmt::format("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file));
   try {
-    if (is_plugin_id(id_or_file)) return make_plugin_problem(id_or_file, settings);
-    if (is_matrices_id(id_or_file)) return make_matrix_problem(id_or_file, settings);
-    if (is_tissue_id(id_or_file)) return make_tissue_problem(id_or_file, settings);
-    if (id_or_file.ends_with(".toml")) return formula_problem(read_problem(id_or_file), id_or_file, settings);
+    switch (kind) {
+      case ProblemKind::plugin:
+        return make_plugin_problem(id_or_file, settings);
+      case ProblemKind::matrices:
+        return make_matrix_problem(id_or_file, settings);
+      case ProblemKind::body:
+        return make_tissue_problem(id_or_file, settings);
+      case ProblemKind::formulas:
+        return formula_problem(read_problem(id_or_file), id_or_file, settings);
+      case ProblemKind::listed:
+        break;
+    }
     for (const LiverProblem& problem : liver_problems())
       if (problem.id == id_or_file) return oscillator_problem(problem, settings);
     std::optional<Problem> found;

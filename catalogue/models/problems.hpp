@@ -2,12 +2,25 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
 #include "problems/formula_system.hpp"
 
 namespace hmax {
+
+/// What the name of a problem stands for.
+enum class ProblemKind {
+  listed,    ///< one of problem_ids()
+  formulas,  ///< a file of them, FILE.toml
+  body,      ///< tissue on a mesh, MODEL@MESH (tissue_problem.hpp)
+  matrices,  ///< of a user (matrix_problem.hpp)
+  plugin     ///< (catalogue/plugin/plugin_model.hpp)
+};
+
+/// By the name alone: no file is looked at, and nothing of the name needs to exist.
+ProblemKind problem_kind(std::string_view id_or_file);
 
 /// Ids of the problems of the catalogue, in the order in which they are listed.
 std::vector<std::string> problem_ids();

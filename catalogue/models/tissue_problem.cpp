@@ -8,7 +8,6 @@
 
 #include "analysis/spectrum/linear_model.hpp"
 #include "analysis/spectrum/modal_motion.hpp"
-#include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "core/errors.hpp"
@@ -137,10 +136,6 @@ std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double)> exact_mot
 std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load) {
   return fmt::format("{}{}@{}", model.empty() ? tissue_models().front().id : model,
                      load.empty() || load == tissue_loads().front() ? "" : fmt::format("/{}", load), mesh);
-}
-
-bool is_tissue_id(std::string_view id) {
-  return !is_matrices_id(id) && id.find('@') != std::string_view::npos;
 }
 
 bool has_linear_forces(const TissueBody& body) {

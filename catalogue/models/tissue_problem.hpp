@@ -13,9 +13,6 @@ namespace hmax {
 /// The id of a problem, MODEL@MESH or MODEL/LOAD@MESH; empty parts are the defaults.
 std::string tissue_id(std::string_view model, std::string_view mesh, std::string_view load);
 
-/// Whether `id` is meant to name a tissue problem.
-bool is_tissue_id(std::string_view id);
-
 /// Whether the forces of a body are linear in its displacements and velocities: a tool touches and leaves,
 /// and a skin turns with the surface. Loads and moved supports may change with time.
 bool has_linear_forces(const TissueBody& body);

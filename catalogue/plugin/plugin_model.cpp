@@ -15,8 +15,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::string_view id_prefix = "plugin:";
-
 /// The process, shared by the copies of a system.
 class Link {
  public:
@@ -259,8 +257,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   return problem;
 }
 
-std::string plugin_id(std::string_view text) { return std::string(id_prefix) + std::string(text); }
-bool is_plugin_id(std::string_view id) { return id.starts_with(id_prefix); }
+std::string plugin_id(std::string_view text) { return std::string(plugin_prefix) + std::string(text); }
 
 Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings) {
   if (!settings.material.empty()) throw InputError("a plugin has no materials; leave --material out");
@@ -271,7 +268,7 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
           "a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT", name));
     process.patience = value;
   }
-  Problem problem = plugin_problem(parse_plugin(id.substr(id_prefix.size())), process);
+  Problem problem = plugin_problem(parse_plugin(id.substr(plugin_prefix.size())), process);
   if (!settings.y0.empty() && static_cast<Eigen::Index>(settings.y0.size()) != problem.y0.size())
     throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
                                  settings.y0.size(), problem.y0.size()));

@@ -14,7 +14,8 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings = {});
 
 /// The id of a model of a plugin for make_problem(). @param text  as parse_plugin()
 std::string plugin_id(std::string_view text);
-bool is_plugin_id(std::string_view id);
+/// What such an id begins with.
+inline constexpr std::string_view plugin_prefix = "plugin:";
 
 /// The parameter of settings that is PluginSettings::patience.
 inline constexpr std::string_view patience_parameter = "patience";

@@ -67,7 +67,14 @@ PluginName parse_plugin(std::string_view text) {
   std::string file = plugin.text;
   std::error_code ignored;
   if (engine_format(file) && fs::exists(file, ignored)) return parse_engine_file(file);
-  const std::size_t colon = text.find(':');
+  // A folder may have a colon in its name: the first one behind a file counts, and for what is said where
+  // there is none the first of all.
+  std::size_t colon = text.find(':');
+  for (std::size_t next = colon; next != std::string_view::npos; next = text.find(':', next + 1))
+    if (fs::is_regular_file(text.substr(0, next), ignored)) {
+      colon = next;
+      break;
+    }
   if (colon != std::string_view::npos && !fs::exists(file, ignored)) {
     file = text.substr(0, colon);
     const std::string_view rest = text.substr(colon + 1);

@@ -44,7 +44,7 @@ Problem problem_of(const RunOptions& options) {
     if (value && !std::isfinite(*value))
       throw InputError(fmt::format("{} is {} but must be a finite number of seconds", name, to_text(*value)));
   settings.t0 = options.t_start;
-  if (id.ends_with(".toml")) settings.t_end = options.t_end;
+  if (problem_kind(id) == ProblemKind::formulas) settings.t_end = options.t_end;
   return make_problem(id, settings);
 }
 

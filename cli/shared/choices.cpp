@@ -10,6 +10,7 @@
 #include "catalogue/methods/tableau_file.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "catalogue/plugin/plugin_model.hpp"
@@ -232,12 +233,13 @@ std::string ProblemChoice::id() const {
 
 ProblemSettings ProblemChoice::settings() const {
   const std::string named = problem.empty() ? "the model" : problem;
-  if (!body.unit.empty() && !body.is_given() && !is_tissue_id(problem))
+  const bool has_mesh = body.is_given() || problem_kind(problem) == ProblemKind::body;
+  if (!body.unit.empty() && !has_mesh)
     throw InputError(fmt::format(
         "--unit is of a mesh file, and {} has no mesh; leave it out, or name a file with --mesh", named));
   ProblemSettings settings{.material = material, .unit = body.metres()};
   settings.parameters = body.parameters(set, material);
-  if (!settings.parameters.empty() && !body.is_given() && !is_tissue_id(problem))
+  if (!settings.parameters.empty() && !has_mesh)
     throw InputError(fmt::format(
         "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
         named));

@@ -11,8 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "catalogue/methods/choice/formulas.hpp"
-#include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
+#include "catalogue/models/problems.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/scene.hpp"
 #include "cli/shared/choices.hpp"
@@ -126,7 +125,8 @@ void refuse_beside_engine(const PredictOptions& options) {
   refuse(!options.out.empty(), "--out", "keep what --json prints");
   refuse(options.device.is_gpu(), "--device gpu", remove);
   refuse(!options.along.empty() && options.along != path_names[2], "--along", remove);
-  const bool is_body = options.problem.body.is_given() || is_tissue_id(options.problem.problem);
+  const bool is_body =
+      options.problem.body.is_given() || problem_kind(options.problem.problem) == ProblemKind::body;
   refuse(!options.materials.empty(), "--materials", "take one with --material, or leave out --engine");
   refuse(!is_body && !options.problem.material.empty(), "materials of matrices", remove);
   refuse(!options.jacobian.empty() || !options.linear.empty(), "--jacobian and --linear", remove);

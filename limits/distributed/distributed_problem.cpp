@@ -9,6 +9,7 @@
 
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -69,8 +70,9 @@ DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings
 }  // namespace
 
 DistributedProblem distributed_problem(const std::string& id, const ProblemSettings& settings) {
-  if (is_tissue_id(id)) return body_in_pieces(id, settings);
-  if (!is_matrices_id(id))
+  const ProblemKind kind = problem_kind(id);
+  if (kind == ProblemKind::body) return body_in_pieces(id, settings);
+  if (kind != ProblemKind::matrices)
     throw InputError(
         "--engine petsc takes models of --matrices and --mesh alone; name one, or leave out --engine");
   // alpha and beta, whether by their options or by --set.

@@ -59,6 +59,13 @@ bool is_string_literal(const std::string& text) {
   return std::regex_match(text, std::regex(R"('[^'\n\r]*')"));
 }
 
+TEST(FigureTitle, OfAProblemLeavesOutTheFolderOfItsFile) {
+  EXPECT_EQ(title_of("liver_cubic"), "liver_cubic");
+  EXPECT_EQ(title_of("mass_spring/press@liver"), "mass_spring/press@liver");
+  EXPECT_EQ(title_of("fem_green@/jobs/build@2/organ.msh"), "fem_green@organ.msh");
+  EXPECT_EQ(title_of("/jobs/build@2/pendulum.toml"), "pendulum.toml");
+}
+
 TEST(GnuplotString, NothingEndsTheStringOrTheLine) {
   const std::string hostile[] = {
       "it's",    "'; system('touch x'); '",   "`touch x`", "a\nsystem('x')", "back\\",       "\\'",

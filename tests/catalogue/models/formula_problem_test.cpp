@@ -50,6 +50,17 @@ std::string refusal_of_problem(const std::string& problem_lines) {
   });
 }
 
+TEST(ProblemKind, IsToldFromTheNameWhateverTheFolder) {
+  const auto is = [](const char* name, ProblemKind kind) { EXPECT_EQ(problem_kind(name), kind) << name; };
+  is("van_der_pol", ProblemKind::listed);
+  is("no_such_model", ProblemKind::listed);
+  is("fem_green@liver", ProblemKind::body);
+  is("mass_spring/press@/jobs/build@2/organ.msh:refine=1", ProblemKind::body);
+  is("/jobs/build@2/pendulum.toml", ProblemKind::formulas);
+  is("matrices:stiffness=/jobs/build@2/K.mtx,mass=M.mtx", ProblemKind::matrices);
+  is("plugin:/jobs/build@2/model.so:pendulum:of.toml", ProblemKind::plugin);
+}
+
 TEST(FormulaProblem, KeysOfTheFileAreChecked) {
   EXPECT_EQ(refusal_of_problem("t0 = 2\nt_end = 3\npositions = [\"x\"]\nvelocities = [\"v\"]"), "");
   EXPECT_TRUE(

@@ -3,7 +3,10 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <pthread.h>
+#include <string>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <thread>
@@ -164,6 +167,18 @@ TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
   EXPECT_EQ(error(EXAMPLE_MODEL),
             "'pendulum' of the plugin is a model and has no step of its own; name a stepper");
   expect_no_child();
+}
+
+TEST(Plugin, AFolderMayHaveAColonInItsName) {
+  const auto folder = std::filesystem::temp_directory_path() / "hmax_build:2";
+  std::filesystem::create_directories(folder);
+  const std::string file = folder / "model.so";
+  std::ofstream{file};
+  const PluginName plugin = parse_plugin(file + ":pendulum:a:b");
+  std::filesystem::remove_all(folder);
+  EXPECT_EQ(plugin.file, file);
+  EXPECT_EQ(plugin.name, "pendulum");
+  EXPECT_EQ(plugin.argument, "a:b");
 }
 
 TEST(Plugin, AModelIsAProblem) {
