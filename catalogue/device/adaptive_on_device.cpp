@@ -37,7 +37,7 @@ class Attempt {
         counts_(counts),
         memory_(of.device()),
         place_(memory_.copy(of.order())),
-        pieces_(static_cast<std::size_t>(blocks_of(ErrorPieces{of.step(), nullptr, {}, nullptr}))),
+        pieces_(static_cast<std::size_t>(blocks_of(ErrorPieces{.step = of.step()}))),
         sums_(memory_.room<double>(pieces_ * of.method().errors.size())) {}
 
   BodyOnDevice<double>& body;
@@ -46,7 +46,11 @@ class Attempt {
 
   /// Runs the programs. @returns the squares of the norms of all estimates of the error of `step`
   std::vector<double> errors_squared(const BodyStep<double>& step, const AnyNorm<double>& norm) {
-    ErrorPieces error{.step = step, .place = place_, .norm = norm, .pieces = sums_};
+    ErrorPieces error{.step = step,
+                      .place = place_,
+                      .norm = norm,
+                      .pieces = sums_,
+                      .is_of_ends = body.method().kind == DeviceMethod::Kind::stabilised};
     for (const std::vector<long double>& row : body.method().errors) {
       error.step.sum = BodyOnDevice<double>::sum_of(step, row);
       programs.push_back({error});
@@ -116,18 +120,25 @@ class SystemOnDevice {
   const Counted<AnySystem>& processor_;
 };
 
-/// ExplicitRk with its stages on a device.
+/// ExplicitRk and StabilizedRk with their stages on a device.
 class RungeKuttaOnDevice {
  public:
   explicit RungeKuttaOnDevice(Attempt& attempt) : attempt_(attempt), step_(attempt.body.step()) {}
 
-  void init(const SystemOnDevice& /*system*/, double /*t*/, const StateOnDevice& /*y*/) { known_.reset(); }
+  void init(const SystemOnDevice& /*system*/, double /*t*/, const StateOnDevice& /*y*/) {
+    known_.reset();
+    radius_is_due_ = true;
+  }
 
   StepStatus attempt(const SystemOnDevice& system, double t, const StateOnDevice& y, double h,
                      StateOnDevice& y_new) {
     const BodyStep<double>& there = attempt_.body.step();
     const DeviceMethod& method = attempt_.body.method();
     y_new = y.q == there.q ? StateOnDevice{there.q_next, there.v_next} : StateOnDevice{there.q, there.v};
+    if (radius_is_due_) attempt_.body.find_radius(y.q);
+    radius_is_due_ = false;
+    attempt_.body.choose_stages(h);
+    attempt_.body.count_steps(1);
     step_.h = h;
     step_.sum.q = step_.q = y.q, step_.sum.v = step_.v = y.v;
     step_.q_next = y_new.q, step_.v_next = y_new.v;
@@ -135,14 +146,17 @@ class RungeKuttaOnDevice {
     known_ = 0;
     if (!method.first_same_as_last) return StepStatus::ok;
     StateOnDevice last{there.sum.slopes + 2 * method.last_stage() * slope_size(there), nullptr};
-    system.rhs(t + static_cast<double>(method.nodes.back()) * h, y_new, last);
+    system.rhs(t + h, y_new, last);
     return StepStatus::ok;
   }
 
   void accept(const StateOnDevice& /*y_new*/) {
     known_.reset();
     if (attempt_.body.method().first_same_as_last) known_ = attempt_.body.method().last_stage();
+    radius_is_due_ = true;
   }
+
+  [[nodiscard]] double longest_step() const { return attempt_.body.longest_step(); }
 
   double error_squared(double /*h*/, const StateOnDevice& /*y*/, const StateOnDevice& /*y_new*/,
                        const AnyNorm<double>& norm) const {
@@ -154,6 +168,7 @@ class RungeKuttaOnDevice {
   Attempt& attempt_;
   BodyStep<double> step_;              ///< of the last attempt
   std::optional<std::int32_t> known_;  ///< the stage whose slope is the first one of the next attempt
+  bool radius_is_due_ = true;
 };
 
 /// A control that looks at the start on the processor.

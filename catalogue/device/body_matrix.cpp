@@ -63,11 +63,7 @@ class MatrixMaker {
     }
   }
 
-  [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const {
-    const auto from = made_.column.begin() + made_.first[at(i)],
-               to = made_.column.begin() + made_.first[at(i) + 1];
-    return static_cast<std::size_t>(std::lower_bound(from, to, j) - made_.column.begin());
-  }
+  [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const { return made_.block(i, j); }
 
   void take_damping(const TissueBody::DofMatrix& C) {
     made_.damping.resize(9 * made_.blocks());
@@ -210,8 +206,66 @@ class MatrixMaker {
 
 }  // namespace
 
+std::size_t MatrixArrays::block(std::int32_t i, std::int32_t j) const {
+  const auto from = column.begin() + first[at(i)], to = column.begin() + first[at(i) + 1];
+  return static_cast<std::size_t>(std::lower_bound(from, to, j) - column.begin());
+}
+
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number) {
   return MatrixMaker(body, number).finish();
+}
+
+MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches)
+    : terms_(static_cast<double>(made.terms.of.size())),
+      spring_terms_(static_cast<double>(made.spring_terms.of.size())) {
+  const auto lists = [&](const MatrixArrays::Lists& from) {
+    return TermLists{memory.copy(from.first), memory.copy(from.of)};
+  };
+  arrays_.matrix = {.points = patches.free(),
+                    .blocks = static_cast<std::int32_t>(made.blocks()),
+                    .sums = static_cast<std::int32_t>(made.sums()),
+                    .first = memory.copy(made.first),
+                    .row = memory.copy(made.row),
+                    .column = memory.copy(made.column),
+                    .law = made.law,
+                    .tets = memory.copy(made.tets),
+                    .sum = nullptr,
+                    .terms = lists(made.terms),
+                    .sum_of = memory.copy(made.sum_of),
+                    .rim = memory.copy(made.rim),
+                    .springs = made.springs.empty() ? nullptr : memory.copy(made.springs),
+                    .spring_terms = lists(made.spring_terms),
+                    .cubic = made.cubic,
+                    .damping = made.damping.empty() ? nullptr : memory.copy(made.damping),
+                    .alpha = made.alpha,
+                    .values = memory.room<double>(9 * made.blocks()),
+                    .diagonal = nullptr};
+  if (const std::size_t numbers = std::max(9 * made.sums(), made.constant.size()); numbers > 0)
+    arrays_.matrix.sum = memory.room<double>(numbers);
+  if (!made.constant.empty())
+    memory.device().write(arrays_.matrix.sum, made.constant.data(), sizeof(double) * made.constant.size());
+  arrays_.matrix.diagonal = memory.room<double>(static_cast<std::size_t>(arrays_.dofs()));
+  arrays_.place = memory.copy(patches.order);
+}
+
+void MatrixOnDevice::append(const NewtonArrays& arrays, const BodyStep<double>& step,
+                            std::vector<DeviceProgram>& programs) {
+  if (arrays.matrix.sums > 0)
+    programs.push_back({TetStiffness{arrays.matrix, step.q_next, step.body.points}});
+  programs.push_back({MatrixBlocks{arrays, step}});
+}
+
+double MatrixOnDevice::flops() const {
+  return 260 * terms_ + 60 * spring_terms_ + 20.0 * arrays_.matrix.blocks;
+}
+
+double MatrixOnDevice::bytes() const {
+  constexpr double number = sizeof(double), place = sizeof(std::int32_t);
+  const BodyMatrix& matrix = arrays_.matrix;
+  const double constant =
+      (matrix.sum && matrix.sums == 0 ? 9 * number : 0) + (matrix.damping ? 9 * number : 0);
+  return place * (terms_ + spring_terms_) + 2 * 9 * number * matrix.sums +
+         (9 * number + constant + 3 * place) * matrix.blocks;
 }
 
 }  // namespace hmax

@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "catalogue/device/newton_step.hpp"
+#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -25,11 +27,34 @@ struct MatrixArrays {
   double cubic = 0, alpha = 0;
 
   [[nodiscard]] std::size_t blocks() const { return column.size(); }
+  /// The number of a block of the pattern.
+  [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const;
   [[nodiscard]] std::size_t sums() const { return terms.first.empty() ? 0 : terms.first.size() - 1; }
 };
 
 /// @param body    one that unsuited_for_patches() has nothing against
 /// @param number  of each point of the mesh among those of BodyArrays
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number);
+
+/// The same in the memory of a device, and the programs that add it up.
+class MatrixOnDevice {
+ public:
+  /// @param memory  outlives this
+  MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches);
+
+  /// NewtonArrays with the matrix and the places of points alone.
+  [[nodiscard]] const NewtonArrays& arrays() const { return arrays_; }
+  /// Appends A = K + C / h + M / h^2 at step.q_next, which is K for an infinite h.
+  /// @param arrays  those of above, with more or not, and h
+  static void append(const NewtonArrays& arrays, const BodyStep<double>& step,
+                     std::vector<DeviceProgram>& programs);
+  /// Of one assembly.
+  [[nodiscard]] double flops() const;
+  [[nodiscard]] double bytes() const;
+
+ private:
+  NewtonArrays arrays_{};
+  double terms_, spring_terms_;
+};
 
 }  // namespace hmax

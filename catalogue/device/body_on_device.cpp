@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -49,26 +51,29 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .next_loads = 0,
            .evaluated = nullptr,
            .evaluation = 0,
-           .sum = {}};
+           .sum = {},
+           .recurrence = {}};
+  if (method_.kind == DeviceMethod::Kind::stabilised) radius_.emplace(memory_, body, patches_);
   place_loads();
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
   if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
-  if (method_.is_iterated()) {
+  if (const char* const what = method_.steps_alone()) {
     if (sizeof(Real) != sizeof(double))
-      throw InputError("methods of iterations run on a GPU in double precision; leave --precision out");
+      throw InputError(std::string(what) + " run on a GPU in double precision; leave --precision out");
     if (bodies > 1)
-      throw InputError("methods of iterations step one body at a time on a GPU; leave --bodies out");
-    for (Real*& q : stage_q_) q = numbers(displacements());
+      throw InputError(std::string(what) + " step one body at a time on a GPU; leave --bodies out");
   }
+  if (method_.is_iterated())
+    for (Real*& q : stage_q_) q = numbers(displacements());
   if (method_.kind == DeviceMethod::Kind::newton) newton_.emplace(memory_, body, patches_, method_.iterated);
   if (method_.kind == DeviceMethod::Kind::constraints)
     constraints_.emplace(memory_, body, patches_, method_.iterated);
   if (patches_.begin.size() == 2 && !method_.is_iterated())
-    programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.evaluations()));
-  if (method_.kind != DeviceMethod::Kind::runge_kutta) return;
-  step_.sum.slopes = numbers(2 * velocities() * method_.nodes.size());
+    programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.most_instants()));
+  if (!method_.has_stages()) return;
+  step_.sum.slopes = numbers(2 * velocities() * static_cast<std::size_t>(method_.slopes()));
   for (Real*& q : stage_q_) q = numbers(displacements());
   for (Real*& v : stage_v_) v = numbers(velocities());
 }
@@ -77,12 +82,12 @@ template <class Real>
 void BodyOnDevice<Real>::place_loads() {
   const bool driven =
       std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
-  const auto rows = static_cast<std::size_t>(driven ? most_steps * method_.instants() : 1);
+  step_.next_loads = driven ? static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()) : 0;
+  const auto rows = static_cast<std::size_t>(driven ? steps_at_once() * method_.most_instants() : 1);
   load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, numbers_of_a_load() * loads_.size() * rows));
   evaluated_ = memory_.template room<std::int64_t>(1);
   step_.loads = load_table_;
   step_.evaluated = evaluated_;
-  step_.next_loads = driven ? static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()) : 0;
   const double start = 0;
   set_times({&start, 1});
 }
@@ -182,6 +187,7 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
   if (newton_) newton_->reset();
+  counted_ = {};
   static_cast<void>(left());
 }
 
@@ -207,12 +213,14 @@ void BodyOnDevice<Real>::run(std::int64_t count, const Append& append) {
   std::vector<DeviceProgram> programs;  // of two steps, there and back
   append(step_, programs);
   const std::size_t one = programs.size();
-  swap();
-  BodyStep<Real> back = step_;
-  back.evaluation += instants;
-  append(back, programs);
-  swap();
-  if (count > 1) run(programs, count / 2, 2 * instants);
+  if (count > 1) {
+    swap();
+    BodyStep<Real> back = step_;
+    back.evaluation += instants;
+    append(back, programs);
+    swap();
+    run(programs, count / 2, 2 * instants);
+  }
   if (count % 2 == 0) return;
   run(std::span(programs).first(one), 1, instants);
   swap();
@@ -264,6 +272,8 @@ StageSum<Real> BodyOnDevice<Real>::sum_of(const BodyStep<Real>& step, std::span<
 template <class Real>
 void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs,
                                        std::optional<std::int32_t> known) const {
+  if constexpr (std::is_same_v<Real, double>)
+    if (method_.kind == DeviceMethod::Kind::stabilised) return append_recurrence(step, programs, known);
   const BodyStep<Real> whole = step;
   const std::size_t stages = method_.rows.size();
   step.move = Move::stage;
@@ -282,6 +292,70 @@ void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DevicePr
     }
     step.q = step.q_next, step.v = step.v_next;
   }
+}
+
+template <class Real>
+void BodyOnDevice<Real>::append_recurrence(BodyStep<double> step, std::vector<DeviceProgram>& programs,
+                                           std::optional<std::int32_t> known) const {
+  if constexpr (std::is_same_v<Real, double>) {
+    const std::vector<StabilizedStage<double>>& stages = method_.by_radius.stages;
+    // Y_j stands where the step ends for j = s, s - 2, ..., in the other place for the others.
+    double *const q[]{step.q_next, stage_q_[0]}, *const v[]{step.v_next, stage_v_[0]};
+    step.move = Move::stage;
+    step.sum.q = step.recurrence.q = step.q, step.sum.v = step.recurrence.v = step.v;
+    step.sum.stage = 0, step.sum.is_end = false;
+    step.sum.terms = 1, step.sum.slope[0] = 0;
+    for (std::size_t j = 0; j < stages.size(); ++j) {
+      const std::size_t place = (stages.size() - 1 - j) % 2;
+      step.recurrence.stage = stages[j].times(step.h);
+      step.sum.weight[0] = step.recurrence.stage.mu_f;
+      step.q_next = q[place], step.v_next = v[place];
+      if (j == 0 && known) {
+        programs.push_back({KnownStage<double>{step, *known}});
+      } else {
+        programs.push_back({step});
+        ++step.evaluation;
+      }
+      step.move = Move::recurrence;
+      step.q = step.q_next, step.v = step.v_next;
+      if (j > 0) step.recurrence.q = q[1 - place], step.recurrence.v = v[1 - place];
+    }
+  }
+}
+
+template <class Real>
+void BodyOnDevice<Real>::find_radius(Real* q) {
+  if constexpr (std::is_same_v<Real, double>) {
+    if (!radius_) return;
+    BodyStep<double> step = step_;
+    step.q = q;
+    found_radius_ = radius_->at(step);
+  }
+}
+
+template <class Real>
+void BodyOnDevice<Real>::choose_stages(double h) {
+  if (!radius_) return;
+  std::vector<StabilizedStage<double>>& stages = method_.by_radius.stages;
+  method_.by_radius.choose(h, found_radius_, stages);
+  method_.nodes.clear();
+  for (const StabilizedStage<double>& stage : stages) method_.nodes.push_back(stage.node);
+}
+
+template <class Real>
+double BodyOnDevice<Real>::longest_step() const {
+  return radius_ ? method_.by_radius.longest_step(found_radius_) : std::numeric_limits<double>::infinity();
+}
+
+template <class Real>
+std::int64_t BodyOnDevice<Real>::steps_at_once() const {
+  return radius_ && (is_driven() || !radius_->is_constant()) ? 1 : most_steps;
+}
+
+template <class Real>
+void BodyOnDevice<Real>::count_steps(std::int64_t steps) {
+  counted_.steps += steps;
+  counted_.evaluations += steps * method_.evaluations();
 }
 
 template <class Real>
@@ -304,6 +378,7 @@ template <class Real>
 void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
   step_.h = static_cast<Real>(h);
   step_.half = step_.h / 2;
+  count_steps(count);
   const auto moves = [](Move move) {
     return [move](BodyStep<Real> step, std::vector<DeviceProgram>& programs) {
       step.move = move;
@@ -319,6 +394,7 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
       run(count - 1, moves(Move::kick_drift));
       return run(1, moves(Move::kick));
     case DeviceMethod::Kind::runge_kutta:
+    case DeviceMethod::Kind::stabilised:
       return run(count, [this](const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
         append_stages(step, programs);
       });
@@ -350,6 +426,7 @@ void BodyOnDevice<Real>::keep() {
   device_.copy(kept_.q, step_.q, displacements());
   device_.copy(kept_.v, step_.v, velocities());
   device_.copy(kept_.a, step_.a, velocities());
+  kept_counts_ = counted_;
   if (newton_) newton_->keep();
 }
 
@@ -358,14 +435,22 @@ void BodyOnDevice<Real>::go_back() {
   device_.copy(step_.q, kept_.q, displacements());
   device_.copy(step_.v, kept_.v, velocities());
   device_.copy(step_.a, kept_.a, velocities());
+  counted_ = kept_counts_;
   if (newton_) newton_->go_back();
+}
+
+template <class Real>
+double BodyOnDevice<Real>::evaluations_of_a_step() const {
+  return static_cast<double>(counted_.evaluations) /
+         static_cast<double>(std::max<std::int64_t>(1, counted_.steps));
 }
 
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
-         step_.bodies * static_cast<double>(method_.evaluations()) *
+         (radius_ ? radius_->flops() : 0) +
+         step_.bodies * evaluations_of_a_step() *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
               31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
@@ -373,11 +458,13 @@ double BodyOnDevice<Real>::flops() const {
 template <class Real>
 double BodyOnDevice<Real>::bytes() const {
   constexpr double number = sizeof(Real), number_and_place = 3 * number + 4;
-  double slopes = 0;  // that are read again
+  double slopes = 0;  // that are read again; of stabilised methods two stages, y and its slope
   for (const std::vector<long double>& row : method_.rows)
     for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
+  if (radius_) slopes = 6 * evaluations_of_a_step();
   return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
-         static_cast<double>(method_.evaluations()) *
+         (radius_ ? radius_->bytes() : 0) +
+         evaluations_of_a_step() *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               number_and_place * step_.body.damps +

@@ -15,6 +15,7 @@
 #include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/newton_on_device.hpp"
+#include "catalogue/device/radius_on_device.hpp"
 
 namespace hmax {
 
@@ -53,7 +54,15 @@ class BodyOnDevice {
   /// What a step needs besides (q, v): the acceleration, of methods that kick.
   void start();
   void advance(double h, std::int64_t count);
-  /// Appends the stages of a Runge-Kutta method, as many evaluations as instants().
+  /// How many steps advance() may take at a time.
+  [[nodiscard]] std::int64_t steps_at_once() const;
+  /// Of methods whose stages follow the spectral radius: finds that at displacements q, as of BodyStep, and
+  /// the stages of a step of h by the last one that was found. Nothing of others.
+  void find_radius(Real* q);
+  void choose_stages(double h);
+  /// The longest step that is stable with the most stages [s]; infinite of other methods.
+  [[nodiscard]] double longest_step() const;
+  /// Appends the stages of a Runge-Kutta or stabilised method, as many evaluations as instants().
   /// @param known  the stage of an earlier step whose slope is that of the first one, which then is not
   ///               evaluated
   void append_stages(BodyStep<Real> step, std::vector<DeviceProgram>& programs,
@@ -67,11 +76,15 @@ class BodyOnDevice {
   [[nodiscard]] bool left();
   void keep();
   void go_back();
+  /// Counts steps that were taken or tried, as advance() does.
+  void count_steps(std::int64_t steps);
+  /// Evaluations of forces in them since set().
+  [[nodiscard]] std::int64_t evaluations() const { return counted_.evaluations; }
   /// Conjugate gradients since set().
   [[nodiscard]] std::int64_t linear_iterations() { return newton_ ? newton_->iterations() : 0; }
 
   /// Operations of the elements of all bodies, and bytes of elements, rims, states and point data, in a step;
-  /// of many bodies those of elements and points count once.
+  /// of many bodies those of elements and points count once. Of the steps since set(), on average.
   [[nodiscard]] double flops() const;
   [[nodiscard]] double bytes() const;
 
@@ -89,6 +102,7 @@ class BodyOnDevice {
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
   void place_loads();
+  [[nodiscard]] double evaluations_of_a_step() const;
   /// Numbers of a load in the table: of constraints, which push by themselves, its factor alone.
   [[nodiscard]] std::size_t numbers_of_a_load() const {
     return method_.kind == DeviceMethod::Kind::constraints ? 1 : 3;
@@ -107,6 +121,8 @@ class BodyOnDevice {
   /// The programs one after the other, over and over again.
   /// @param instants  of all of them
   void run(std::span<const DeviceProgram> programs, std::int64_t times, std::int32_t instants);
+  void append_recurrence(BodyStep<double> step, std::vector<DeviceProgram>& programs,
+                         std::optional<std::int32_t> known) const;
   /// A step of substeps, each of the programs that `iterations` appends.
   template <class Iterations>
   void append_substeps(const Iterations& iterations, BodyStep<double> step, double h,
@@ -125,6 +141,11 @@ class BodyOnDevice {
   struct {
     Real *q, *v, *a;
   } kept_{};
+  struct {
+    std::int64_t steps, evaluations;
+  } counted_{}, kept_counts_{};
+  std::optional<RadiusOnDevice> radius_;
+  double found_radius_ = 0;  ///< [1/s]
   std::optional<NewtonOnDevice> newton_;
   std::optional<ConstraintsOnDevice> constraints_;
 };

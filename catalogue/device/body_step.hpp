@@ -11,6 +11,7 @@
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/piece_sums.hpp"
 #include "integrators/error_norm.hpp"
+#include "integrators/explicit/stabilized_stages.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 
@@ -85,6 +86,7 @@ enum class Move : std::int32_t {
   kick,              ///< v += h/2 a: the end of a step; they are kept
   force,             ///< they are not made: the forces are kept in their place
   stage,             ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
+  recurrence,        ///< (q, v) becomes what StageRecurrence makes of it
   slope              ///< the slope is kept, and nothing is made of it
 };
 
@@ -101,6 +103,15 @@ struct StageSum {
   const Real *q, *v;         ///< y, the beginning of the step, as of BodyStep
   Real* slopes;              ///< shape (stages, 2, bodies, 3, free): v and a of each
   bool operator==(const StageSum&) const = default;
+};
+
+/// A later stage of a stabilised method: Y_j of (q, v) = Y_{j-1} and its slope, of Y_{j-2}, and of y and its
+/// slope, which are those of StageSum and the first of its slopes.
+template <class Real>
+struct StageRecurrence {
+  StabilizedStage<Real> stage;  ///< of the length of the step
+  const Real *q, *v;            ///< Y_{j-2}, as of BodyStep; Y_j may take its place
+  bool operator==(const StageRecurrence&) const = default;
 };
 
 /// One step of some bodies that differ in their states alone, from the displacements `q` to `q_next`, shape
@@ -125,6 +136,7 @@ struct BodyStep {
   const std::int64_t* evaluated;  ///< how many evaluations `loads` has before those of a Device::run()
   std::int32_t evaluation;        ///< which one after them this is
   StageSum<Real> sum;
+  StageRecurrence<Real> recurrence;
   bool operator==(const BodyStep&) const = default;
 };
 
@@ -239,6 +251,16 @@ HMAX_DEVICE inline void keep_slope(const BodyStep<Real>& step, std::int64_t dof,
   k[(2 * step.sum.stage + 1) * size] = a;
 }
 
+/// Puts the next stage of a stabilised method into q and v, which are those of the stage before.
+template <class Real>
+HMAX_DEVICE inline void next_stage(const BodyStep<Real>& step, std::int64_t at, std::int64_t dof, Real a,
+                                   Real& q, Real& v) {
+  const StageRecurrence<Real>& own = step.recurrence;
+  const Real* const first = step.sum.slopes + dof;
+  q = own.stage.of(q, own.q[at], step.sum.q[at], v, first[0]);
+  v = own.stage.of(v, own.v[dof], step.sum.v[dof], a, first[slope_size(step)]);
+}
+
 /// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
 /// @param of_body  the degree of freedom among those of a body
 template <class Real>
@@ -280,6 +302,7 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, dof - first, a, q, v);
   if (step.move == Move::stage) sum_slopes(step, at, dof, q, v);
+  if (step.move == Move::recurrence) next_stage(step, at, dof, a, q, v);
   const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
   step.q_next[at] = q;
@@ -406,9 +429,10 @@ HMAX_DEVICE inline void run_thread(std::true_type, const KnownStage<Real>& known
 struct ErrorPieces {
   static constexpr std::int32_t threads = piece_size;
   BodyStep<double> step;
-  const std::int32_t* place;  ///< of each free point of the body: its number in BodyArrays
-  AnyNorm<double> norm;
-  double* pieces;
+  const std::int32_t* place = nullptr;  ///< of each free point of the body: its number in BodyArrays
+  AnyNorm<double> norm{};
+  double* pieces = nullptr;
+  bool is_of_ends = false;  ///< stabilized_error() of the first two slopes, else the sum of slopes
 
   [[nodiscard]] HMAX_DEVICE std::int64_t numbers() const {
     return 6 * static_cast<std::int64_t>(step.body.free);
@@ -432,10 +456,12 @@ HMAX_DEVICE void run_block(std::type_identity<Norm>, const Block& block, const E
     const bool is_q = first + n < dofs;
     const std::int64_t i = is_q ? first + n : first + n - dofs, row = i % 3, point = errors.place[i / 3],
                        at = row * step.body.points + point, dof = row * step.body.free + point;
-    const double e =
-        add_slopes<double>(step.sum, nullptr, step.sum.slopes + (is_q ? dof : size + dof), 2 * size);
-    squares[n] = is_q ? norm.square(i, step.sum.q[at], step.q_next[at], e)
-                      : norm.square(i, step.sum.v[dof], step.v_next[dof], e);
+    const double* const k = step.sum.slopes + (is_q ? dof : size + dof);
+    const double y = is_q ? step.sum.q[at] : step.sum.v[dof],
+                 y_new = is_q ? step.q_next[at] : step.v_next[dof];
+    const double e = errors.is_of_ends ? stabilized_error(step.h, y, y_new, k[0], k[2 * size])
+                                       : add_slopes<double>(step.sum, nullptr, k, 2 * size);
+    squares[n] = norm.square(i, y, y_new, e);
   });
   block.barrier();
   block.each(1, [&](std::int32_t) {

@@ -30,6 +30,16 @@ DeviceMethod runge_kutta() {
   return method;
 }
 
+template <class Polynomials>
+DeviceMethod stabilised() {
+  return {.kind = DeviceMethod::Kind::stabilised,
+          .first_same_as_last = true,
+          .errors = {{}},  // that of stabilized_error()
+          .error_order = 3,
+          .by_radius = {.choose = choose_stages<Polynomials, double>,
+                        .longest_step = longest_stabilized_step<Polynomials, double>}};
+}
+
 /// Implicit Euler by a fixed number of iterations.
 std::optional<DeviceMethod> iterated_method(const Method& method) {
   using Kind = DeviceMethod::Kind;
@@ -56,7 +66,8 @@ void DeviceMethod::append_times(double t, double h, std::optional<double> before
     return times.push_back(t + h);
   }
   times.push_back(first_same_as_last ? before.value_or(t) : t);
-  for (std::size_t i = 1; i < rows.size(); ++i) times.push_back(t + static_cast<double>(nodes[i]) * h);
+  for (std::size_t i = 1; i < static_cast<std::size_t>(instants()); ++i)
+    times.push_back(t + static_cast<double>(nodes[i]) * h);
 }
 
 std::optional<DeviceMethod> device_method(const Method& method) {
@@ -67,6 +78,8 @@ std::optional<DeviceMethod> device_method(const Method& method) {
                                     std::pair{"central_difference", KickDamping::lumped}})
     if (method.id == id) return DeviceMethod{.kind = Kind::kicks, .damping = damping};
   if (const std::optional<DeviceMethod> iterated = iterated_method(method)) return iterated;
+  if (method.id == Rkc2::id) return stabilised<Rkc2>();
+  if (method.id == Rkl2::id) return stabilised<Rkl2>();
   std::optional<DeviceMethod> found;
   [&]<class... T>(std::type_identity<std::tuple<T...>>) {
     ((method.id == T::id ? void(found = runge_kutta<T>()) : void()), ...);

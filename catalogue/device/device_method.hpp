@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "integrators/explicit/stabilized_stages.hpp"
 #include "integrators/structural/structural.hpp"
 
 namespace hmax {
@@ -23,24 +24,45 @@ struct IteratedSteps {
   static constexpr std::int64_t most_programs = 4096;
 };
 
+/// Stages that follow the spectral radius.
+struct StagesByRadius {
+  /// choose_stages() and longest_stabilized_step() of the polynomials.
+  void (*choose)(double h, double radius, std::vector<StabilizedStage<double>>& stages) = nullptr;
+  double (*longest_step)(double radius) = nullptr;
+  std::vector<StabilizedStage<double>> stages{};  ///< of the step that is next
+  static constexpr std::int32_t slopes = 2;       ///< that are kept: of the beginning and of the end
+};
+
 /// What a step of a method does.
 struct DeviceMethod {
-  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, newton, constraints };
+  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, stabilised, newton, constraints };
   Kind kind;
   /// Of kicks: what damping meets, see KickDriftKick.
   KickDamping damping = KickDamping::half_step;
   /// Of Runge-Kutta methods: what the slopes are multiplied with in the argument of each later stage, then at
   /// the end of the step. Without a last stage that is the first of the next step.
   std::vector<std::vector<long double>> rows{};
-  std::vector<long double> nodes{};  ///< c_i of its stages
+  std::vector<long double>
+      nodes{};  ///< c_i of its stages; of stabilised methods those of the step that is next
   bool first_same_as_last = false;
   /// b_err of each estimate of the error, none where steps cannot be chosen; err = O(h^error_order).
   std::vector<std::vector<long double>> errors{};
   int error_order = 0;
+  StagesByRadius by_radius{};
   IteratedSteps iterated{};
 
   [[nodiscard]] bool is_iterated() const { return kind == Kind::newton || kind == Kind::constraints; }
-  [[nodiscard]] std::int32_t last_stage() const { return static_cast<std::int32_t>(nodes.size()) - 1; }
+  [[nodiscard]] bool has_stages() const { return kind == Kind::runge_kutta || kind == Kind::stabilised; }
+  /// What steps one body in double precision alone; null of the others.
+  [[nodiscard]] const char* steps_alone() const {
+    if (kind == Kind::stabilised) return "stabilised methods";
+    return is_iterated() ? "methods of iterations" : nullptr;
+  }
+  /// Slopes that are kept, and the last one of them.
+  [[nodiscard]] std::int32_t slopes() const {
+    return kind == Kind::stabilised ? StagesByRadius::slopes : static_cast<std::int32_t>(nodes.size());
+  }
+  [[nodiscard]] std::int32_t last_stage() const { return slopes() - 1; }
   /// Evaluations of forces of a step, and of those before the first one.
   [[nodiscard]] std::int64_t evaluations() const {
     if (kind == Kind::constraints) return 0;
@@ -49,7 +71,12 @@ struct DeviceMethod {
   /// At which times they stand: evaluations of loads.
   [[nodiscard]] std::int64_t instants() const {
     if (is_iterated()) return iterated.substeps;
+    if (kind == Kind::stabilised) return static_cast<std::int64_t>(nodes.size());
     return kind == Kind::runge_kutta ? static_cast<std::int64_t>(rows.size()) : 1;
+  }
+  /// The most of them in a step, with that of a last slope.
+  [[nodiscard]] std::int64_t most_instants() const {
+    return kind == Kind::stabilised ? most_stabilized_stages<double>() + 1 : instants();
   }
   [[nodiscard]] std::int64_t first_evaluations() const {
     return kind == Kind::kicks || first_same_as_last ? 1 : 0;

@@ -109,7 +109,7 @@ void with_kind(const TetStiffness& stiffness, const F& f) {
 /// Programs of one kind.
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
-    std::same_as<P, MatrixBlocks> || std::same_as<P, FirstKick<double>> ||
+    std::same_as<P, MatrixBlocks> || std::same_as<P, BoundPieces> || std::same_as<P, FirstKick<double>> ||
     std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
     std::same_as<P, KnownStage<float>> || std::same_as<P, ConstraintBegin> || std::same_as<P, MeetColours> ||
     std::same_as<P, ConstraintEnd>
@@ -130,7 +130,8 @@ struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
                FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
                SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
-               GradientProduct, GradientUpdate, NewtonEnd, ConstraintBegin, MeetColours, ConstraintEnd>
+               GradientProduct, GradientUpdate, NewtonEnd, BoundPieces, ConstraintBegin, MeetColours,
+               ConstraintEnd>
       of;
 
   template <class F>

@@ -62,6 +62,7 @@ template <class Real>
 RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSpec& spec, const Sink& sink) {
   const AnySystem& system = std::get<AnySystem>(problem.system);
   const std::int64_t seen_every = sink ? spec.seen_every : BodyOnDevice<Real>::most_steps;
+  const std::int64_t at_once = body.steps_at_once();
   RunRecord record;
   record.y = problem.y0;
   if (sink) sink(0, problem.y0);
@@ -74,7 +75,11 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   if (body.is_driven()) body.set_times({&start, 1});
   body.start();
   Steps steps(spec, system, problem.y0);
-  std::int64_t done = 0, most = BodyOnDevice<Real>::most_steps;
+  std::int64_t done = 0, most = at_once;
+  const auto take_counts = [&] {
+    record.stats.rhs = body.evaluations() + body.method().first_evaluations();
+    record.stats.linear_iterations = body.linear_iterations();
+  };
   const auto advance_to = [&](std::int64_t end) {
     done = end;
     if (sink && (done % seen_every == 0 || done == steps.count())) sink(steps.begin(done), body.get());
@@ -84,10 +89,12 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     const std::int64_t count =
         next.last ? 1 : std::min({most, steps.count() - 1 - done, seen_every - done % seen_every});
     body.keep();
+    body.find_radius(body.step().q);
+    body.choose_stages(next.h);
     set_times(body, steps, done, count);
     body.advance(next.h, count);
     if (!body.left()) {
-      most = std::min(2 * most, BodyOnDevice<Real>::most_steps);
+      most = std::min(2 * most, at_once);
       advance_to(done + count);
     } else if (count > 1) {  // again, to look at its steps one by one
       body.go_back();
@@ -95,7 +102,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     } else if (admits(system, body.get())) {
       advance_to(done + 1);
     } else {
-      record.stats.linear_iterations = body.linear_iterations();
+      take_counts();
       body.go_back();
       record.outcome = Outcome::diverged;
       record.t = next.t_next;
@@ -109,10 +116,9 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   record.stats.steps = done;
   const DeviceMethod& method = body.method();
   const std::int64_t taken = done + (diverged ? 1 : 0);
-  record.stats.rhs = method.evaluations() * taken + method.first_evaluations();
   record.stats.newton = method.iterated.all() * taken;
   if (method.kind == DeviceMethod::Kind::newton) record.stats.jacobian = record.stats.newton;
-  if (!diverged) record.stats.linear_iterations = body.linear_iterations();
+  if (!diverged) take_counts();
   return record;
 }
 

@@ -33,13 +33,11 @@ class NewtonOnDevice {
   [[nodiscard]] double bytes() const;
 
  private:
-  void place_matrix(const TissueBody& body, const BodyPatches& patches);
-
   DeviceMemory& memory_;
   IteratedSteps steps_;
-  NewtonArrays arrays_{};
+  MatrixOnDevice matrix_;
+  NewtonArrays arrays_;
   std::int64_t* kept_;
-  double terms_ = 0, spring_terms_ = 0;
 };
 
 }  // namespace hmax

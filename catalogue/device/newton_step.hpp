@@ -455,4 +455,50 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientUpd
   end_residual(block, newton, number, here, shared);
 }
 
+/// The largest sums of absolute values of M^(-1/2) A M^(-1/2) over a column and a row of a piece of the
+/// degrees of freedom, a block of threads for each: of TissueBody::bound_of().
+struct BoundPieces {
+  static constexpr std::int32_t threads = piece_size;
+  NewtonArrays newton;
+  const double* mass;              ///< as of BodyArrays
+  const std::int32_t* transposed;  ///< of each block of the matrix
+  double* largest;                 ///< shape (pieces, 2)
+  bool operator==(const BoundPieces&) const = default;
+};
+inline std::int64_t blocks_of(const BoundPieces& bound) { return bound.newton.pieces(); }
+inline std::size_t shared_bytes_of(const BoundPieces&) { return 2 * sizeof(double) * piece_size; }
+
+/// The sums over column and row n, each from first to last as the processor adds them up.
+HMAX_DEVICE inline void sums_of_scaled(const BoundPieces& bound, std::int32_t n, double& column,
+                                       double& row) {
+  const BodyMatrix& matrix = bound.newton.matrix;
+  const auto mass = [&](std::int32_t point) { return bound.mass[bound.newton.place[point]]; };
+  column = row = 0;
+  for (std::int32_t k = matrix.first[n / 3]; k < matrix.first[n / 3 + 1]; ++k) {
+    const double scale = std::sqrt(mass(n / 3) * mass(matrix.column[k]));
+    for (std::int32_t c = 0; c < 3; ++c) {
+      column =
+          column + std::abs(matrix.values[std::int64_t{9} * bound.transposed[k] + 3 * c + n % 3]) / scale;
+      row = row + std::abs(matrix.values[std::int64_t{9} * k + 3 * (n % 3) + c]) / scale;
+    }
+  }
+}
+
+template <class Block>
+HMAX_DEVICE void run_block(std::true_type, const Block& block, const BoundPieces& bound, std::int32_t number,
+                           void* shared) {
+  const std::int32_t here = numbers_of_piece(bound.newton, number);
+  double* const sums = static_cast<double*>(shared);
+  block.each(here, [&](std::int32_t k) {
+    sums_of_scaled(bound, number * piece_size + k, sums[k], sums[piece_size + k]);
+  });
+  block.barrier();
+  block.each(2, [&](std::int32_t which) {
+    const double* const own = sums + which * piece_size;
+    double largest = own[0];
+    for (std::int32_t k = 1; k < here; ++k) largest = own[k] > largest ? own[k] : largest;
+    bound.largest[2 * number + which] = largest;
+  });
+}
+
 }  // namespace hmax

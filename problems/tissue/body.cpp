@@ -480,28 +480,28 @@ double TissueBody::energy(double t, const Dofs& q) const {
 
 double TissueBody::kinetic_energy(const Dofs& v) const { return mass_.dot(v.cwiseAbs2()) / 2; }
 
+double TissueBody::bound_of(const DofMatrix& matrix) const {
+  thread_local Dofs columns, rows;
+  columns.setZero(dofs());
+  rows.setZero(dofs());
+  for (Eigen::Index j = 0; j < dofs(); ++j)
+    for (DofMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+      const double a = std::abs(entry.value()) / std::sqrt(mass_[j] * mass_[entry.row()]);
+      columns[j] += a;
+      rows[entry.row()] += a;
+    }
+  return bound_of_sums(columns.maxCoeff(), rows.maxCoeff());
+}
+
 double TissueBody::spectral_radius(double t, const State& y) const {
   DofMatrix matrix;  // not kept: of a large body it is tens of megabytes
-  thread_local Dofs q, v, columns, rows;
+  thread_local Dofs q, v;
   q = y.head(dofs());
   v = y.tail(dofs());
-  // |x*Ax| <= |A| <= sqrt(|A|_1 |A|_inf) for A = M^(-1/2) K M^(-1/2).
-  const auto bound = [&] {
-    columns.setZero(dofs());
-    rows.setZero(dofs());
-    for (Eigen::Index j = 0; j < dofs(); ++j)
-      for (DofMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
-        const double a = std::abs(entry.value()) / std::sqrt(mass_[j] * mass_[entry.row()]);
-        columns[j] += a;
-        rows[entry.row()] += a;
-      }
-    return std::sqrt(columns.maxCoeff() * rows.maxCoeff());
-  };
   stiffness(t, q, v, matrix);
-  const double k = bound();
+  const double k = bound_of(matrix);
   damping(t, q, v, matrix);
-  const double c = bound();
-  return (c + std::sqrt(c * c + 4 * k)) / 2;
+  return radius_of_bounds(k, bound_of(matrix));
 }
 
 Eigen::Matrix3Xd TissueBody::positions(double t, const Dofs& q) const {

@@ -1,6 +1,7 @@
 /// A body of soft tissue as a mechanical system M q'' = F(t, q, v).
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -83,11 +84,18 @@ class TissueBody {
   [[nodiscard]] double kinetic_energy(const Dofs& v) const;
 
   /// A bound of the absolute values of the eigenvalues of the Jacobian [1/s]. For an eigenvector with
-  /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by the
-  /// largest sums over a row and a column of the matrices scaled with M^(-1/2) (Gershgorin), c and k, and
+  /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by c and k,
+  /// bound_of() the matrices, and
   ///   |l| <= (c + sqrt(c^2 + 4 k)) / 2.
   /// Allocates K and C one after the other.
   [[nodiscard]] double spectral_radius(double t, const State& y) const;
+  [[nodiscard]] static double radius_of_bounds(double k, double c) {
+    return (c + std::sqrt(c * c + 4 * k)) / 2;
+  }
+  /// A bound of |x*Ax| for |x| = 1, A = M^(-1/2) matrix M^(-1/2): |A| <= sqrt(|A|_1 |A|_inf), of the largest
+  /// sums of absolute values over a column and a row (Gershgorin).
+  [[nodiscard]] double bound_of(const DofMatrix& matrix) const;
+  [[nodiscard]] static double bound_of_sums(double column, double row) { return std::sqrt(column * row); }
 
   /// False where displacements differ by more than ten thousand times the size of the body: no tissue holds
   /// together there, and a run that comes so far has diverged.

@@ -211,6 +211,36 @@ void expect_same_stages(Device& device) {
   expect_same(device, make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
 }
 
+/// Stabilised methods: of several models, damping and loads, of two stages and of many.
+void expect_same_stabilised(Device& device) {
+  const auto skin = SkinSettings::Kind::springs;
+  const auto each = [&](const Problem& problem, const RunSpec& spec, std::int64_t least_stages = 2) {
+    for (const char* method : {"rkc_2", "rkl_2"}) {
+      const RunRecord run = expect_same(device, problem, method, spec, 3);
+      EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
+      EXPECT_GE(run.stats.rhs, least_stages * run.stats.steps) << problem.id << ", " << method;
+    }
+  };
+  for (const Problem& body : {uneven_body(2.5), uneven_body(0, "mass_spring"),
+                              uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
+                              uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
+                              uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
+    each(body, {.t_end = 0.01001, .h = 1e-4});  // its last step is a sliver
+  for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
+           {"fem_green@liver", {{"g", 9.81}, {"beta", 0.01}}},
+           {"fem_green@cube:n=5", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"mass_spring@beam", {{"g", 9.81}, {"beta", 0.1}}},
+           {"fem_neo_hookean@ball", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"fem_cauchy@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
+    each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
+  const RunRecord stiffer =
+      expect_same(device, make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
+                  "rkc_2", {.t_end = 0.06, .h = 0.002});
+  EXPECT_NE((stiffer.stats.rhs - 1) % stiffer.stats.steps, 0) << "all steps have the same number of stages";
+}
+
 /// Truncated Newton: of several counts, models, damping and loads.
 void expect_same_newton(Device& device) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
@@ -284,12 +314,40 @@ void expect_same_chosen(Device& device) {
   EXPECT_GT(rejected, 20);
 }
 
+/// The same of stabilised methods.
+void expect_same_chosen_stabilised(Device& device) {
+  std::int64_t rejected = 0;
+  const auto each = [&](const Problem& problem, const RunSpec& spec) {
+    for (const char* method : {"rkc_2", "rkl_2"}) {
+      const RunRecord run = expect_same_chosen(device, problem, method, spec);
+      EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
+      rejected += run.stats.rejected;
+    }
+  };
+  for (const double rtol : {1e-1, 1e-3, 1e-5}) {
+    const RunSpec spec{.t_end = 0.02, .rtol = rtol, .atol = 1e-3 * rtol};
+    for (const char* model :
+         {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
+      each(uneven_body(2.5, model), spec);
+    each(driven_body(), spec);
+  }
+  each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"beta", 0.1}}}),
+       {.t_end = 0.1, .rtol = 1e-3, .atol = 1e-6, .h_first = 0.1});
+  for (const Controllers control :
+       {Controllers::i, Controllers::pi, Controllers::deadband, Controllers::matlab})
+    each(driven_body(), {.t_end = 0.05, .rtol = 1e-4, .atol = 1e-7, .control = control});
+  EXPECT_GT(rejected, 20);
+  // Steps as long as the most stages are stable with.
+  each(make_problem("fem_green@cube:n=1", {.parameters = {{"g", 9.81}, {"beta", 1}}}),
+       {.t_end = 1e4, .rtol = 1, .atol = 1});
+}
+
 /// Runs that do not reach their end.
 void expect_same_chosen_ends(Device& device) {
   const Problem beam = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}}});
   const auto expect_end = [&](const Problem& problem, Outcome outcome, const RunSpec& spec) {
-    for (const char* method : {"ode45", "dop_853"})
-      EXPECT_EQ(expect_same_chosen(device, problem, method, spec).outcome, outcome);
+    for (const char* method : {"ode45", "dop_853", "rkc_2"})
+      EXPECT_EQ(expect_same_chosen(device, problem, method, spec).outcome, outcome) << method;
   };
   // Tolerances that accept everything.
   expect_end(beam, Outcome::diverged,
@@ -337,6 +395,12 @@ void expect_same_divergence(Device& device) {
   }
   const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
   expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
+  for (const char* model : {"fem_green@beam", "fem_neo_hookean@beam", "fem_cauchy@beam"})
+    for (const double h : {0.02, 0.1}) {
+      const RunRecord run = expect_same(device, make_problem(model, {.parameters = {{"g", 9.81}}}), "rkc_2",
+                                        {.t_end = 400, .h = h});
+      EXPECT_EQ(run.outcome, Outcome::diverged) << model << ", " << h;
+    }
   const RunRecord flat =
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
@@ -362,6 +426,14 @@ TEST(HostDevice, ChoosesStepsWithTheBitsOfTheProcessor) {
     HostDevice device(backwards);
     expect_same_chosen(device);
     expect_same_chosen_ends(device);
+  }
+}
+
+TEST(HostDevice, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_stabilised(device);
+    expect_same_chosen_stabilised(device);
   }
 }
 
@@ -438,6 +510,17 @@ TEST(HostDevice, CountsTheWorkOfAllBodies) {
     EXPECT_EQ(unequal(three.record.y, one.record.y), 0U);
   }
   EXPECT_THROW(run("newton_truncated", 2), InputError);
+  EXPECT_THROW(run("rkc_2", 2), InputError);
+  const auto flops = [&](const char* id, const char* method) {
+    const DeviceRun done = run_on_device(device, make_problem(id, {.parameters = {{"beta", 0.1}}}),
+                                         find_method(method), {.t_end = 0.021, .h = 2e-3});
+    return std::pair(done.flops, static_cast<double>(done.record.stats.rhs - 1) / 11);
+  };
+  const auto [constant, stages] = flops("fem_cauchy@cube:n=2", "rkc_2");
+  EXPECT_GT(stages, 5);
+  EXPECT_DOUBLE_EQ(constant, stages * flops("fem_cauchy@cube:n=2", "symplectic_euler").first);
+  const auto [changing, more] = flops("fem_green@cube:n=2", "rkc_2");
+  EXPECT_GT(changing, more * flops("fem_green@cube:n=2", "symplectic_euler").first) << "the radius is found";
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   const auto meet = [&](const char* method) {
     return run_on_device(device, solid, find_method(method), {.t_end = 0.02, .h = 0.01});
@@ -523,7 +606,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
     return text.find(part) != std::string::npos;
   };
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
-  EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
+  EXPECT_EQ(why(body, "rkc_2"), "");
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
@@ -540,6 +623,9 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
       << "Green's strain has no constraints";
   EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("newton_truncated"),
                                                {.t_end = 1, .h = 0.1}, Precision::single_precision)),
+               InputError);
+  EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("rkc_2"), {.t_end = 1, .h = 0.1},
+                                               Precision::single_precision)),
                InputError);
   const RunSpec chosen{.t_end = 1e-3, .adaptive = true, .rtol = 1e-3, .atol = 1e-3};
   const auto run = [&](const char* id, const RunSpec& spec, const Sink& sink) {
@@ -583,6 +669,10 @@ TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
 TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
   expect_same_chosen(*device);
   expect_same_chosen_ends(*device);
+}
+TEST_F(Gpu, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
+  expect_same_stabilised(*device);
+  expect_same_chosen_stabilised(*device);
 }
 TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
 TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }

@@ -37,7 +37,7 @@ LimitAnswer ask(const LimitQuestion& question, const Problem& problem, const std
 /// Runs of several methods on one device, here programs of devices on the processor.
 TEST(QueryLimits, VerifiesOnADeviceAsOnTheProcessor) {
   const Problem problem = make_problem("fem_green/gravity@cube:n=2", {.parameters = {{"alpha", 1}}});
-  std::vector<Method> methods = some({"symplectic_euler", "rk4", "central_difference"});
+  std::vector<Method> methods = some({"symplectic_euler", "rk4", "central_difference", "rkc_2"});
   const LimitQuestion question{.at = AskedState::equilibrium, .verify = true};
   const std::vector<LimitRow> here = ask(question, problem, methods).models.at(0).rows;
   const auto device = std::make_shared<HostDevice>();
