@@ -78,12 +78,12 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   check(beside);
   if (!is_gpu()) return;
   if (const std::string why = unsuited_for_device(problem, method); !why.empty())
-    throw InputError(
-        fmt::format("{} {}; leave --device out{}", method.id, why,
-                    unsuited_for_device(problem, find_method("rk4")).empty()
-                        ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
-                          "newton_truncated, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
-                        : ""));
+    throw InputError(fmt::format(
+        "{} {}; leave --device out{}", method.id, why,
+        unsuited_for_device(problem, find_method("rk4")).empty()
+            ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
+              "newton_truncated, vbd, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
+            : ""));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {
