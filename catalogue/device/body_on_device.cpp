@@ -70,6 +70,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   if (method_.kind == DeviceMethod::Kind::newton) newton_.emplace(memory_, body, patches_, method_.iterated);
   if (method_.kind == DeviceMethod::Kind::constraints)
     constraints_.emplace(memory_, body, patches_, method_.iterated);
+  if (method_.kind == DeviceMethod::Kind::points) points_.emplace(memory_, body, patches_, method_.iterated);
   if (patches_.begin.size() == 2 && !method_.is_iterated())
     programs_ = memory_.template room<BodyStep<Real>>(2 * static_cast<std::size_t>(method_.most_instants()));
   if (!method_.has_stages()) return;
@@ -360,18 +361,18 @@ void BodyOnDevice<Real>::count_steps(std::int64_t steps) {
 
 template <class Real>
 template <class Iterations>
-void BodyOnDevice<Real>::append_substeps(const Iterations& iterations, BodyStep<double> step, double h,
-                                         std::vector<DeviceProgram>& programs) const {
-  if constexpr (std::is_same_v<Real, double>) {
-    const std::int32_t substeps = method_.iterated.substeps;
-    double* const end = step.q_next;
-    for (std::int32_t s = 0; s < substeps; ++s) {
-      step.q_next = s + 1 == substeps ? end : stage_q_[s % 2];
-      iterations.append(step, h / substeps, programs);
-      step.q = step.q_next, step.v = step.v_next;
-      ++step.evaluation;
-    }
-  }
+void BodyOnDevice<Real>::advance_by(const Iterations& iterations, double h, std::int64_t count) {
+  if constexpr (std::is_same_v<Real, double>)
+    run(count, [&](BodyStep<double> step, std::vector<DeviceProgram>& programs) {
+      const std::int32_t substeps = method_.iterated.substeps;
+      double* const end = step.q_next;
+      for (std::int32_t s = 0; s < substeps; ++s) {
+        step.q_next = s + 1 == substeps ? end : stage_q_[s % 2];
+        iterations.append(step, h / substeps, programs);
+        step.q = step.q_next, step.v = step.v_next;
+        ++step.evaluation;
+      }
+    });
 }
 
 template <class Real>
@@ -399,16 +400,11 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
         append_stages(step, programs);
       });
     case DeviceMethod::Kind::newton:
-      if constexpr (std::is_same_v<Real, double>)
-        return run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
-          append_substeps(*newton_, step, h, programs);
-        });
-      break;
+      return advance_by(*newton_, h, count);
     case DeviceMethod::Kind::constraints:
-      if constexpr (std::is_same_v<Real, double>)
-        return run(count, [&](const BodyStep<double>& step, std::vector<DeviceProgram>& programs) {
-          append_substeps(*constraints_, step, h, programs);
-        });
+      return advance_by(*constraints_, h, count);
+    case DeviceMethod::Kind::points:
+      return advance_by(*points_, h, count);
   }
 }
 
@@ -449,7 +445,7 @@ template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
-         (radius_ ? radius_->flops() : 0) +
+         (points_ ? points_->flops() : 0) + (radius_ ? radius_->flops() : 0) +
          step_.bodies * evaluations_of_a_step() *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
               31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
@@ -463,7 +459,7 @@ double BodyOnDevice<Real>::bytes() const {
     for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
   if (radius_) slopes = 6 * evaluations_of_a_step();
   return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
-         (radius_ ? radius_->bytes() : 0) +
+         (points_ ? points_->bytes() : 0) + (radius_ ? radius_->bytes() : 0) +
          evaluations_of_a_step() *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +

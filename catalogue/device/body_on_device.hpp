@@ -10,11 +10,11 @@
 #include <Eigen/Core>
 
 #include "catalogue/device/body_patches.hpp"
-#include "catalogue/device/constraints_on_device.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/newton_on_device.hpp"
+#include "catalogue/device/positional_on_device.hpp"
 #include "catalogue/device/radius_on_device.hpp"
 
 namespace hmax {
@@ -103,10 +103,8 @@ class BodyOnDevice {
   [[nodiscard]] BodyArrays<Real> arrays();
   void place_loads();
   [[nodiscard]] double evaluations_of_a_step() const;
-  /// Numbers of a load in the table: of constraints, which push by themselves, its factor alone.
-  [[nodiscard]] std::size_t numbers_of_a_load() const {
-    return method_.kind == DeviceMethod::Kind::constraints ? 1 : 3;
-  }
+  /// Numbers of a load in the table: where programs push by themselves, its factor alone.
+  [[nodiscard]] std::size_t numbers_of_a_load() const { return method_.is_positional() ? 1 : 3; }
   /// diag(C) / m [1/s], shape (3, free).
   [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
 
@@ -123,10 +121,9 @@ class BodyOnDevice {
   void run(std::span<const DeviceProgram> programs, std::int64_t times, std::int32_t instants);
   void append_recurrence(BodyStep<double> step, std::vector<DeviceProgram>& programs,
                          std::optional<std::int32_t> known) const;
-  /// A step of substeps, each of the programs that `iterations` appends.
+  /// Steps of substeps, each of the programs that `iterations` appends.
   template <class Iterations>
-  void append_substeps(const Iterations& iterations, BodyStep<double> step, double h,
-                       std::vector<DeviceProgram>& programs) const;
+  void advance_by(const Iterations& iterations, double h, std::int64_t count);
 
   Device& device_;
   DeviceMemory memory_;
@@ -148,6 +145,7 @@ class BodyOnDevice {
   double found_radius_ = 0;  ///< [1/s]
   std::optional<NewtonOnDevice> newton_;
   std::optional<ConstraintsOnDevice> constraints_;
+  std::optional<PointsOnDevice> points_;
 };
 
 }  // namespace hmax

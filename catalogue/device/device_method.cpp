@@ -46,10 +46,16 @@ std::optional<DeviceMethod> iterated_method(const Method& method) {
   const std::string_view family = std::string_view(method.id).substr(0, method.id.find(':'));
   const auto value = [&](const char* name) { return method.parameter(name).value(); };
   const auto count = [&](const char* name) { return static_cast<std::int32_t>(value(name)); };
-  if (family != "newton_truncated" && family != "xpbd" && family != "pbd") return {};
-  DeviceMethod made{.kind = family == "newton_truncated" ? Kind::newton : Kind::constraints};
+  DeviceMethod made{.kind = Kind::constraints};
+  if (family == "newton_truncated")
+    made.kind = Kind::newton;
+  else if (family == "vbd")
+    made.kind = Kind::points;
+  else if (family != "xpbd" && family != "pbd")
+    return {};
   made.iterated = {.iterations = count("iterations"), .substeps = count("substeps")};
   if (family == "newton_truncated") made.iterated.gradients = count("cg");
+  if (family == "vbd") made.iterated.rho = value("rho");
   if (family == "xpbd") made.iterated.resets = value("reset") == 1;
   if (family == "pbd")
     made.iterated.share = CompliantConstraints::share_of(value("stiffness"), value("iterations"));

@@ -17,6 +17,7 @@ struct IteratedSteps {
   std::int32_t gradients = 0;     ///< of truncated Newton: conjugate gradients of an iteration
   bool resets = false;            ///< of constraints, as CompliantConstraints: multipliers begin at 0
   std::optional<double> share{};  ///< of constraints without compliance
+  double rho = 0;                 ///< of points, as VertexBlockDescent
   /// Iterations of a step.
   [[nodiscard]] std::int64_t all() const { return std::int64_t{iterations} * substeps; }
   /// Programs of a step of truncated Newton, and those that a list may have.
@@ -35,7 +36,15 @@ struct StagesByRadius {
 
 /// What a step of a method does.
 struct DeviceMethod {
-  enum class Kind : std::uint8_t { symplectic_euler, kicks, runge_kutta, stabilised, newton, constraints };
+  enum class Kind : std::uint8_t {
+    symplectic_euler,
+    kicks,
+    runge_kutta,
+    stabilised,
+    newton,
+    constraints,
+    points
+  };
   Kind kind;
   /// Of kicks: what damping meets, see KickDriftKick.
   KickDamping damping = KickDamping::half_step;
@@ -51,7 +60,9 @@ struct DeviceMethod {
   StagesByRadius by_radius{};
   IteratedSteps iterated{};
 
-  [[nodiscard]] bool is_iterated() const { return kind == Kind::newton || kind == Kind::constraints; }
+  /// Its programs move points or meet constraints one after the other.
+  [[nodiscard]] bool is_positional() const { return kind == Kind::constraints || kind == Kind::points; }
+  [[nodiscard]] bool is_iterated() const { return kind == Kind::newton || is_positional(); }
   [[nodiscard]] bool has_stages() const { return kind == Kind::runge_kutta || kind == Kind::stabilised; }
   /// What steps one body in double precision alone; null of the others.
   [[nodiscard]] const char* steps_alone() const {
@@ -65,7 +76,7 @@ struct DeviceMethod {
   [[nodiscard]] std::int32_t last_stage() const { return slopes() - 1; }
   /// Evaluations of forces of a step, and of those before the first one.
   [[nodiscard]] std::int64_t evaluations() const {
-    if (kind == Kind::constraints) return 0;
+    if (is_positional()) return 0;
     return kind == Kind::newton ? iterated.all() : instants();
   }
   /// At which times they stand: evaluations of loads.

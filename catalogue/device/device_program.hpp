@@ -16,10 +16,11 @@
 #include <variant>
 
 #include "catalogue/device/body_step.hpp"
-#include "catalogue/device/constraint_step.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/motion_program.hpp"
 #include "catalogue/device/newton_step.hpp"
+#include "catalogue/device/point_step.hpp"
+#include "catalogue/device/positional_step.hpp"
 
 namespace hmax {
 
@@ -106,13 +107,19 @@ void with_kind(const TetStiffness& stiffness, const F& f) {
   f(LawConstant<TetLaw::neo_hookean>{});  // that of small strain is constant
 }
 
+template <class F>
+void with_kind(const MovePoints& move, const F& f) {
+  if (!move.tetrahedron) return f(std::true_type{});
+  with_law(move.step.body.law, f);
+}
+
 /// Programs of one kind.
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
     std::same_as<P, MatrixBlocks> || std::same_as<P, BoundPieces> || std::same_as<P, FirstKick<double>> ||
     std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
-    std::same_as<P, KnownStage<float>> || std::same_as<P, ConstraintBegin> || std::same_as<P, MeetColours> ||
-    std::same_as<P, ConstraintEnd>
+    std::same_as<P, KnownStage<float>> || std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> ||
+    std::same_as<P, PointIteration> || std::same_as<P, SubstepEnd>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>
@@ -130,8 +137,8 @@ struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
                FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
                SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
-               GradientProduct, GradientUpdate, NewtonEnd, BoundPieces, ConstraintBegin, MeetColours,
-               ConstraintEnd>
+               GradientProduct, GradientUpdate, NewtonEnd, BoundPieces, SubstepBegin, MeetColours,
+               PointIteration, MovePoints, SubstepEnd>
       of;
 
   template <class F>

@@ -82,7 +82,7 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
         "{} {}; leave --device out{}", method.id, why,
         unsuited_for_device(problem, find_method("rk4")).empty()
             ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
-              "rkc_2, rkl_2, newton_truncated, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
+              "rkc_2, rkl_2, newton_truncated, vbd, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
             : ""));
 }
 

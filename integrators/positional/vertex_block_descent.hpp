@@ -3,9 +3,10 @@
 
 #include <cstddef>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "core/parallel_for.hpp"
+#include "integrators/positional/move_point.hpp"
 #include "integrators/positional/positional_system.hpp"
 #include "integrators/stats.hpp"
 
@@ -25,6 +26,11 @@ namespace hmax {
 class VertexBlockDescent {
  public:
   explicit VertexBlockDescent(double rho = 0) : rho_(rho) {}
+
+  /// w_k. @param before  w_(k - 1); not read of k = 1 and 2
+  static double weight_of(double rho, int k, double before) {
+    return k == 1 ? 1 : k == 2 ? 2 / (2 - rho * rho) : 4 / (4 - rho * rho * before);
+  }
 
   template <PointwiseSystem Sys>
   void init(const Sys& system) {
@@ -62,26 +68,16 @@ class VertexBlockDescent {
     const Eigen::Index first = 3 * static_cast<Eigen::Index>(point);
     PointForce at;
     system.point_force(t, q, velocity_, point, at);
-    const double inertia = system.mass()[first] / (h * h);
-    const Eigen::Vector3d residual = at.f - inertia * (q.segment<3>(first) - inertial_.segment<3>(first));
-    Eigen::Matrix3d H = at.K + at.C / h;
-    H.diagonal().array() += inertia;
-    const Eigen::Vector3d move = solve(H, residual);
+    const Eigen::Vector3d away = q.segment<3>(first) - inertial_.segment<3>(first);
+    Eigen::Vector3d move;
+    move_of_point(system.mass()[first], h, at.f.data(), at.K.data(), at.C.data(), away.data(), move.data());
     q.segment<3>(first) += move;
     velocity_.segment<3>(first) += move / h;
   }
 
-  static Eigen::Vector3d solve(const Eigen::Matrix3d& H, const Eigen::Vector3d& residual) {
-    const Eigen::LLT<Eigen::Matrix3d> factor(H);
-    if (factor.info() == Eigen::Success) return factor.solve(residual);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(H);
-    const Eigen::Vector3d sizes = modes.eigenvalues().cwiseAbs().cwiseMax(1e-12 * H.norm());
-    return modes.eigenvectors() * (modes.eigenvectors().transpose() * residual).cwiseQuotient(sizes);
-  }
-
   void extrapolate(Eigen::VectorXd& q) {
     ++iteration_;
-    weight_ = iteration_ == 1 ? 1 : iteration_ == 2 ? 2 / (2 - rho_ * rho_) : 4 / (4 - rho_ * rho_ * weight_);
+    weight_ = weight_of(rho_, iteration_, weight_);
     if (iteration_ > 1) q = weight_ * (q - before_) + before_;
     before_.swap(last_);
   }

@@ -8,7 +8,6 @@
 
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/positional/colouring.hpp"
-#include "problems/tissue/positional/point_forces.hpp"
 
 namespace hmax {
 namespace {
@@ -71,10 +70,10 @@ struct PositionalBody::Parts {
 
   void add_point_forces(const TissueBody& body) {
     const TissueModel& model = body.settings().model;
-    if (model.make_point_forces)
-      forces.push_back(model.make_point_forces(body.mesh(), coefficients(body), free));
+    const auto points = static_cast<Index>(body.free_points().size());
+    if (model.make_point_forces) forces.push_back(model.make_point_forces(point_tetrahedra(body), points));
     for (const SpringSet& set : body.spring_sets())
-      forces.push_back(point_forces_of_springs(body.mesh().points, set, free));
+      forces.push_back(point_forces_of_springs(point_springs(body, set), set.law(), points));
     pressed.resize(body.free_points().size());
     const std::vector<PressingForce>& loads = body.settings().forces;
     for (std::size_t load = 0; load < loads.size(); ++load)
@@ -95,6 +94,29 @@ struct PositionalBody::Parts {
           for (const Index b : piece)
             if (a >= 0 && b >= 0) neighbours[at(a)].push_back(b);
     point_colours = greedy_colours(neighbours);
+  }
+
+  [[nodiscard]] std::vector<PointTetrahedron> point_tetrahedra(const TissueBody& body) const {
+    std::vector<PointTetrahedron> all;
+    for_each_tetrahedron(body, [&](const std::array<Index, 4>& points, const RestShape& rest,
+                                   const Lame& lame) {
+      PointTetrahedron& made = all.emplace_back();
+      Eigen::Map<Eigen::Matrix<double, 3, 4>>(made.slopes[0]) << -rest.gradients.colwise().sum().transpose(),
+          rest.gradients.transpose();
+      made.lambda = lame.lambda * rest.volume, made.mu = lame.mu * rest.volume;
+      std::ranges::copy(points, made.point);
+    });
+    return all;
+  }
+
+  [[nodiscard]] std::vector<PointSpring> point_springs(const TissueBody& body, const SpringSet& set) const {
+    std::vector<PointSpring> all;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const auto& [a, b] = set.spring(i).points;
+      const Eigen::Vector3d d = body.mesh().points.col(b) - body.mesh().points.col(a);
+      all.push_back({{d[0], d[1], d[2]}, d.norm(), set.spring(i).stiffness, {free[at(a)], free[at(b)]}});
+    }
+    return all;
   }
 
   /// Pairs of points with the weight of their difference; of what is held the other is -1.
@@ -197,6 +219,15 @@ std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verb
 
 TissueConstraints PositionalBody::constraints_of(const TissueBody& body) {
   return Parts(body).constraints_of(body);
+}
+
+PointPieces PositionalBody::pieces_of(const TissueBody& body) {
+  Parts parts(body);
+  parts.add_point_forces(body);
+  PointPieces made{.tetrahedra = {}, .springs = {}, .colours = std::move(parts.point_colours)};
+  if (!body.settings().model.is_of_springs()) made.tetrahedra = parts.point_tetrahedra(body);
+  if (!body.spring_sets().empty()) made.springs = parts.point_springs(body, body.spring_sets().front());
+  return made;
 }
 
 PositionalBody::PositionalBody(std::shared_ptr<const TissueBody> body, PositionalVerbs verbs)

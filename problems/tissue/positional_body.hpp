@@ -10,6 +10,7 @@
 
 #include "core/positional.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/positional/point_forces.hpp"
 #include "problems/tissue/positional/tissue_constraints.hpp"
 
 namespace hmax {
@@ -37,6 +38,9 @@ class PositionalBody {
 
   /// The constraints of a body that has them. Their points are numbers of free ones.
   static TissueConstraints constraints_of(const TissueBody& body);
+
+  /// What moves the points of a body that is moved by points.
+  static PointPieces pieces_of(const TissueBody& body);
 
   /// @throws std::invalid_argument  where why_not() says so
   PositionalBody(std::shared_ptr<const TissueBody> body, PositionalVerbs verbs);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/mesh/topology.hpp"
@@ -13,7 +14,9 @@
 
 namespace hmax {
 
-class PointForces;  // problems/tissue/positional/point_forces.hpp
+// problems/tissue/positional/point_forces.hpp
+class PointForces;
+struct PointTetrahedron;
 
 /// A model of SOFA with the same forces: the methods of its linear elements, the materials of its
 /// hyperelastic ones.
@@ -23,9 +26,8 @@ enum class SofaField { none, small, polar, st_venant_kirchhoff, neo_hookean };
 struct TissueModel {
   using MakeElements = std::shared_ptr<const Elements> (*)(const TetMesh& mesh, std::span<const Lame> lame,
                                                            const BlockPattern& pattern);
-  using MakePointForces = std::unique_ptr<const PointForces> (*)(const TetMesh& mesh,
-                                                                 std::span<const Lame> lame,
-                                                                 std::span<const TetMesh::Index> free);
+  using MakePointForces = std::unique_ptr<const PointForces> (*)(std::vector<PointTetrahedron> tetrahedra,
+                                                                 TetMesh::Index points);
 
   std::string_view id;
   std::string_view note;           ///< one line: what the forces are

@@ -25,13 +25,6 @@ struct Lame {
 /// @throws std::invalid_argument  when a coefficient is out of range
 Lame lame(double young, double poisson);
 
-/// What a point with the gradient g of its shape function feels of a law, per volume.
-template <class Real>
-struct AlongSlope {
-  Eigen::Matrix<Real, 3, 1> stress;  ///< P g
-  Eigen::Matrix<Real, 3, 3> block;   ///< d(P g)/du, its own displacement being u
-};
-
 /// The differential of cofactors(F) along dF.
 [[nodiscard]] Eigen::Matrix3d cofactor_differential(const Eigen::Matrix3d& F, const Eigen::Matrix3d& dF);
 /// J - 1 with the digits of a small H.
@@ -45,10 +38,6 @@ class SmallStrain {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
-  /// The same at one point in one piece.
-  template <class Real>
-  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
-                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   Lame lame_;
@@ -64,10 +53,6 @@ class GreenStrain {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
-  /// The same at one point in one piece.
-  template <class Real>
-  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
-                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   Lame lame_;
@@ -104,66 +89,11 @@ class StableNeoHookean {
   [[nodiscard]] double energy() const;
   [[nodiscard]] Eigen::Matrix3d stress() const;
   [[nodiscard]] Eigen::Matrix3d differential(const Eigen::Matrix3d& dF) const;
-  /// The same at one point in one piece: J is linear along changes that g^T has on the right.
-  /// @tparam Real  double, or Lanes
-  template <class Real>
-  [[nodiscard]] static AlongSlope<Real> along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda,
-                                              const Real& mu, const Eigen::Matrix<Real, 3, 1>& g);
 
  private:
   double mu_, lambda_;
   double square_, volume_;             // |F|^2 - 3, J - 1
   Eigen::Matrix3d H_, F_, cofactors_;  // cofactors_: dJ/dF
 };
-
-template <class Real>
-AlongSlope<Real> SmallStrain::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda, const Real& mu,
-                                    const Eigen::Matrix<Real, 3, 1>& g) {
-  AlongSlope<Real> answer;
-  answer.stress = g * (lambda * H.trace()) + (H.lazyProduct(g) + H.transpose().lazyProduct(g)) * mu;
-  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = g * ((lambda + mu) * g[j]);
-  answer.block.diagonal().array() += mu * g.squaredNorm();
-  return answer;
-}
-
-template <class Real>
-AlongSlope<Real> GreenStrain::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& lambda, const Real& mu,
-                                    const Eigen::Matrix<Real, 3, 1>& g) {
-  using Vector = Eigen::Matrix<Real, 3, 1>;
-  Eigen::Matrix<Real, 3, 3> F = H, B;
-  F.diagonal().array() += Real(1);
-  for (Eigen::Index j = 0; j < 3; ++j) B.col(j) = F.lazyProduct(F.row(j).transpose());  // F F^T
-  const Vector Hg = H.lazyProduct(g), h = g + Hg;
-  // 2 E g = (H + H^T F) g, and S g
-  const Vector strained = Hg + H.transpose().lazyProduct(h);
-  const Real trace =
-      H.trace() + Real(0.5) * (H.col(0).squaredNorm() + H.col(1).squaredNorm() + H.col(2).squaredNorm());
-  const Vector stressed = g * (lambda * trace) + strained * mu;
-  AlongSlope<Real> answer;
-  answer.stress = F.lazyProduct(stressed);
-  const Real shear = mu * g.squaredNorm();
-  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = h * ((lambda + mu) * h[j]) + B.col(j) * shear;
-  answer.block.diagonal().array() += g.dot(stressed);
-  return answer;
-}
-
-template <class Real>
-AlongSlope<Real> StableNeoHookean::along(const Eigen::Matrix<Real, 3, 3>& H, const Real& first_lame,
-                                         const Real& second_lame, const Eigen::Matrix<Real, 3, 1>& g) {
-  using Vector = Eigen::Matrix<Real, 3, 1>;
-  const Real mu = second_lame * Real(4.0 / 3), lambda = first_lame + second_lame * Real(5.0 / 6);
-  const Eigen::Matrix<Real, 3, 3> K = cofactors(H);
-  const Real trace = H.trace(), square = Real(2) * trace + H.colwise().squaredNorm().sum(),
-             n = square + Real(4), volume = trace + K.trace() + H.col(0).dot(K.col(0));
-  // C = I + D, D = tr(H) I - H^T + K. Products without a call each: the hot loop of vertex block descent.
-  const Vector Hg = H.lazyProduct(g), Dg = g * trace - H.transpose().lazyProduct(g) + K.lazyProduct(g);
-  const Vector Fg = g + Hg, Cg = g + Dg;
-  const Vector stretched = Fg * (Real(2) * mu / (n * n)), squeezed = Cg * lambda;
-  AlongSlope<Real> answer;
-  answer.stress = (Hg - Dg) * (Real(0.75) * mu) + Fg * (mu * square / (Real(4) * n)) + squeezed * volume;
-  for (Eigen::Index j = 0; j < 3; ++j) answer.block.col(j) = stretched * Fg[j] + squeezed * Cg[j];
-  answer.block.diagonal().array() += mu * (Real(1) - Real(1) / n) * g.squaredNorm();
-  return answer;
-}
 
 }  // namespace hmax

@@ -1,15 +1,18 @@
 #include "problems/tissue/positional/point_forces.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <array>
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <span>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "core/instructions/compiled_for.hpp"
 #include "core/instructions/lanes.hpp"
 #include "problems/mesh/at.hpp"
-#include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/positional/free_points.hpp"
 
 namespace hmax {
@@ -50,48 +53,17 @@ class PiecesAtPoints {
   std::vector<Place> places_;
 };
 
-Index count_of(std::span<const Index> free) { return free.empty() ? 0 : *std::ranges::max_element(free) + 1; }
-
-using Vector = Eigen::Matrix<Lanes, 3, 1>;
-using Matrix = Eigen::Matrix<Lanes, 3, 3>;
-
-template <class Law>
-[[gnu::always_inline]] inline AlongSlope<Lanes> along(const Matrix& H, const Lanes& lambda, const Lanes& mu,
-                                                      const Vector& g, std::size_t used) {
-  if constexpr (requires { Law::along(H, lambda, mu, g); }) {
-    return Law::along(H, lambda, mu, g);
-  } else {
-    std::array<AlongSlope<double>, Lanes::count> of_lane;
-    for (AlongSlope<double>& each : of_lane) each = {Vector3d::Zero(), Matrix3d::Zero()};
-    for (std::size_t lane = 0; lane < used; ++lane) {
-      const auto own = [lane](const Lanes& all) { return all[lane]; };
-      const Law law(H.unaryExpr(own), {lambda[lane], mu[lane]});
-      const Vector3d slope = g.unaryExpr(own);
-      of_lane[lane].stress = law.stress() * slope;
-      for (Eigen::Index c = 0; c < 3; ++c)
-        of_lane[lane].block.col(c) = law.differential(Vector3d::Unit(c) * slope.transpose()) * slope;
-    }
-    AlongSlope<Lanes> answer;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      answer.stress[i] = Lanes([&](std::size_t lane) { return of_lane[lane].stress[i]; });
-      for (Eigen::Index j = 0; j < 3; ++j)
-        answer.block(i, j) = Lanes([&](std::size_t lane) { return of_lane[lane].block(i, j); });
-    }
-    return answer;
-  }
+template <class Piece>
+std::vector<std::vector<Index>> points_of(const std::vector<Piece>& pieces) {
+  std::vector<std::vector<Index>> all;
+  for (const Piece& piece : pieces) all.emplace_back(std::begin(piece.point), std::end(piece.point));
+  return all;
 }
 
-/// A linear tetrahedron.
-struct Element {
-  std::array<Index, 4> points;         ///< free ones
-  Lame scaled;                         ///< times the volume
-  Eigen::Matrix<double, 3, 4> slopes;  ///< gradients of the shape functions [1/m]
-};
-
-/// What pieces do to one of their points, four at a time.
-template <class Law>
+/// What tetrahedra do to one of their points, four at a time.
+template <TetLaw law>
 struct Pull {
-  const Element* elements;
+  const PointTetrahedron* tetrahedra;
   std::span<const Place> places;
   const double* q;  ///< shape (3 free points)
   const double* own;
@@ -99,177 +71,152 @@ struct Pull {
   Matrix3d K = Matrix3d::Zero();
 };
 
-template <class Law>
-[[gnu::always_inline]] inline void add_pieces(Pull<Law>& pull) {
-  AlongSlope<Lanes> sum{Vector::Constant(0.0), Matrix::Constant(0.0)};
+/// Displacements, slopes and coefficients of four tetrahedra, as tetrahedron_at_point() has them.
+struct FourAtPoint {
+  Lanes U[3][3], slopes[3][3], g[3], lambda, mu;
+};
+
+template <TetLaw law>
+[[gnu::always_inline]] inline void felt_by_point(const FourAtPoint& four, std::size_t used,
+                                                 AlongSlope<Lanes>& felt) {
+  if constexpr (law != TetLaw::corotational) {
+    tetrahedron_at_point<law, Lanes>(four.U, four.slopes, four.g, four.lambda, four.mu, felt);
+  } else {
+    AlongSlope<double> of_lane[Lanes::count]{};
+    for (std::size_t lane = 0; lane < used; ++lane) {
+      double U[3][3], slopes[3][3], g[3];
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) U[i][j] = four.U[i][j][lane], slopes[i][j] = four.slopes[i][j][lane];
+        g[i] = four.g[i][lane];
+      }
+      tetrahedron_at_point<law, double>(U, slopes, g, four.lambda[lane], four.mu[lane], of_lane[lane]);
+    }
+    for (int i = 0; i < 3; ++i)
+      felt.stress[i] = Lanes([&](std::size_t lane) { return of_lane[lane].stress[i]; });
+    for (int k = 0; k < 6; ++k)
+      felt.block[k] = Lanes([&](std::size_t lane) { return of_lane[lane].block[k]; });
+  }
+}
+
+template <TetLaw law>
+[[gnu::always_inline]] inline void add_pieces(Pull<law>& pull) {
+  AlongSlope<Lanes> sum, felt;
+  for (Lanes& each : sum.stress) each = Lanes(0.0);
+  for (Lanes& each : sum.block) each = Lanes(0.0);
   for (std::size_t first = 0; first < pull.places.size(); first += Lanes::count) {
     // Of each lane: displacements and slopes of the other three corners, and the slope of the own one. Lanes
-    // that are left over repeat a piece without stiffness.
+    // that are left over have a tetrahedron without stiffness that moves as one.
     std::array<std::array<const double*, Lanes::count>, 3> displacement, slope;
     std::array<const double*, Lanes::count> own_slope;
-    std::array<Lame, Lanes::count> lame{};
+    std::array<double, Lanes::count> lambda{}, mu{};
     for (std::size_t lane = 0; lane < Lanes::count; ++lane) {
       const bool used = first + lane < pull.places.size();
       const auto [piece, corner] = pull.places[used ? first + lane : first];
-      const Element& e = pull.elements[piece];
+      const PointTetrahedron& e = pull.tetrahedra[piece];
       for (std::uint32_t other = 0; other < 3; ++other) {
         const std::uint32_t c = (corner + other + 1) % 4;
-        displacement[other][lane] = displacement_at(pull.q, e.points[c]);
-        slope[other][lane] = e.slopes.data() + 3 * c;
+        displacement[other][lane] = used ? displacement_at(pull.q, e.point[c]) : pull.own;
+        slope[other][lane] = e.slopes[c];
       }
-      own_slope[lane] = e.slopes.data() + 3 * corner;
-      if (used) lame[lane] = e.scaled;
+      own_slope[lane] = e.slopes[corner];
+      if (used) lambda[lane] = e.lambda, mu[lane] = e.mu;
     }
     const auto gathered = [](const std::array<const double*, Lanes::count>& from, std::size_t axis)
         __attribute__((always_inline)) {
       return Lanes([&](std::size_t lane) __attribute__((always_inline)) { return from[lane][axis]; });
     };
-    Matrix U, G;
-    Vector g;
+    FourAtPoint four;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto row = static_cast<Eigen::Index>(axis);
       for (std::size_t other = 0; other < 3; ++other) {
-        U(row, static_cast<Eigen::Index>(other)) =
-            gathered(displacement[other], axis) - Lanes(pull.own[axis]);
-        G(row, static_cast<Eigen::Index>(other)) = gathered(slope[other], axis);
+        four.U[other][axis] = gathered(displacement[other], axis) - Lanes(pull.own[axis]);
+        four.slopes[other][axis] = gathered(slope[other], axis);
       }
-      g[row] = gathered(own_slope, axis);
+      four.g[axis] = gathered(own_slope, axis);
     }
-    Matrix H;
-    for (Eigen::Index j = 0; j < 3; ++j) H.col(j) = U.lazyProduct(G.row(j).transpose());
-    const Lanes lambda([&](std::size_t lane) { return lame[lane].lambda; }),
-        mu([&](std::size_t lane) { return lame[lane].mu; });
-    const AlongSlope<Lanes> felt =
-        along<Law>(H, lambda, mu, g, std::min(Lanes::count, pull.places.size() - first));
-    sum.stress += felt.stress;
-    for (Eigen::Index j = 0; j < 3; ++j) sum.block.col(j) += felt.block.col(j);
+    four.lambda = Lanes([&](std::size_t lane) { return lambda[lane]; });
+    four.mu = Lanes([&](std::size_t lane) { return mu[lane]; });
+    felt_by_point<law>(four, std::min(Lanes::count, pull.places.size() - first), felt);
+    for (int i = 0; i < 3; ++i) sum.stress[i] += felt.stress[i];
+    for (int k = 0; k < 6; ++k) sum.block[k] += felt.block[k];
   }
-  for (Eigen::Index i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
     pull.f[i] = -sum.stress[i].sum();
-    for (Eigen::Index j = 0; j < 3; ++j) pull.K(i, j) = sum.block(i, j).sum();
+    for (int j = 0; j <= i; ++j) pull.K(i, j) = pull.K(j, i) = sum.block[kernel_loops::symmetric(j, i)].sum();
   }
 }
 
-template <class Law>
+template <TetLaw law>
 class PointForcesOfLaw final : public PointForces {
  public:
-  PointForcesOfLaw(const TetMesh& mesh, std::span<const Lame> lame, std::span<const Index> free)
-      : elements_(elements_of(mesh, lame, free)), at_points_(pieces(), count_of(free)) {}
+  PointForcesOfLaw(std::vector<PointTetrahedron> tetrahedra, Index points)
+      : tetrahedra_(std::move(tetrahedra)), at_points_(pieces(), points) {}
 
   void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
-    Pull<Law> pull{elements_.data(), at_points_[i], q.data(), q.data() + 3 * static_cast<Eigen::Index>(i)};
+    Pull<law> pull{tetrahedra_.data(), at_points_[i], q.data(), q.data() + 3 * static_cast<Eigen::Index>(i)};
     add_pieces_(pull);
     f += pull.f;
     K += pull.K;
   }
 
-  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override {
-    std::vector<std::vector<Index>> all;
-    for (const Element& e : elements_) all.emplace_back(e.points.begin(), e.points.end());
-    return all;
-  }
+  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override { return points_of(tetrahedra_); }
 
  private:
-  static std::vector<Element> elements_of(const TetMesh& mesh, std::span<const Lame> lame,
-                                          std::span<const Index> free) {
-    std::vector<Element> all;
-    for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
-      std::array<Index, 4> corners, points;
-      for (std::size_t a = 0; a < 4; ++a) {
-        corners[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
-        points[a] = free[at(corners[a])];
-      }
-      const RestShape rest(mesh, corners);
-      const Lame& own = lame[at(mesh.region(t))];
-      Element element{points, {own.lambda * rest.volume, own.mu * rest.volume}, {}};
-      element.slopes << -rest.gradients.colwise().sum().transpose(), rest.gradients.transpose();
-      all.push_back(element);
-    }
-    return all;
-  }
-
-  std::vector<Element> elements_;
+  std::vector<PointTetrahedron> tetrahedra_;
   PiecesAtPoints at_points_;
-  void (*add_pieces_)(Pull<Law>&) = CompiledFor<add_pieces<Law>>::of(instruction_sets().front());
+  void (*add_pieces_)(Pull<law>&) = CompiledFor<add_pieces<law>>::of(instruction_sets().front());
 };
 
 template <class Law>
 class PointForcesOfSprings final : public PointForces {
  public:
-  PointForcesOfSprings(const Eigen::Matrix3Xd& rest, const SpringSet& springs, const Law& law,
-                       std::span<const Index> free)
-      : law_(law), springs_(springs_of(rest, springs, free)), at_points_(pieces(), count_of(free)) {}
+  PointForcesOfSprings(std::vector<PointSpring> springs, const Law& law, Index points)
+      : law_(law), springs_(std::move(springs)), at_points_(pieces(), points) {}
 
   void add(const Eigen::VectorXd& q, Index i, Vector3d& f, Matrix3d& K) const override {
     for (const auto& [piece, corner] : at_points_[i]) {
-      const Spring& s = springs_[piece];
-      const Vector3d d = s.rest + displacement_of(q, s.points[1]) - displacement_of(q, s.points[0]);
-      const double l = std::max(d.norm(), std::numeric_limits<double>::min());
-      const Vector3d e = d / l;
-      const double strain = (l - s.length) / s.length, tension = s.stiffness * s.length * law_.phi(strain);
-      f += (corner == 0 ? tension : -tension) * e;
-      // dT/dl e e^T + T / l (I - e e^T)
-      const double across = tension / l;
-      K += across * Matrix3d::Identity() + (s.stiffness * law_.slope(strain) - across) * e * e.transpose();
+      const PointSpring& s = springs_[piece];
+      const double *near = displacement_at(q.data(), s.point[0]),
+                   *far = displacement_at(q.data(), s.point[1]);
+      double d[3];
+      for (int k = 0; k < 3; ++k) d[k] = s.rest[k] + far[k] - near[k];
+      add_spring_at_point(law_, s, corner == 0, d, f.data(), K.data());
     }
+    K.triangularView<Eigen::StrictlyUpper>() = K.transpose();
   }
 
-  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override {
-    std::vector<std::vector<Index>> all;
-    for (const Spring& s : springs_) all.emplace_back(s.points.begin(), s.points.end());
-    return all;
-  }
+  [[nodiscard]] std::vector<std::vector<Index>> pieces() const override { return points_of(springs_); }
 
  private:
-  struct Spring {
-    std::array<Index, 2> points;  ///< free ones
-    Vector3d rest;                ///< from the first to the second [m]
-    double length, stiffness;     ///< L [m], k [N/m]
-  };
-  static std::vector<Spring> springs_of(const Eigen::Matrix3Xd& rest, const SpringSet& springs,
-                                        std::span<const Index> free) {
-    std::vector<Spring> all;
-    for (std::size_t i = 0; i < springs.size(); ++i) {
-      const auto& [a, b] = springs.spring(i).points;
-      const Vector3d d = rest.col(b) - rest.col(a);
-      all.push_back({{free[at(a)], free[at(b)]}, d, d.norm(), springs.spring(i).stiffness});
-    }
-    return all;
-  }
-
   Law law_;
-  std::vector<Spring> springs_;
+  std::vector<PointSpring> springs_;
   PiecesAtPoints at_points_;
 };
 
 }  // namespace
 
-template <class Law>
-std::unique_ptr<const PointForces> point_forces_of_law(const TetMesh& mesh, std::span<const Lame> lame,
-                                                       std::span<const TetMesh::Index> free) {
-  return std::make_unique<const PointForcesOfLaw<Law>>(mesh, lame, free);
+template <TetLaw law>
+std::unique_ptr<const PointForces> point_forces_of_law(std::vector<PointTetrahedron> tetrahedra,
+                                                       Index points) {
+  return std::make_unique<const PointForcesOfLaw<law>>(std::move(tetrahedra), points);
 }
 
-template std::unique_ptr<const PointForces> point_forces_of_law<SmallStrain>(const TetMesh&,
-                                                                             std::span<const Lame>,
-                                                                             std::span<const TetMesh::Index>);
-template std::unique_ptr<const PointForces> point_forces_of_law<GreenStrain>(const TetMesh&,
-                                                                             std::span<const Lame>,
-                                                                             std::span<const TetMesh::Index>);
-template std::unique_ptr<const PointForces> point_forces_of_law<Corotational>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
-template std::unique_ptr<const PointForces> point_forces_of_law<StableNeoHookean>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
+template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::small_strain>(
+    std::vector<PointTetrahedron>, Index);
+template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::green>(std::vector<PointTetrahedron>,
+                                                                               Index);
+template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::corotational>(
+    std::vector<PointTetrahedron>, Index);
+template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::neo_hookean>(
+    std::vector<PointTetrahedron>, Index);
 
-std::unique_ptr<const PointForces> point_forces_of_springs(const Eigen::Matrix3Xd& rest,
-                                                           const SpringSet& springs,
-                                                           std::span<const TetMesh::Index> free) {
+std::unique_ptr<const PointForces> point_forces_of_springs(std::vector<PointSpring> springs,
+                                                           const SpringLaw& law, Index points) {
   return std::visit(
-      [&](const auto& law) -> std::unique_ptr<const PointForces> {
-        return std::make_unique<const PointForcesOfSprings<std::decay_t<decltype(law)>>>(rest, springs, law,
-                                                                                         free);
+      [&](const auto& own) -> std::unique_ptr<const PointForces> {
+        return std::make_unique<const PointForcesOfSprings<std::decay_t<decltype(own)>>>(std::move(springs),
+                                                                                         own, points);
       },
-      springs.law());
+      law);
 }
 
 }  // namespace hmax

@@ -1,17 +1,15 @@
 /// Elastic forces on one point of a body at a time.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/positional.hpp"
 #include "problems/mesh/tet_mesh.hpp"
-#include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/springs.hpp"
+#include "problems/tissue/positional/pieces_at_point.hpp"
 
 namespace hmax {
 
@@ -32,26 +30,30 @@ class PointForces {
   [[nodiscard]] virtual std::vector<std::vector<Index>> pieces() const = 0;
 };
 
-/// Of linear tetrahedra of a law, the same as TetElements<Law>.
-/// @param lame  of each region
-/// @param free  number of each point of the mesh among the free ones, -1 for held ones
-template <class Law>
-std::unique_ptr<const PointForces> point_forces_of_law(const TetMesh& mesh, std::span<const Lame> lame,
-                                                       std::span<const TetMesh::Index> free);
+/// The pieces of a body by its free points, and the order in which they are moved.
+struct PointPieces {
+  std::vector<PointTetrahedron> tetrahedra;
+  std::vector<PointSpring> springs;  ///< of the first set
+  Colours colours;
+};
 
-extern template std::unique_ptr<const PointForces> point_forces_of_law<SmallStrain>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<GreenStrain>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<Corotational>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<StableNeoHookean>(
-    const TetMesh&, std::span<const Lame>, std::span<const TetMesh::Index>);
+/// Of linear tetrahedra of a law, the same as TetElements.
+/// @param points  how many are free
+template <TetLaw law>
+std::unique_ptr<const PointForces> point_forces_of_law(std::vector<PointTetrahedron> tetrahedra,
+                                                       TetMesh::Index points);
+
+extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::small_strain>(
+    std::vector<PointTetrahedron>, TetMesh::Index);
+extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::green>(
+    std::vector<PointTetrahedron>, TetMesh::Index);
+extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::corotational>(
+    std::vector<PointTetrahedron>, TetMesh::Index);
+extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::neo_hookean>(
+    std::vector<PointTetrahedron>, TetMesh::Index);
 
 /// Of springs, the same as SpringSet without dampers.
-/// @param rest  positions of the points of the mesh, shape (3, points)
-std::unique_ptr<const PointForces> point_forces_of_springs(const Eigen::Matrix3Xd& rest,
-                                                           const SpringSet& springs,
-                                                           std::span<const TetMesh::Index> free);
+std::unique_ptr<const PointForces> point_forces_of_springs(std::vector<PointSpring> springs,
+                                                           const SpringLaw& law, TetMesh::Index points);
 
 }  // namespace hmax

@@ -20,12 +20,14 @@
 #include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/host_device.hpp"
+#include "catalogue/device/point_step.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/positional_body.hpp"
 #include "tests/catalogue/device/gpu.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
@@ -127,10 +129,10 @@ Problem uneven_body(double alpha, const char* model = "fem_green",
   return body_of(mesh, settings);
 }
 
-/// An uneven body of fem_corotational whose points begin at F X: turned inside out, flat, or at one place.
+/// An uneven body whose points begin at F X: turned inside out, flat, or at one place.
 /// @param F  its diagonal
-Problem pressed_body(const Eigen::Vector3d& F) {
-  Problem problem = uneven_body(2.5, "fem_corotational");
+Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {
+  Problem problem = uneven_body(2.5, model);
   const std::vector<TetMesh::Index>& free = problem.body->free_points();
   for (std::size_t i = 0; i < free.size(); ++i)
     problem.y0.segment<3>(3 * static_cast<Eigen::Index>(i)) =
@@ -360,29 +362,60 @@ void expect_same_chosen_ends(Device& device) {
   expect_end(broken, Outcome::diverged, {.t_end = 1, .rtol = 1e-6, .atol = 1e-9});
 }
 
+Problem of_model(const Problem& body, const char* model, const SpringLaw& law, double beta) {
+  TissueSettings settings = body.body->settings();
+  settings.model = tissue_model(model);
+  settings.springs.law = law;
+  settings.beta = beta;
+  return body_of(body.body->mesh(), settings);
+}
+
 /// Compliant constraints: of several counts, both kinds of elements, damping and loads.
 void expect_same_constraints(Device& device) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
-  const auto of_model = [](const Problem& body, const char* model, double beta) {
-    TissueSettings settings = body.body->settings();
-    settings.model = tissue_model(model);
-    settings.springs.law = LinearSpring{};
-    settings.beta = beta;
-    return body_of(body.body->mesh(), settings);
-  };
   for (const char* method :
        {"xpbd:iterations=1", "xpbd:iterations=4,substeps=3", "xpbd:iterations=3,substeps=2,reset=1"})
     for (const Problem& body : {uneven_body(0), uneven_body(2.5), driven_body()})
       for (const char* model : {"mass_spring", "fem_neo_hookean"})
         for (const double beta : {0.0, 1e-3})
-          expect_same(device, of_model(body, model, beta), method, spec, 3);
+          expect_same(device, of_model(body, model, LinearSpring{}, beta), method, spec, 3);
   for (const char* method : {"pbd", "pbd:iterations=3,substeps=2,stiffness=0.7"})
-    expect_same(device, of_model(driven_body(), "mass_spring", 0), method, spec, 3);
+    expect_same(device, of_model(driven_body(), "mass_spring", LinearSpring{}, 0), method, spec, 3);
   // Colours of more constraints than a block has threads.
   const Parameters heavy{{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}};
   for (const char* id : {"mass_spring@cube:n=8", "fem_neo_hookean@cube:n=8", "fem_neo_hookean@liver"})
     expect_same(device, make_problem(id, {.parameters = heavy}), "xpbd:substeps=3",
                 {.t_end = 0.02, .h = 0.01}, 3);
+}
+
+/// Vertex block descent: of several counts, with and without extrapolation, all laws, damping and loads.
+void expect_same_points(Device& device) {
+  const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
+  for (const char* method : {"vbd:iterations=1", "vbd:iterations=2,substeps=3,rho=0.5",
+                             "vbd:iterations=5,substeps=2,rho=0.9", "vbd:iterations=4"})
+    for (const Problem& body : {uneven_body(0), driven_body()})
+      for (const char* model :
+           {"mass_spring", "fem_green", "fem_cauchy", "fem_corotational", "fem_neo_hookean"})
+        for (const double beta : {0.0, 1e-3})
+          expect_same(device, of_model(body, model, CubicSpring{4}, beta), method, spec, 3);
+  // Where the matrix of a point is not positive definite.
+  for (const Eigen::Vector3d& F : pressed)
+    for (const char* model : {"fem_green", "fem_corotational", "fem_neo_hookean", "mass_spring"})
+      expect_same(device, pressed_body(F, model), "vbd:iterations=3,substeps=2", spec, 3);
+  const Parameters heavy{{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}};
+  for (const char* id : {"mass_spring@liver", "fem_neo_hookean@ball", "fem_green@phantom", "fem_cauchy@beam",
+                         "fem_corotational@liver"})
+    expect_same(device, make_problem(id, {.parameters = heavy}), "vbd:substeps=2", {.t_end = 0.02, .h = 0.01},
+                3);
+  // Colours of more points than a block has.
+  for (const char* id : {"mass_spring@cube:n=9", "fem_green@cube:n=9"}) {
+    const Problem large = make_problem(id, {.parameters = heavy});
+    EXPECT_GT(
+        std::ranges::max(PositionalBody::pieces_of(*large.body).colours, {}, std::size<Colours::value_type>)
+            .size(),
+        2 * static_cast<std::size_t>(MovePoints::points));
+    expect_same(device, large, "vbd:iterations=2,rho=0.3", {.t_end = 0.02, .h = 0.01}, 3);
+  }
 }
 
 void expect_same_divergence(Device& device) {
@@ -409,6 +442,12 @@ void expect_same_divergence(Device& device) {
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 1e6}}}),
                   "xpbd:iterations=3,substeps=2", {.t_end = 40, .h = 0.01});
   EXPECT_EQ(stiffer.outcome, Outcome::diverged);
+  for (const char* id : {"mass_spring@cube:n=3", "fem_cauchy@cube:n=3"}) {
+    const RunRecord extrapolated = expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}}}),
+                                               "vbd:iterations=20,rho=0.999", {.t_end = 5, .h = 0.05});
+    EXPECT_EQ(extrapolated.outcome, Outcome::diverged);
+    EXPECT_GT(extrapolated.stats.steps, 1);
+  }
   EXPECT_LT(flat.stats.linear_iterations, 8 * flat.stats.newton) << "there was curvature everywhere";
 }
 
@@ -448,6 +487,13 @@ TEST(HostDevice, MeetsConstraintsWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
     expect_same_constraints(device);
+  }
+}
+
+TEST(HostDevice, MovesPointsWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_points(device);
   }
 }
 
@@ -529,6 +575,10 @@ TEST(HostDevice, CountsTheWorkOfAllBodies) {
   EXPECT_DOUBLE_EQ(thrice.flops, 3 * once.flops);
   EXPECT_DOUBLE_EQ(thrice.bytes, 3 * once.bytes);
   EXPECT_LT(thrice.flops, meet("xpbd:iterations=3").flops * 3);
+  const DeviceRun moved = meet("vbd:iterations=1"), moved_thrice = meet("vbd:iterations=1,substeps=3");
+  EXPECT_DOUBLE_EQ(moved_thrice.flops, 3 * moved.flops);
+  EXPECT_DOUBLE_EQ(moved_thrice.bytes, 3 * moved.bytes);
+  EXPECT_LT(meet("vbd:iterations=3").flops, moved_thrice.flops);
 }
 
 TEST(HostDevice, StepsBodiesAtATimeAsEachAlone) {
@@ -610,14 +660,23 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
-  EXPECT_TRUE(has(why(body, "vbd"), "runs on no GPU"));
+  EXPECT_EQ(why(body, "vbd"), "");
+  EXPECT_TRUE(has(why(body, "projective_dynamics"), "runs on no GPU"));
   HostDevice device;
-  EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method("xpbd"), {.t_end = 1, .h = 0.1},
-                                               Precision::double_precision, 2)),
-               InputError);
-  EXPECT_THROW(static_cast<void>(
-                   on_device(find_method("xpbd:substeps=30000"), std::make_shared<HostDevice>()).bind(solid)),
-               InputError);
+  for (const char* method : {"xpbd", "vbd"}) {
+    EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method(method), {.t_end = 1, .h = 0.1},
+                                                 Precision::double_precision, 2)),
+                 InputError);
+    EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method(method), {.t_end = 1, .h = 0.1},
+                                                 Precision::single_precision)),
+                 InputError);
+    const Method much = find_method(std::string(method) + ":substeps=30000");
+    EXPECT_THROW(static_cast<void>(on_device(much, std::make_shared<HostDevice>()).bind(solid)), InputError);
+  }
+  const Problem skinned = uneven_body(1, "fem_green", SkinSettings::Kind::springs);
+  EXPECT_THROW(static_cast<void>(on_device(find_method("vbd"), std::make_shared<HostDevice>()).bind(skinned)),
+               InputError)
+      << "points do not have the forces of a skin";
   EXPECT_THROW(static_cast<void>(on_device(find_method("xpbd"), std::make_shared<HostDevice>()).bind(body)),
                InputError)
       << "Green's strain has no constraints";
@@ -676,6 +735,7 @@ TEST_F(Gpu, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
 }
 TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
 TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }
+TEST_F(Gpu, MovesPointsWithTheBitsOfTheProcessor) { expect_same_points(*device); }
 TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_same_at_a_time(*device); }
 TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
 

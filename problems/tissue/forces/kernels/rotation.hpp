@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/instructions/device_code.hpp"
+#include "core/instructions/jacobi.hpp"
 #include "problems/tissue/forces/kernels/small_matrices.hpp"
 
 namespace hmax::kernel_loops {
@@ -19,26 +20,6 @@ HMAX_DEVICE inline void step_to_rotation(const V (*W)[3], V (*next)[3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       next[i][j] = half * W[i][j] + ((i == j ? trace - W[j][i] - volume : -W[j][i]) + K[i][j]) * inverse;
-}
-
-/// Turns the symmetric A by the angle that makes entry (p, q) zero, and the columns of Q with it.
-template <class Lanes, class V>
-HMAX_DEVICE inline void jacobi_rotation(int p, int q, V (*A)[4], V (*Q)[4]) {
-  const V one = Lanes::splat(1), zero = Lanes::splat(0), twice = A[p][q] + A[p][q], d = A[q][q] - A[p][p];
-  const V size = Lanes::root(d * d + twice * twice), base = d < zero ? d - size : d + size;
-  const V t = twice / (base == zero ? one : base), c = one / Lanes::root(one + t * t), s = c * t;
-  for (int k = 0; k < 4; ++k) {
-    const V row_p = A[p][k], row_q = A[q][k];
-    A[p][k] = c * row_p - s * row_q;
-    A[q][k] = s * row_p + c * row_q;
-  }
-  for (int k = 0; k < 4; ++k) {
-    const V column_p = A[k][p], column_q = A[k][q], Q_p = Q[k][p], Q_q = Q[k][q];
-    A[k][p] = c * column_p - s * column_q;
-    A[k][q] = s * column_p + c * column_q;
-    Q[k][p] = c * Q_p - s * Q_q;
-    Q[k][q] = s * Q_p + c * Q_q;
-  }
 }
 
 /// W = R - I of the rotation that makes tr(R^T F) largest, for every F. tr(R^T F) is quadratic in the unit

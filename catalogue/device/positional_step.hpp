@@ -1,4 +1,5 @@
-/// Substeps of a body by compliant constraints, as CompliantConstraints has them: the programs of devices.
+/// Substeps of methods that move points one after the other or meet compliant constraints, PositionalEuler:
+/// the programs of devices. Those of CompliantConstraints are here, those of points in point_step.hpp.
 ///
 /// Constraints of one colour have no point in common: their threads run in any order, or at once.
 /// Displacements and velocities are stored as those of BodyStep; the iterate stands in step.q_next.
@@ -15,6 +16,50 @@
 #include "problems/tissue/positional/element_constraints.hpp"
 
 namespace hmax {
+
+/// Loads at the points that they push.
+struct PushArrays {
+  TermLists at_point;  ///< of each free point of BodyArrays: its places in the two arrays below
+  const std::int32_t* load;
+  const double *share, *force;  ///< force [N] of each load, shape (loads, 3)
+  bool operator==(const PushArrays&) const = default;
+};
+
+/// f and component i of the loads on point p, in the order of the processor.
+/// @param step  of its loads only the factors of each, shape (evaluations, loads)
+HMAX_DEVICE inline double add_loads(const PushArrays& pushes, const BodyStep<double>& step,
+                                    std::int32_t evaluation, std::int32_t p, int i, double f) {
+  const double* const factor = step.loads + (*step.evaluated + evaluation) * step.next_loads;
+  for (std::int32_t k = pushes.at_point.first[p]; k < pushes.at_point.first[p + 1]; ++k) {
+    const std::int32_t push = pushes.at_point.of[k], which = pushes.load[push];
+    f = f + factor[which] * pushes.share[push] * pushes.force[3 * which + i];
+  }
+  return f;
+}
+
+/// Where the body would be without elastic forces: a thread for each degree of freedom.
+struct SubstepBegin {
+  static constexpr std::int32_t threads = 256;
+  PushArrays pushes;
+  BodyStep<double> step;
+  double h, drag;           ///< of a substep; 1 + alpha h
+  double* weight;           ///< w_i [1/kg] of constraints, shape (free); null where nobody asks for them
+  std::int32_t evaluation;  ///< of BodyStep
+  bool operator==(const SubstepBegin&) const = default;
+};
+HMAX_DEVICE inline std::int64_t count_of(const SubstepBegin& begin) {
+  return 3 * static_cast<std::int64_t>(begin.step.body.free);
+}
+HMAX_DEVICE inline void run_thread(std::true_type, const SubstepBegin& begin, std::int64_t n) {
+  const BodyStep<double>& step = begin.step;
+  const auto i = static_cast<std::int32_t>(n / step.body.free),
+             p = static_cast<std::int32_t>(n % step.body.free);
+  const double load = add_loads(begin.pushes, step, begin.evaluation, p, i, step.body.weight[n]);
+  const double h = begin.h, mass = step.body.mass[p];
+  const std::int64_t at = static_cast<std::int64_t>(i) * step.body.points + p;
+  step.q_next[at] = step.q[at] + (h * step.v[n] + h * h * load / mass) / begin.drag;
+  if (begin.weight && i == 0) begin.weight[p] = 1 / (mass * begin.drag);
+}
 
 /// The constraint of a spring, its ends points of BodyArrays.
 struct DeviceSpring {
@@ -36,42 +81,11 @@ struct ConstraintArrays {
   const DeviceSpring* spring;
   const DeviceTetrahedron* tetrahedron;
   TermLists colours;  ///< the constraints of each colour
-  TermLists pushes;   ///< of each point of BodyArrays: its places in the two arrays below
-  const std::int32_t* push_load;
-  const double *push_share, *force;  ///< force [N] of each load, shape (loads, 3)
-  double *lambda, *weight;           ///< shape (constraints); w_i [1/kg], shape (free)
+  double* lambda;     ///< shape (constraints)
+  double* weight;     ///< of SubstepBegin
   MeetingRule rule;
-  double h, drag;  ///< of a substep; 1 + alpha h
   bool operator==(const ConstraintArrays&) const = default;
 };
-
-/// Where the body would be without elastic forces: a thread for each degree of freedom.
-struct ConstraintBegin {
-  static constexpr std::int32_t threads = 256;
-  ConstraintArrays arrays;
-  BodyStep<double> step;    ///< of its loads only the factors of each, shape (evaluations, loads)
-  std::int32_t evaluation;  ///< of BodyStep
-  bool operator==(const ConstraintBegin&) const = default;
-};
-HMAX_DEVICE inline std::int64_t count_of(const ConstraintBegin& begin) {
-  return 3 * static_cast<std::int64_t>(begin.step.body.free);
-}
-HMAX_DEVICE inline void run_thread(std::true_type, const ConstraintBegin& begin, std::int64_t n) {
-  const ConstraintArrays& arrays = begin.arrays;
-  const BodyStep<double>& step = begin.step;
-  const auto i = static_cast<std::int32_t>(n / step.body.free),
-             p = static_cast<std::int32_t>(n % step.body.free);
-  const double* const factor = step.loads + (*step.evaluated + begin.evaluation) * step.next_loads;
-  double load = step.body.weight[n];
-  for (std::int32_t k = arrays.pushes.first[p]; k < arrays.pushes.first[p + 1]; ++k) {
-    const std::int32_t push = arrays.pushes.of[k], which = arrays.push_load[push];
-    load = load + factor[which] * arrays.push_share[push] * arrays.force[3 * which + i];
-  }
-  const double h = arrays.h, mass = step.body.mass[p];
-  const std::int64_t at = static_cast<std::int64_t>(i) * step.body.points + p;
-  step.q_next[at] = step.q[at] + (h * step.v[n] + h * h * load / mass) / arrays.drag;
-  if (i == 0) arrays.weight[p] = 1 / (mass * arrays.drag);
-}
 
 /// Meets the constraints of some colours. One colour takes as many blocks as it needs; of more of them, over
 /// and over again, each has to fit into one.
@@ -152,16 +166,16 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const MeetColours
 }
 
 /// The velocities of a substep: a thread for each degree of freedom.
-struct ConstraintEnd {
+struct SubstepEnd {
   static constexpr std::int32_t threads = 256;
   BodyStep<double> step;
   double h;
-  bool operator==(const ConstraintEnd&) const = default;
+  bool operator==(const SubstepEnd&) const = default;
 };
-HMAX_DEVICE inline std::int64_t count_of(const ConstraintEnd& end) {
+HMAX_DEVICE inline std::int64_t count_of(const SubstepEnd& end) {
   return 3 * static_cast<std::int64_t>(end.step.body.free);
 }
-HMAX_DEVICE inline void run_thread(std::true_type, const ConstraintEnd& end, std::int64_t n) {
+HMAX_DEVICE inline void run_thread(std::true_type, const SubstepEnd& end, std::int64_t n) {
   const BodyStep<double>& step = end.step;
   const std::int64_t at = n / step.body.free * step.body.points + n % step.body.free;
   const double q = step.q_next[at], v = (q - step.q[at]) / end.h;
