@@ -181,7 +181,8 @@ class PointForcesOfSprings final : public PointForces {
       for (int k = 0; k < 3; ++k) d[k] = s.rest[k] + far[k] - near[k];
       add_spring_at_point(law_, s, corner == 0, d, f.data(), K.data());
     }
-    K.triangularView<Eigen::StrictlyUpper>() = K.transpose();
+    for (Eigen::Index j = 1; j < 3; ++j)
+      for (Eigen::Index k = 0; k < j; ++k) K(k, j) = K(j, k);
   }
 
   [[nodiscard]] std::vector<std::vector<Index>> pieces() const override { return points_of(springs_); }
