@@ -130,7 +130,9 @@ class Gpu final : public Device {
   void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override {
     for (const DeviceProgram& program : programs) make_room(program);
     const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / programs.size()));
-    const bool repeats = programs.size() > 1 || times > 1;
+    // Programs that are never the same again, as those of chosen steps, are worth no graph.
+    const bool repeats = (programs.size() > 1 || times > 1) &&
+                         std::all_of(programs.begin(), programs.end(), [](const auto& own) { return own.is(own); });
     const cudaGraphExec_t graph = repeats && times >= of_graph ? graph_of(programs, of_graph, loads) : nullptr;
     timed([&] {
       for (; graph && times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph, stream_), "does not step");

@@ -86,7 +86,7 @@ enum class Move : std::int32_t {
   kick,              ///< v += h/2 a: the end of a step; they are kept
   force,             ///< they are not made: the forces are kept in their place
   stage,             ///< the slope (v, a) is kept, and (q, v) becomes the sum of StageSum
-  recurrence,        ///< (q, v) becomes what StageRecurrence makes of it
+  recurrence,        ///< (q, v) becomes what StageRecurrence makes of it; in double precision
   slope              ///< the slope is kept, and nothing is made of it
 };
 
@@ -302,7 +302,8 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
   if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, dof - first, a, q, v);
   if (step.move == Move::stage) sum_slopes(step, at, dof, q, v);
-  if (step.move == Move::recurrence) next_stage(step, at, dof, a, q, v);
+  if constexpr (std::is_same_v<Real, double>)
+    if (step.move == Move::recurrence) next_stage(step, at, dof, a, q, v);
   const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
   if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
   step.q_next[at] = q;

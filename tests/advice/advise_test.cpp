@@ -44,7 +44,7 @@ TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
 TEST(Advise, OnADeviceHasTheMotionsOfTheProcessor) {
   const Problem problem = cube("press");
   AdviceQuestion question{.rate = 100, .budget = 10, .frames = 60, .material = false, .proof = 0.1};
-  for (const char* id : {"symplectic_euler", "rk4", "rkc_2", "newton_truncated", "vbd"})
+  for (const char* id : {"symplectic_euler", "rk4", "newton_truncated", "vbd"})
     question.methods.push_back(find_method(id));
   const Advice here = advise(problem, question);
   question.device = std::make_shared<HostDevice>();

@@ -3,12 +3,8 @@
 #include "catalogue/device/device_run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <memory>
-#include <numeric>
-#include <random>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -21,127 +17,16 @@
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/host_device.hpp"
 #include "catalogue/device/point_step.hpp"
-#include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
-#include "problems/tissue/body.hpp"
 #include "problems/tissue/positional_body.hpp"
+#include "tests/catalogue/device/device_runs.hpp"
 #include "tests/catalogue/device/gpu.hpp"
-#include "tests/problems/tissue/bodies.hpp"
 
 namespace hmax {
 namespace {
 
-/// Numbers that differ in their bits; of zeros the sign counts.
-std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-  if (a.size() != b.size()) return static_cast<std::size_t>(std::max(a.size(), b.size()));
-  std::size_t count = 0;
-  for (Eigen::Index i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(double)) != 0;
-  return count;
-}
-
-void expect_equal(const RunRecord& found, const RunRecord& expected, const std::string& id) {
-  EXPECT_EQ(found.outcome, expected.outcome) << id;
-  EXPECT_EQ(found.t, expected.t) << id;
-  EXPECT_EQ(found.t_state, expected.t_state) << id;
-  EXPECT_EQ(found.note, expected.note) << id;
-  EXPECT_EQ(found.stats, expected.stats) << id << ", rhs " << found.stats.rhs << " of " << expected.stats.rhs;
-  EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << " of " << expected.y.size();
-  EXPECT_GT(expected.y.norm(), 0);
-}
-
-/// @returns the run on the processor
-RunRecord expect_same(Device& device, const Problem& problem, const std::string& id, const RunSpec& spec,
-                      std::int64_t seen_every = 7) {
-  const Method method = find_method(id);
-  EXPECT_EQ(unsuited_for_device(problem, method), "");
-  const Method there = on_device(method, std::shared_ptr<Device>(&device, [](Device*) {}));
-  using Points = std::vector<std::pair<double, Eigen::VectorXd>>;
-  const auto into = [](Points& points) {
-    return [&points](double t, const Eigen::Ref<const Eigen::VectorXd>& y) { points.emplace_back(t, y); };
-  };
-  Points steps, seen;
-  RunSpec seldom = spec;
-  seldom.seen_every = seen_every;
-  const RunRecord expected = method.bind(problem).run(spec, into(steps)),
-                  found = there.bind(problem).run(seldom, into(seen));
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (i % static_cast<std::size_t>(seen_every) != 0 &&
-        (i + 1 < steps.size() || expected.outcome == Outcome::diverged))
-      continue;
-    if (n >= seen.size()) break;
-    EXPECT_EQ(seen[n].first, steps[i].first) << id;
-    EXPECT_EQ(unequal(seen[n].second, steps[i].second), 0U) << id << " at " << steps[i].first;
-    ++n;
-  }
-  EXPECT_EQ(n, seen.size()) << id;
-  expect_equal(found, expected, id);
-  return expected;
-}
-
-Problem body_of(const TetMesh& mesh, const TissueSettings& settings) {
-  const auto body = std::make_shared<TissueBody>(mesh, settings);
-  Problem problem = with_body(make_problem("fem_green@cube:n=1"), body);
-  problem.y0 = body->y0();
-  return problem;
-}
-
-/// The same mesh with its points and tetrahedra in another order, corners of tetrahedra too.
-TetMesh shuffled(const TetMesh& mesh) {
-  std::mt19937_64 random(11);
-  std::vector<TetMesh::Index> place(static_cast<std::size_t>(mesh.point_count()));
-  std::iota(place.begin(), place.end(), 0);
-  std::ranges::shuffle(place, random);
-  TetMesh other = mesh;
-  for (Eigen::Index p = 0; p < mesh.point_count(); ++p)
-    other.points.col(place[static_cast<std::size_t>(p)]) = mesh.points.col(p);
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(mesh.tetrahedron_count()));
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::shuffle(order, random);
-  for (std::size_t t = 0; t < order.size(); ++t) {
-    for (Eigen::Index a = 0; a < 4; ++a)  // a turn of three corners keeps the sign of the volume
-      other.tetrahedra(a == 3 ? 3 : (a + order[t]) % 3, static_cast<Eigen::Index>(t)) =
-          place[static_cast<std::size_t>(mesh.tetrahedra(a, order[t]))];
-    if (!mesh.regions.empty()) other.regions[t] = mesh.regions[static_cast<std::size_t>(order[t])];
-  }
-  return other;
-}
-
-/// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
-Problem uneven_body(double alpha, const char* model = "fem_green",
-                    SkinSettings::Kind skin = SkinSettings::Kind::none) {
-  const TetMesh mesh = shuffled(tissue_tests::uneven_box());
-  TissueSettings settings;
-  settings.model = tissue_model(model);
-  settings.springs.law = CubicSpring{4};
-  settings.skin.kind = skin;
-  settings.skin.young = 1e5;
-  settings.materials = tissue_tests::two_materials();
-  settings.alpha = alpha;
-  settings.gravity = {0.3, -1, -9.81};
-  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
-  const std::vector<TetMesh::Index> pressed = points_in_box(mesh, {0.1, -1, -1}, {1, 1, 1}),
-                                    pulled = points_in_box(mesh, {0.13, -1, -1}, {1, 1, 1});
-  settings.forces = {{pressed, {0.1, -0.2, 0.05}}, {pulled, {-0.03, 0.3, 0.4}}};
-  return body_of(mesh, settings);
-}
-
-/// An uneven body whose points begin at F X: turned inside out, flat, or at one place.
-/// @param F  its diagonal
-Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {
-  Problem problem = uneven_body(2.5, model);
-  const std::vector<TetMesh::Index>& free = problem.body->free_points();
-  for (std::size_t i = 0; i < free.size(); ++i)
-    problem.y0.segment<3>(3 * static_cast<Eigen::Index>(i)) =
-        (F.array() - 1).matrix().cwiseProduct(problem.body->mesh().points.col(free[i]));
-  return problem;
-}
-
-const std::array<Eigen::Vector3d, 4> pressed{Eigen::Vector3d{1.1, 0.9, -0.5}, Eigen::Vector3d{1, 1, -1},
-                                             Eigen::Vector3d{1, 0.8, 0}, Eigen::Vector3d{0, 0, 0}};
+using namespace device_tests;
 
 void expect_same_on_bodies(Device& device) {
   const RunSpec spec{.t_end = 0.0202, .h = 1e-4};  // its last step is a sliver of rounding
@@ -177,18 +62,6 @@ void expect_same_on_bodies(Device& device) {
       expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
 }
 
-/// Loads that come, go and oscillate.
-Problem driven_body() {
-  const Problem steady = uneven_body(2.5);
-  TissueSettings settings = steady.body->settings();
-  using Kind = TimeProfile::Kind;
-  settings.forces[0].profile = {.kind = Kind::ramp, .start = 0.002, .rise = 0.01};
-  settings.forces[1].profile = {.kind = Kind::sine, .start = 0.001, .omega = 300};
-  settings.forces.push_back(settings.forces[0]);
-  settings.forces.back().profile = {};
-  return body_of(steady.body->mesh(), settings);
-}
-
 void expect_same_under_driven_loads(Device& device) {
   const Problem body = driven_body();
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
@@ -211,36 +84,6 @@ void expect_same_stages(Device& device) {
                 make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}}),
                 method, {.t_end = 0.0051, .h = 1e-4});
   expect_same(device, make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
-}
-
-/// Stabilised methods: of several models, damping and loads, of two stages and of many.
-void expect_same_stabilised(Device& device) {
-  const auto skin = SkinSettings::Kind::springs;
-  const auto each = [&](const Problem& problem, const RunSpec& spec, std::int64_t least_stages = 2) {
-    for (const char* method : {"rkc_2", "rkl_2"}) {
-      const RunRecord run = expect_same(device, problem, method, spec, 3);
-      EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
-      EXPECT_GE(run.stats.rhs, least_stages * run.stats.steps) << problem.id << ", " << method;
-    }
-  };
-  for (const Problem& body : {uneven_body(2.5), uneven_body(0, "mass_spring"),
-                              uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
-                              uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
-                              uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
-    each(body, {.t_end = 0.01001, .h = 1e-4});  // its last step is a sliver
-  for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
-           {"fem_green@liver", {{"g", 9.81}, {"beta", 0.01}}},
-           {"fem_green@cube:n=5", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
-           {"mass_spring@beam", {{"g", 9.81}, {"beta", 0.1}}},
-           {"fem_neo_hookean@ball", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
-           {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
-           {"fem_cauchy@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
-           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
-    each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
-  const RunRecord stiffer =
-      expect_same(device, make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
-                  "rkc_2", {.t_end = 0.06, .h = 0.002});
-  EXPECT_NE((stiffer.stats.rhs - 1) % stiffer.stats.steps, 0) << "all steps have the same number of stages";
 }
 
 /// Truncated Newton: of several counts, models, damping and loads.
@@ -271,19 +114,9 @@ void expect_same_newton(Device& device) {
   EXPECT_GT(solved.stats.linear_iterations, 10 * solved.stats.newton);
 }
 
-/// @returns the run on the processor
-RunRecord expect_same_chosen(Device& device, const Problem& problem, const std::string& id, RunSpec spec) {
-  spec.adaptive = true;
-  const Method method = find_method(id);
-  RunRecord expected = method.bind(problem).run(spec, {});
-  expect_equal(run_on_device(device, problem, method, spec).record, expected,
-               id + ", rtol " + std::to_string(spec.rtol));
-  return expected;
-}
-
 /// Chosen steps: of every method that estimates its error, tolerances and controllers; the liver has
 /// several pieces of 256 numbers.
-void expect_same_chosen(Device& device) {
+void expect_same_choices(Device& device) {
   std::int64_t rejected = 0;
   const auto each = [&](const Problem& problem, const char* id, const RunSpec& spec) {
     const RunRecord run = expect_same_chosen(device, problem, id, spec);
@@ -314,34 +147,6 @@ void expect_same_chosen(Device& device) {
     each(driven_body(), "ode45", {.t_end = 0.05, .rtol = 1e-5, .atol = 1e-8, .control = control});
   each(driven_body(), "dop_853", {.t_end = 0.05, .rtol = 1e-5, .atol = 1e-8, .h_first = 1e-3, .h_max = 2e-3});
   EXPECT_GT(rejected, 20);
-}
-
-/// The same of stabilised methods.
-void expect_same_chosen_stabilised(Device& device) {
-  std::int64_t rejected = 0;
-  const auto each = [&](const Problem& problem, const RunSpec& spec) {
-    for (const char* method : {"rkc_2", "rkl_2"}) {
-      const RunRecord run = expect_same_chosen(device, problem, method, spec);
-      EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
-      rejected += run.stats.rejected;
-    }
-  };
-  for (const double rtol : {1e-1, 1e-3, 1e-5}) {
-    const RunSpec spec{.t_end = 0.02, .rtol = rtol, .atol = 1e-3 * rtol};
-    for (const char* model :
-         {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
-      each(uneven_body(2.5, model), spec);
-    each(driven_body(), spec);
-  }
-  each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"beta", 0.1}}}),
-       {.t_end = 0.1, .rtol = 1e-3, .atol = 1e-6, .h_first = 0.1});
-  for (const Controllers control :
-       {Controllers::i, Controllers::pi, Controllers::deadband, Controllers::matlab})
-    each(driven_body(), {.t_end = 0.05, .rtol = 1e-4, .atol = 1e-7, .control = control});
-  EXPECT_GT(rejected, 20);
-  // Steps as long as the most stages are stable with.
-  each(make_problem("fem_green@cube:n=1", {.parameters = {{"g", 9.81}, {"beta", 1}}}),
-       {.t_end = 1e4, .rtol = 1, .atol = 1});
 }
 
 /// Runs that do not reach their end.
@@ -426,12 +231,6 @@ void expect_same_divergence(Device& device) {
   }
   const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
   expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
-  for (const char* model : {"fem_green@beam", "fem_neo_hookean@beam", "fem_cauchy@beam"})
-    for (const double h : {0.02, 0.1}) {
-      const RunRecord run = expect_same(device, make_problem(model, {.parameters = {{"g", 9.81}}}), "rkc_2",
-                                        {.t_end = 400, .h = h});
-      EXPECT_EQ(run.outcome, Outcome::diverged) << model << ", " << h;
-    }
   const RunRecord flat =
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
@@ -461,16 +260,8 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
 TEST(HostDevice, ChoosesStepsWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
-    expect_same_chosen(device);
+    expect_same_choices(device);
     expect_same_chosen_ends(device);
-  }
-}
-
-TEST(HostDevice, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_stabilised(device);
-    expect_same_chosen_stabilised(device);
   }
 }
 
@@ -724,12 +515,8 @@ TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
     }
 }
 TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
-  expect_same_chosen(*device);
+  expect_same_choices(*device);
   expect_same_chosen_ends(*device);
-}
-TEST_F(Gpu, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
-  expect_same_stabilised(*device);
-  expect_same_chosen_stabilised(*device);
 }
 TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
 TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }

@@ -1,0 +1,159 @@
+/// Bodies and runs that devices and the processor have to agree on.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/device/device_run.hpp"
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
+#include "problems/tissue/body.hpp"
+#include "tests/problems/tissue/bodies.hpp"
+
+namespace hmax::device_tests {
+
+/// Numbers that differ in their bits; of zeros the sign counts.
+inline std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  if (a.size() != b.size()) return static_cast<std::size_t>(std::max(a.size(), b.size()));
+  std::size_t count = 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(double)) != 0;
+  return count;
+}
+
+inline void expect_equal(const RunRecord& found, const RunRecord& expected, const std::string& id) {
+  EXPECT_EQ(found.outcome, expected.outcome) << id;
+  EXPECT_EQ(found.t, expected.t) << id;
+  EXPECT_EQ(found.t_state, expected.t_state) << id;
+  EXPECT_EQ(found.note, expected.note) << id;
+  EXPECT_EQ(found.stats, expected.stats) << id << ", rhs " << found.stats.rhs << " of " << expected.stats.rhs;
+  EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << " of " << expected.y.size();
+  EXPECT_GT(expected.y.norm(), 0);
+}
+
+/// @returns the run on the processor
+inline RunRecord expect_same(Device& device, const Problem& problem, const std::string& id,
+                             const RunSpec& spec, std::int64_t seen_every = 7) {
+  const Method method = find_method(id);
+  EXPECT_EQ(unsuited_for_device(problem, method), "");
+  const Method there = on_device(method, std::shared_ptr<Device>(&device, [](Device*) {}));
+  using Points = std::vector<std::pair<double, Eigen::VectorXd>>;
+  const auto into = [](Points& points) {
+    return [&points](double t, const Eigen::Ref<const Eigen::VectorXd>& y) { points.emplace_back(t, y); };
+  };
+  Points steps, seen;
+  RunSpec seldom = spec;
+  seldom.seen_every = seen_every;
+  const RunRecord expected = method.bind(problem).run(spec, into(steps)),
+                  found = there.bind(problem).run(seldom, into(seen));
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (i % static_cast<std::size_t>(seen_every) != 0 &&
+        (i + 1 < steps.size() || expected.outcome == Outcome::diverged))
+      continue;
+    if (n >= seen.size()) break;
+    EXPECT_EQ(seen[n].first, steps[i].first) << id;
+    EXPECT_EQ(unequal(seen[n].second, steps[i].second), 0U) << id << " at " << steps[i].first;
+    ++n;
+  }
+  EXPECT_EQ(n, seen.size()) << id;
+  expect_equal(found, expected, id);
+  return expected;
+}
+
+inline Problem body_of(const TetMesh& mesh, const TissueSettings& settings) {
+  const auto body = std::make_shared<TissueBody>(mesh, settings);
+  Problem problem = with_body(make_problem("fem_green@cube:n=1"), body);
+  problem.y0 = body->y0();
+  return problem;
+}
+
+/// The same mesh with its points and tetrahedra in another order, corners of tetrahedra too.
+inline TetMesh shuffled(const TetMesh& mesh) {
+  std::mt19937_64 random(11);
+  std::vector<TetMesh::Index> place(static_cast<std::size_t>(mesh.point_count()));
+  std::iota(place.begin(), place.end(), 0);
+  std::ranges::shuffle(place, random);
+  TetMesh other = mesh;
+  for (Eigen::Index p = 0; p < mesh.point_count(); ++p)
+    other.points.col(place[static_cast<std::size_t>(p)]) = mesh.points.col(p);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(mesh.tetrahedron_count()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::shuffle(order, random);
+  for (std::size_t t = 0; t < order.size(); ++t) {
+    for (Eigen::Index a = 0; a < 4; ++a)  // a turn of three corners keeps the sign of the volume
+      other.tetrahedra(a == 3 ? 3 : (a + order[t]) % 3, static_cast<Eigen::Index>(t)) =
+          place[static_cast<std::size_t>(mesh.tetrahedra(a, order[t]))];
+    if (!mesh.regions.empty()) other.regions[t] = mesh.regions[static_cast<std::size_t>(order[t])];
+  }
+  return other;
+}
+
+/// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
+inline Problem uneven_body(double alpha, const char* model = "fem_green",
+                           SkinSettings::Kind skin = SkinSettings::Kind::none) {
+  const TetMesh mesh = shuffled(tissue_tests::uneven_box());
+  TissueSettings settings;
+  settings.model = tissue_model(model);
+  settings.springs.law = CubicSpring{4};
+  settings.skin.kind = skin;
+  settings.skin.young = 1e5;
+  settings.materials = tissue_tests::two_materials();
+  settings.alpha = alpha;
+  settings.gravity = {0.3, -1, -9.81};
+  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {0.01, 1, 1})}};
+  const std::vector<TetMesh::Index> pressed = points_in_box(mesh, {0.1, -1, -1}, {1, 1, 1}),
+                                    pulled = points_in_box(mesh, {0.13, -1, -1}, {1, 1, 1});
+  settings.forces = {{pressed, {0.1, -0.2, 0.05}}, {pulled, {-0.03, 0.3, 0.4}}};
+  return body_of(mesh, settings);
+}
+
+/// An uneven body whose points begin at F X: turned inside out, flat, or at one place.
+/// @param F  its diagonal
+inline Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {
+  Problem problem = uneven_body(2.5, model);
+  const std::vector<TetMesh::Index>& free = problem.body->free_points();
+  for (std::size_t i = 0; i < free.size(); ++i)
+    problem.y0.segment<3>(3 * static_cast<Eigen::Index>(i)) =
+        (F.array() - 1).matrix().cwiseProduct(problem.body->mesh().points.col(free[i]));
+  return problem;
+}
+
+inline const std::array<Eigen::Vector3d, 4> pressed{Eigen::Vector3d{1.1, 0.9, -0.5},
+                                                    Eigen::Vector3d{1, 1, -1}, Eigen::Vector3d{1, 0.8, 0},
+                                                    Eigen::Vector3d{0, 0, 0}};
+
+/// Loads that come, go and oscillate.
+inline Problem driven_body() {
+  const Problem steady = uneven_body(2.5);
+  TissueSettings settings = steady.body->settings();
+  using Kind = TimeProfile::Kind;
+  settings.forces[0].profile = {.kind = Kind::ramp, .start = 0.002, .rise = 0.01};
+  settings.forces[1].profile = {.kind = Kind::sine, .start = 0.001, .omega = 300};
+  settings.forces.push_back(settings.forces[0]);
+  settings.forces.back().profile = {};
+  return body_of(steady.body->mesh(), settings);
+}
+
+/// @returns the run on the processor
+inline RunRecord expect_same_chosen(Device& device, const Problem& problem, const std::string& id,
+                                    RunSpec spec) {
+  spec.adaptive = true;
+  const Method method = find_method(id);
+  RunRecord expected = method.bind(problem).run(spec, {});
+  expect_equal(run_on_device(device, problem, method, spec).record, expected,
+               id + ", rtol " + std::to_string(spec.rtol));
+  return expected;
+}
+
+}  // namespace hmax::device_tests
