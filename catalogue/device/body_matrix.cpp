@@ -45,7 +45,7 @@ class MatrixMaker {
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
-    if (!body_.spring_sets().empty()) place_springs(body_.spring_sets().front());
+    if (!body_.spring_sets().empty()) place_springs();
     return std::move(made_);
   }
 
@@ -187,19 +187,22 @@ class MatrixMaker {
     made_.terms = lists_of(terms);
   }
 
-  void place_springs(const SpringSet& springs) {
+  void place_springs() {
     BlockTerms terms(made_.blocks());
-    for (std::size_t n = 0; n < springs.size(); ++n) {
-      const auto& points = springs.spring(n).points;
-      for (const Index a : points)
-        for (const Index b : points)
-          if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
-            terms[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(n));
-      made_.springs.push_back(
-          {springs.spring(n).stiffness, springs.length(n), {number_[at(points[0])], number_[at(points[1])]}});
-    }
+    for (const SpringSet& set : body_.spring_sets())
+      for (std::size_t n = 0; n < set.size(); ++n) {
+        const auto& points = set.spring(n).points;
+        for (const Index a : points)
+          for (const Index b : points)
+            if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
+              terms[block(free_[at(a)], free_[at(b)])].push_back(
+                  static_cast<std::int32_t>(made_.springs.size()));
+        made_.springs.push_back({set.spring(n).stiffness,
+                                 set.length(n),
+                                 set.sliced()->cubic,  // NOLINT(bugprone-unchecked-optional-access): it suits
+                                 {number_[at(points[0])], number_[at(points[1])]}});
+      }
     made_.spring_terms = lists_of(terms);
-    made_.cubic = springs.sliced()->cubic;  // NOLINT(bugprone-unchecked-optional-access): it suits
   }
 
   const TissueBody& body_;

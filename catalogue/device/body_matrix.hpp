@@ -22,7 +22,7 @@ struct MatrixArrays {
   Lists terms, spring_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffSpring> springs;
-  double cubic = 0, alpha = 0;
+  double alpha = 0;
 
   [[nodiscard]] std::size_t blocks() const { return column.size(); }
   [[nodiscard]] std::size_t sums() const { return terms.first.empty() ? 0 : terms.first.size() - 1; }

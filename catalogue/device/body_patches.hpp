@@ -24,9 +24,10 @@ struct BodyPatches {
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
   std::vector<PatchSpring> ends;
-  std::vector<double> per_length, tension, rest;
-  double cubic = 0;
+  std::vector<double> per_length, tension, cubic, rest;
+  std::vector<std::int32_t> set_begin;
   std::vector<PointSlots> slots;
+  std::vector<SlotGroup> groups;
   std::vector<std::uint16_t> push_slot;
   std::vector<std::int32_t> push_load;
   std::vector<double> push_share, weight, drag, mass;

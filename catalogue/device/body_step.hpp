@@ -31,15 +31,20 @@ struct PatchSpring {
   std::uint16_t point[2], slot[2];
 };
 
-/// Where the slots of a free point end: those that are added up first, those of springs that begin at the
-/// point, whose sum is added as one, and those after them.
+/// Slots from `begin` to `end` whose sum is added as one: those of springs of a set that begin at a point.
+struct SlotGroup {
+  std::uint16_t begin, end;
+};
+
+/// Where the groups and the slots of a free point end.
 struct PointSlots {
-  std::uint16_t before, own, after;
+  std::int32_t groups;
+  std::uint16_t end;
 };
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, spring, push;
+  std::int32_t own, rim, tet, push;
 };
 
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
@@ -47,7 +52,7 @@ struct PatchBegin {
 /// the free ones.
 template <class Real>
 struct BodyArrays {
-  std::int32_t patches, points, free, tets, springs;
+  std::int32_t patches, points, free, tets, springs, sets;
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
@@ -56,9 +61,11 @@ struct BodyArrays {
   const Real *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
   const PatchSpring* ends;           ///< of springs, shape (springs)
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
-  Real cubic;                        ///< b of phi = s + b s^3
+  const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
+  const Real* cubic;                 ///< b of phi = s + b s^3, of each set
   const Real* rest;                  ///< positions [m], shape (3, points); of springs alone
   const PointSlots* slots;           ///< of each free point; they follow one another in a patch
+  const SlotGroup* groups;           ///< of one point after the other, in the order of their slots
   const std::uint16_t* push_slot;    ///< slots of loads
   const std::int32_t* push_load;     ///< which load pushes there
   const Real* push_share;            ///< the share of it that does
@@ -154,14 +161,14 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::in
 }
 
 /// d pull at the near end and -d pull at the far one, each at its slot.
+/// @param b  of phi = s + b s^3
 /// @param x  positions
 template <class Real>
-HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring, std::int32_t points,
-                                      std::int32_t slots, const Real* x, Real* f) {
+HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring, Real b,
+                                      std::int32_t points, std::int32_t slots, const Real* x, Real* f) {
   const PatchSpring ends = body.ends[spring];
   const Real* const L = body.per_length + spring;
   const Real* const tension = body.tension + spring;
-  const Real b = body.cubic;
   Real d[3];
   for (int i = 0; i < 3; ++i) d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
   const Real pull = b == 0 ? kernel_loops::spring_pull<OneElement<Real>, false>(L, tension, b, d)
@@ -173,14 +180,21 @@ HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t
   }
 }
 
-/// The sum at a point in the order of the processor. @param f  of one component
+/// The sum at free point p in the order of the processor.
+/// @param s  its first slot
+/// @param f  of one component
 template <class Real>
-HMAX_DEVICE inline Real sum_of(const PointSlots& slots, std::int32_t first, const Real* f) {
-  Real sum = 0, own = 0;
-  for (std::int32_t s = first; s < slots.before; ++s) sum = sum + f[s];
-  for (std::int32_t s = slots.before; s < slots.own; ++s) own = own + f[s];
-  if (slots.own > slots.before) sum = sum + own;
-  for (std::int32_t s = slots.own; s < slots.after; ++s) sum = sum + f[s];
+HMAX_DEVICE inline Real sum_of(const BodyArrays<Real>& body, std::int32_t p, std::int32_t s, const Real* f) {
+  const PointSlots here = body.slots[p];
+  Real sum = 0;
+  for (std::int32_t n = p == 0 ? 0 : body.slots[p - 1].groups; n < here.groups; ++n) {
+    const SlotGroup group = body.groups[n];
+    Real own = 0;
+    for (; s < group.begin; ++s) sum = sum + f[s];
+    for (; s < group.end; ++s) own = own + f[s];
+    sum = sum + own;
+  }
+  for (; s < here.end; ++s) sum = sum + f[s];
   return sum;
 }
 
@@ -297,7 +311,7 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   const BodyArrays<Real>& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
   const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
-                     slots = body.slots[to.own - 1].after;
+                     slots = body.slots[to.own - 1].end;
   Real* const u = shared;
   Real* const f = shared + 3 * points;
   block.each(points, [&](std::int32_t p) {
@@ -314,7 +328,8 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   block.barrier();
   block.each(to.tet - from.tet,
              [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
-  if (to.spring > from.spring) {
+  const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
+  if (of_set[body.sets] > of_set[0]) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {
       const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
@@ -322,14 +337,17 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
         u[i * points + p] = body.rest[static_cast<std::int64_t>(i) * body.points + point] + u[i * points + p];
     });
     block.barrier();
-    block.each(to.spring - from.spring,
-               [&](std::int32_t n) { spring_forces(body, from.spring + n, points, slots, u, f); });
+    for (std::int32_t set = 0; set < body.sets; ++set) {
+      const Real b = body.cubic[set];
+      block.each(of_set[set + 1] - of_set[set],
+                 [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, u, f); });
+    }
   }
   block.barrier();
   block.each(3 * own, [&](std::int32_t n) {
     const std::int32_t i = n / own, p = from.own + n % own;
-    const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].after;
-    move_point(step, sum_of(body.slots[p], first, f + i * slots), i, p, number);
+    const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].end;
+    move_point(step, sum_of(body, p, first, f + i * slots), i, p, number);
   });
 }
 

@@ -39,7 +39,6 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
                     .rim = memory_.copy(made.rim),
                     .springs = made.springs.empty() ? nullptr : memory_.copy(made.springs),
                     .spring_terms = lists(made.spring_terms),
-                    .cubic = made.cubic,
                     .damping = made.damping.empty() ? nullptr : memory_.copy(made.damping),
                     .alpha = made.alpha,
                     .values = memory_.room<double>(9 * made.blocks()),

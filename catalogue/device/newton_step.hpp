@@ -26,9 +26,9 @@ struct StiffTet {
   std::int32_t corner[4];                ///< points of BodyArrays
 };
 
-/// A spring, likewise: k [N/m], L [m].
+/// A spring, likewise: k [N/m], L [m], b of phi = s + b s^3.
 struct StiffSpring {
-  double stiffness, length;
+  double stiffness, length, cubic;
   std::int32_t end[2];
 };
 
@@ -55,7 +55,6 @@ struct BodyMatrix {
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
   const StiffSpring* springs;
   TermLists spring_terms;  ///< of each block
-  double cubic;            ///< b of phi = s + b s^3
   const double* damping;   ///< C of damping by stiffness, shape (blocks, 9); else null
   double alpha;            ///< [1/s]
   double* values;          ///< A, shape (blocks, 9)
@@ -279,7 +278,7 @@ HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t bl
     const double size = std::sqrt(kernel_loops::dot<OneElement<double>>(d, d)),
                  length = size < least ? least : size;
     for (double& each : d) each = each / length;
-    kernel_loops::spring_stiffness(CubicSpring{matrix.cubic}, spring.stiffness, spring.length, length, d, B);
+    kernel_loops::spring_stiffness(CubicSpring{spring.cubic}, spring.stiffness, spring.length, length, d, B);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
   }

@@ -151,6 +151,7 @@ void expect_same_on_bodies(Device& device) {
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
     for (const Problem& body :
          {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
+          uneven_body(2.5, "mass_spring", SkinSettings::Kind::springs),
           uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), uneven_body(2.5, "fem_cauchy"),
           uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"),
           uneven_body(2.5, "fem_corotational", SkinSettings::Kind::springs)})
@@ -161,6 +162,7 @@ void expect_same_on_bodies(Device& device) {
            {"fem_green@liver", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}},
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 2e-5}}},
            {"mass_spring@ball", {{"g", 9.81}}},
+           {"mass_spring@phantom", {{"g", 9.81}, {"cubic", 50}, {"skin", 300}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@liver", {{"g", 9.81}, {"alpha", 1}}},
@@ -219,10 +221,11 @@ void expect_same_newton(Device& device) {
   const auto skin = SkinSettings::Kind::springs;
   for (const char* method : {few, many})
     for (const Problem& body :
-         {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "fem_green", skin),
-          uneven_body(2.5, "fem_cauchy"), uneven_body(0, "fem_cauchy", skin),
-          uneven_body(2.5, "fem_neo_hookean"), uneven_body(0, "fem_neo_hookean", skin),
-          uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
+         {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "mass_spring", skin),
+          uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
+          uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
+          uneven_body(0, "fem_neo_hookean", skin), uneven_body(2.5, "fem_corotational"),
+          pressed_body(pressed[0]), driven_body()})
       expect_same(device, body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},
