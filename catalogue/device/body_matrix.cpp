@@ -34,7 +34,7 @@ class MatrixMaker {
     TissueBody::DofMatrix C;
     body.damping(0, still, still, C);
     take_pattern(C);
-    if (body.settings().beta != 0) take_damping(C);
+    if (body.settings().beta != 0) take_damping(body.rayleigh());
     made_.alpha = body.settings().alpha;
   }
 
@@ -188,21 +188,28 @@ class MatrixMaker {
   }
 
   void place_springs() {
-    BlockTerms terms(made_.blocks());
+    BlockTerms terms(made_.blocks()), damped(made_.blocks());
     for (const SpringSet& set : body_.spring_sets())
       for (std::size_t n = 0; n < set.size(); ++n) {
-        const auto& points = set.spring(n).points;
-        for (const Index a : points)
-          for (const Index b : points)
-            if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
-              terms[block(free_[at(a)], free_[at(b)])].push_back(
-                  static_cast<std::int32_t>(made_.springs.size()));
-        made_.springs.push_back({set.spring(n).stiffness,
+        const auto& [points, stiffness, damper] = set.spring(n);
+        const auto append = [&](BlockTerms& to, std::size_t number) {
+          for (const Index a : points)
+            for (const Index b : points)
+              if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
+                to[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(number));
+        };
+        append(terms, made_.springs.size());
+        const std::int32_t ends[2] = {number_[at(points[0])], number_[at(points[1])]};
+        made_.springs.push_back({stiffness,
                                  set.length(n),
                                  set.sliced()->cubic,  // NOLINT(bugprone-unchecked-optional-access): it suits
-                                 {number_[at(points[0])], number_[at(points[1])]}});
+                                 {ends[0], ends[1]}});
+        if (damper == 0) continue;
+        append(damped, made_.dampers.size());
+        made_.dampers.push_back({damper, {ends[0], ends[1]}});
       }
     made_.spring_terms = lists_of(terms);
+    made_.damper_terms = lists_of(damped);
   }
 
   const TissueBody& body_;

@@ -12,7 +12,12 @@
 namespace hmax {
 
 namespace {
-bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || body.settings().beta != 0; }
+bool has_dampers(const TissueBody& body) {
+  return std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers);
+}
+bool is_damped(const TissueBody& body) {
+  return body.settings().alpha != 0 || body.settings().beta != 0 || has_dampers(body);
+}
 
 /// Of many bodies each is a patch, where it fits.
 std::size_t points_of_a_patch(const TissueBody& body, std::int32_t bodies) {
@@ -26,6 +31,7 @@ template <class Real>
 BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method,
                                  std::int32_t bodies)
     : device_(device),
+      body_(body),
       memory_(device),
       method_(std::move(method)),
       patches_(
@@ -54,7 +60,8 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
-  if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
+  if (method_.damping == KickDamping::lumped && is_damped(body))
+    step_.lumped = lumped_ = numbers(velocities() / this->bodies());
   if (method_.is_iterated()) {
     if (sizeof(Real) != sizeof(double))
       throw InputError("methods of iterations run on a GPU in double precision; leave --precision out");
@@ -104,16 +111,15 @@ void BodyOnDevice<Real>::set_times(std::span<const double> times) {
 }
 
 template <class Real>
-std::vector<double> BodyOnDevice<Real>::lumped_damping(const TissueBody& body) const {
-  const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
+std::vector<Real> BodyOnDevice<Real>::lumped_damping(const Eigen::VectorXd& y) const {
   TissueBody::DofMatrix C;
-  body.damping(0, still, still, C);
+  body_.damping(0, y.head(body_.dofs()), y.tail(body_.dofs()), C);
   const std::size_t free = patches_.mass.size();
-  std::vector<double> lumped(3 * free);
-  for (Eigen::Index i = 0; i < body.dofs(); ++i)
+  std::vector<Real> lumped(3 * free);
+  for (Eigen::Index i = 0; i < body_.dofs(); ++i)
     lumped[static_cast<std::size_t>(i % 3) * free +
            static_cast<std::size_t>(patches_.order[static_cast<std::size_t>(i / 3)])] =
-        C.coeff(i, i) / body.mass()[i];
+        static_cast<Real>(C.coeff(i, i) / body_.mass()[i]);
   return lumped;
 }
 
@@ -126,6 +132,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .tets = static_cast<std::int32_t>(p.mu.size()),
           .springs = static_cast<std::int32_t>(p.ends.size()),
           .sets = static_cast<std::int32_t>(p.cubic.size()),
+          .dampers = static_cast<std::int32_t>(p.damper.size()),
           .begin = there(p.begin),
           .rim = there(p.rim),
           .law = p.law,
@@ -138,6 +145,8 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .tension = there(p.tension),
           .set_begin = there(p.set_begin),
           .cubic = there(p.cubic),
+          .damped = there(p.damped),
+          .damper = there(p.damper),
           .rest = there(p.rest),
           .slots = there(p.slots),
           .groups = there(p.groups),
@@ -184,6 +193,7 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
   for (Real* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
+  if (lumped_) device_.write(lumped_, lumped_damping(y[0]).data(), velocities() / bodies());
   if (newton_) newton_->reset();
   static_cast<void>(left());
 }
@@ -370,7 +380,8 @@ double BodyOnDevice<Real>::flops() const {
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
          step_.bodies * static_cast<double>(method_.evaluations()) *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
-              31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+              31.0 * step_.body.springs + 29.0 * step_.body.dampers + 10.0 * 3 * step_.body.free +
+              6.0 * step_.body.damps);
 }
 
 template <class Real>
@@ -383,6 +394,7 @@ double BodyOnDevice<Real>::bytes() const {
          static_cast<double>(method_.evaluations()) *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
+              static_cast<double>(sizeof(PatchSpring) + 7 * sizeof(Real)) * step_.body.dampers +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +
               (3 * (1 + 4.0 * step_.bodies) + 2) * number * step_.body.free) +

@@ -26,7 +26,7 @@ class BodyOnDevice {
   /// At most so many steps at a time.
   static constexpr std::int64_t most_steps = 4096;
 
-  /// @param device  outlives this
+  /// @param device, body  outlive this
   /// @param bodies  at a time
   /// @throws InputError  for a method that has no such numbers, or not of many bodies
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method, std::int32_t bodies = 1);
@@ -42,7 +42,8 @@ class BodyOnDevice {
   /// Whether loads change with time, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
-  /// @param y  of each body, or the one state of all; shape (dim)
+  /// @param y  of each body, or the one state of all; shape (dim). Central differences lump dampers as they
+  ///           are in the first
   void set(std::span<const Eigen::VectorXd> y);
   /// That of body `number`.
   [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0) const { return get(step_.q, step_.v, number); }
@@ -93,8 +94,8 @@ class BodyOnDevice {
   [[nodiscard]] std::size_t numbers_of_a_load() const {
     return method_.kind == DeviceMethod::Kind::constraints ? 1 : 3;
   }
-  /// diag(C) / m [1/s], shape (3, free).
-  [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
+  /// diag(C) / m [1/s] at t = 0, shape (3, free).
+  [[nodiscard]] std::vector<Real> lumped_damping(const Eigen::VectorXd& y) const;
 
   /// Calls use(i, q, v) for each degree of freedom of body `number` with its place in the arrays of the
   /// device.
@@ -113,6 +114,7 @@ class BodyOnDevice {
                        std::vector<DeviceProgram>& programs) const;
 
   Device& device_;
+  const TissueBody& body_;
   DeviceMemory memory_;
   DeviceMethod method_;
   BodyPatches patches_;
@@ -121,6 +123,7 @@ class BodyOnDevice {
   std::int64_t* evaluated_ = nullptr;
   BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps; null where a body is no single block
   BodyStep<Real> step_{};
+  Real* lumped_ = nullptr;              ///< that of BodyStep
   Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages; displacements at the ends of substeps
   struct {
     Real *q, *v, *a;

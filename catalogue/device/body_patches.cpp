@@ -50,10 +50,18 @@ struct Springs {
   std::vector<double> cubic;     ///< likewise
 };
 
+/// Their dampers, likewise.
+struct Dampers {
+  std::vector<std::array<Index, 2>> points;
+  std::vector<double> damper;
+};
+
 /// What is added up at a point of the mesh, in this order: tetrahedra, then other parts.
 struct Terms {
+  enum Kind : std::size_t { spring, damper, kinds };
   /// A force of part `number` of its kind, at its point `place`.
   struct Other {
+    Kind kind;
     std::int32_t number;
     std::size_t place;
   };
@@ -88,23 +96,38 @@ void append_springs(const SpringSet::Sliced& set, std::vector<Terms>& terms, Spr
   springs.cubic.push_back(set.cubic);
   for (std::size_t p = 0; p < terms.size(); ++p) {
     std::vector<Terms::Other>& others = terms[p].others;
-    for (const std::int32_t spring : ends[p].far_before) others.push_back({spring, 1});
+    for (const std::int32_t spring : ends[p].far_before) others.push_back({Terms::spring, spring, 1});
     const std::size_t begin = others.size();
-    for (const std::int32_t spring : ends[p].own) others.push_back({spring, 0});
+    for (const std::int32_t spring : ends[p].own) others.push_back({Terms::spring, spring, 0});
     if (others.size() > begin) terms[p].groups.push_back({begin, others.size()});
-    for (const std::int32_t spring : ends[p].far_after) others.push_back({spring, 1});
+    for (const std::int32_t spring : ends[p].far_after) others.push_back({Terms::spring, spring, 1});
+  }
+}
+
+void append_dampers(const SpringSet& set, std::vector<Terms>& terms, Dampers& dampers) {
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const SpringSet::Spring& each = set.spring(i);
+    if (each.damper == 0) continue;
+    for (std::size_t a = 0; a < 2; ++a)
+      terms[at(each.points[a])].others.push_back(
+          {Terms::damper, static_cast<std::int32_t>(dampers.points.size()), a});
+    dampers.points.push_back(each.points);
+    dampers.damper.push_back(each.damper);
   }
 }
 
 /// Those of unused lanes, which have no forces, are left out.
-std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra, Springs& springs) {
+std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra, Springs& springs,
+                            Dampers& dampers) {
   std::vector<Terms> terms(at(static_cast<Index>(body.mesh().point_count())));
   for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
     if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
       for (std::size_t a = 0; a < 4; ++a)
         terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
-  for (const SpringSet& set : body.spring_sets())
+  for (const SpringSet& set : body.spring_sets()) {
     append_springs(*set.sliced(), terms, springs);  // NOLINT(bugprone-unchecked-optional-access): it suits
+    append_dampers(set, terms, dampers);
+  }
   return terms;
 }
 
@@ -131,7 +154,7 @@ class Cutter {
       : body_(body),
         points_(std::move(points)),
         tetrahedra_{body.tet_blocks() ? body.tet_blocks()->blocks() : std::span<const TetBlock>{}},
-        terms_(terms_of(body, tetrahedra_, springs_)),
+        terms_(terms_of(body, tetrahedra_, springs_, dampers_)),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
         local_(terms_.size(), -1) {
@@ -148,6 +171,10 @@ class Cutter {
     std::vector<Index> used(own.begin(), own.end());
     for (const auto& [tet, slot] : of_tetrahedra_) add_tetrahedron(tet, slot, used);
     add_springs(used);
+    for (const auto& [damper, slot] : of_others_[Terms::damper]) {
+      made_.damped.push_back(ends_of(dampers_.points[static_cast<std::size_t>(damper)], slot, used));
+      made_.damper.push_back(dampers_.damper[static_cast<std::size_t>(damper)]);
+    }
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     made_.shared =
@@ -196,9 +223,7 @@ class Cutter {
 
   /// The columns of C = alpha M + beta K0, which are its rows, from those of the body.
   void place_damping() {
-    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body_.dofs());
-    TissueBody::DofMatrix C;
-    body_.damping(0, still, still, C);
+    const TissueBody::DofMatrix& C = body_.rayleigh();
     const auto free = static_cast<std::int32_t>(points_.size());
     std::vector<Eigen::Index> column(points_.size());  // of each point here, that of its x
     for (std::size_t p = 0; p < points_.size(); ++p)
@@ -227,13 +252,14 @@ class Cutter {
 
   [[nodiscard]] PatchBegin here(std::size_t own) const {
     return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
-            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.push_slot.size())};
+            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.push_slot.size()),
+            static_cast<std::int32_t>(made_.damper.size())};
   }
 
   /// Slots of the own points, one after the other.
   std::size_t give_slots(std::span<const Index> own) {
     of_tetrahedra_.clear();
-    of_springs_.clear();
+    for (auto& each : of_others_) each.clear();
     std::size_t next = 0;
     const auto give = [&](auto& slots_of, std::int32_t number, std::size_t place) {
       slots_of.try_emplace(number, nowhere()).first->second[place] = static_cast<std::uint16_t>(next++);
@@ -246,7 +272,7 @@ class Cutter {
       for (const auto& [begin, end] : terms.groups)
         made_.groups.push_back(
             {static_cast<std::uint16_t>(next + begin), static_cast<std::uint16_t>(next + end)});
-      for (const Terms::Other& other : terms.others) give(of_springs_, other.number, other.place);
+      for (const Terms::Other& other : terms.others) give(of_others_[other.kind], other.number, other.place);
       for (const Push& push : pushes_[at(p)]) {
         made_.push_slot.push_back(static_cast<std::uint16_t>(next++));
         made_.push_load.push_back(push.load);
@@ -279,23 +305,21 @@ class Cutter {
 
   /// Their numbers rise from set to set.
   void add_springs(std::vector<Index>& used) {
-    auto next = of_springs_.begin();
+    const std::map<std::int32_t, Slots>& here = of_others_[Terms::spring];
+    auto next = here.begin();
     for (const std::size_t end : springs_.end) {
       made_.set_begin.push_back(static_cast<std::int32_t>(made_.ends.size()));
-      for (; next != of_springs_.end() && static_cast<std::size_t>(next->first) < end; ++next)
-        add_spring(next->first, next->second, used);
+      for (; next != here.end() && static_cast<std::size_t>(next->first) < end; ++next) {
+        const auto spring = static_cast<std::size_t>(next->first);
+        made_.ends.push_back(ends_of(springs_.points[spring], next->second, used));
+        made_.per_length.push_back(springs_.per_length[spring]);
+        made_.tension.push_back(springs_.tension[spring]);
+      }
     }
   }
 
-  void add_spring(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
-    const auto spring = static_cast<std::size_t>(number);
-    PatchSpring& ends = made_.ends.emplace_back();
-    for (std::size_t a = 0; a < 2; ++a) {
-      ends.point[a] = local(springs_.points[spring][a], used);
-      ends.slot[a] = slot[a];
-    }
-    made_.per_length.push_back(springs_.per_length[spring]);
-    made_.tension.push_back(springs_.tension[spring]);
+  PatchSpring ends_of(const std::array<Index, 2>& points, const Slots& slot, std::vector<Index>& used) {
+    return {{local(points[0], used), local(points[1], used)}, {slot[0], slot[1]}};
   }
 
   static constexpr Slots nowhere() {
@@ -306,10 +330,12 @@ class Cutter {
   std::vector<Index> points_;  ///< the free ones, patch by patch
   Tetrahedra tetrahedra_;
   Springs springs_;
+  Dampers dampers_;
   std::vector<Terms> terms_;
   std::vector<std::vector<Push>> pushes_;
-  std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
-  std::map<std::int32_t, Slots> of_tetrahedra_, of_springs_;  ///< of a patch
+  std::vector<std::int32_t> number_, local_;     ///< of each point of the mesh: here, and in the patch
+  std::map<std::int32_t, Slots> of_tetrahedra_;  ///< of a patch
+  std::array<std::map<std::int32_t, Slots>, Terms::kinds> of_others_;  ///< likewise
   std::vector<std::size_t> tets_;
   std::int32_t count_ = 0;
   bool fits_ = true;
@@ -326,7 +352,6 @@ std::string unsuited_for_patches(const TissueBody& body) {
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (!std::ranges::all_of(springs, [](const SpringSet& set) { return set.sliced().has_value(); }))
     return "has springs that are neither linear nor cubic";
-  if (std::ranges::any_of(springs, &SpringSet::has_dampers)) return "has dampers";
   if (!settings.tools.empty()) return "meets a tool";
   if (!settings.elastic_supports.empty()) return "lies on springs";
   for (const Support& support : settings.supports)

@@ -26,6 +26,8 @@ struct BodyPatches {
   std::vector<PatchSpring> ends;
   std::vector<double> per_length, tension, cubic, rest;
   std::vector<std::int32_t> set_begin;
+  std::vector<PatchSpring> damped;
+  std::vector<double> damper;
   std::vector<PointSlots> slots;
   std::vector<SlotGroup> groups;
   std::vector<std::uint16_t> push_slot;

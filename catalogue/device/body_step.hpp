@@ -44,7 +44,7 @@ struct PointSlots {
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, push;
+  std::int32_t own, rim, tet, push, damper;
 };
 
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
@@ -52,7 +52,7 @@ struct PatchBegin {
 /// the free ones.
 template <class Real>
 struct BodyArrays {
-  std::int32_t patches, points, free, tets, springs, sets;
+  std::int32_t patches, points, free, tets, springs, sets, dampers;
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
@@ -63,6 +63,8 @@ struct BodyArrays {
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
   const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
   const Real* cubic;                 ///< b of phi = s + b s^3, of each set
+  const PatchSpring* damped;         ///< ends of dampers
+  const Real* damper;                ///< c [N s/m] of each
   const Real* rest;                  ///< positions [m], shape (3, points); of springs alone
   const PointSlots* slots;           ///< of each free point; they follow one another in a patch
   const SlotGroup* groups;           ///< of one point after the other, in the order of their slots
@@ -177,6 +179,25 @@ HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t
     d[i] = d[i] * pull;
     if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = d[i];
     if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -d[i];
+  }
+}
+
+/// The pull at the near end of a damper and -pull at the far one, each at its slot.
+/// @param x         positions
+/// @param velocity  velocity(p, i) of component i of point p of the patch
+template <class Real, class Velocity>
+HMAX_DEVICE inline void damper_forces(const BodyArrays<Real>& body, std::int32_t damper, std::int32_t points,
+                                      std::int32_t slots, const Real* x, const Velocity& velocity, Real* f) {
+  const PatchSpring ends = body.damped[damper];
+  Real d[3], w[3], pull[3];
+  for (int i = 0; i < 3; ++i) {
+    d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
+    w[i] = velocity(ends.point[1], i) - velocity(ends.point[0], i);
+  }
+  kernel_loops::damper_pull<OneElement<Real>>(body.damper[damper], d, w, pull);
+  for (int i = 0; i < 3; ++i) {
+    if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = pull[i];
+    if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -pull[i];
   }
 }
 
@@ -314,8 +335,9 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
                      slots = body.slots[to.own - 1].end;
   Real* const u = shared;
   Real* const f = shared + 3 * points;
+  const auto of_body = [&](std::int32_t p) { return p < own ? from.own + p : body.rim[from.rim + p - own]; };
   block.each(points, [&](std::int32_t p) {
-    const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+    const std::int32_t point = of_body(p);
     for (int i = 0; i < 3; ++i)
       u[i * points + p] = step.q[(3 * static_cast<std::int64_t>(number) + i) * body.points + point];
   });
@@ -329,10 +351,10 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   block.each(to.tet - from.tet,
              [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
   const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
-  if (of_set[body.sets] > of_set[0]) {
+  if (of_set[body.sets] > of_set[0] || to.damper > from.damper) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {
-      const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+      const std::int32_t point = of_body(p);
       for (int i = 0; i < 3; ++i)
         u[i * points + p] = body.rest[static_cast<std::int64_t>(i) * body.points + point] + u[i * points + p];
     });
@@ -342,6 +364,13 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
       block.each(of_set[set + 1] - of_set[set],
                  [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, u, f); });
     }
+    const auto velocity = [&](std::int32_t p, std::int32_t i) {
+      const std::int32_t point = of_body(p);
+      return point < body.free ? step.v[(3 * static_cast<std::int64_t>(number) + i) * body.free + point]
+                               : static_cast<Real>(0);
+    };
+    block.each(to.damper - from.damper,
+               [&](std::int32_t n) { damper_forces(body, from.damper + n, points, slots, u, velocity, f); });
   }
   block.barrier();
   block.each(3 * own, [&](std::int32_t n) {

@@ -39,6 +39,8 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
                     .rim = memory_.copy(made.rim),
                     .springs = made.springs.empty() ? nullptr : memory_.copy(made.springs),
                     .spring_terms = lists(made.spring_terms),
+                    .dampers = made.dampers.empty() ? nullptr : memory_.copy(made.dampers),
+                    .damper_terms = lists(made.damper_terms),
                     .damping = made.damping.empty() ? nullptr : memory_.copy(made.damping),
                     .alpha = made.alpha,
                     .values = memory_.room<double>(9 * made.blocks()),
@@ -48,7 +50,7 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
   if (!made.constant.empty())
     memory_.device().write(arrays_.matrix.sum, made.constant.data(), sizeof(double) * made.constant.size());
   terms_ = static_cast<double>(made.terms.of.size());
-  spring_terms_ = static_cast<double>(made.spring_terms.of.size());
+  spring_terms_ = static_cast<double>(made.spring_terms.of.size() + made.damper_terms.of.size());
 }
 
 void NewtonOnDevice::append(const BodyStep<double>& step, double h,

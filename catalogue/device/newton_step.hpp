@@ -32,6 +32,12 @@ struct StiffSpring {
   std::int32_t end[2];
 };
 
+/// A damper between points of BodyArrays: c [N s/m].
+struct StiffDamper {
+  double damper;
+  std::int32_t end[2];
+};
+
 /// Where the terms of a list begin: those of entry n are first[n] .. first[n + 1] - 1 of `of`.
 struct TermLists {
   const std::int32_t *first, *of;
@@ -55,6 +61,8 @@ struct BodyMatrix {
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
   const StiffSpring* springs;
   TermLists spring_terms;  ///< of each block
+  const StiffDamper* dampers;
+  TermLists damper_terms;  ///< likewise
   const double* damping;   ///< C of damping by stiffness, shape (blocks, 9); else null
   double alpha;            ///< [1/s]
   double* values;          ///< A, shape (blocks, 9)
@@ -259,28 +267,57 @@ HMAX_DEVICE inline void take_tetrahedra(const BodyMatrix& matrix, std::int64_t b
                          : matrix.sum[9 * block + 3 * r + c];
 }
 
+/// From the first to the second end of a spring or damper: position.
+HMAX_DEVICE inline void span_of(const MatrixBlocks& program, const std::int32_t* end, double* d) {
+  const BodyArrays<double>& body = program.step.body;
+  for (int i = 0; i < 3; ++i) {
+    const auto x = [&](std::int32_t point) {
+      const std::int64_t at = static_cast<std::int64_t>(i) * body.points + point;
+      return body.rest[at] + program.step.q_next[at];
+    };
+    d[i] = x(end[1]) - x(end[0]);
+  }
+}
+
 /// Adds the springs of a block.
 HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
                                     double (*K)[3]) {
   const BodyMatrix& matrix = program.newton.matrix;
-  const BodyArrays<double>& body = program.step.body;
   for (std::int32_t n = matrix.spring_terms.first[block]; n < matrix.spring_terms.first[block + 1]; ++n) {
     const StiffSpring& spring = matrix.springs[matrix.spring_terms.of[n]];
-    double d[3], B[3][3];
-    for (int i = 0; i < 3; ++i) {
-      const auto x = [&](std::int32_t point) {
-        const std::int64_t at = static_cast<std::int64_t>(i) * body.points + point;
-        return body.rest[at] + program.step.q_next[at];
-      };
-      d[i] = x(spring.end[1]) - x(spring.end[0]);
-    }
-    constexpr double least = std::numeric_limits<double>::min();
-    const double size = std::sqrt(kernel_loops::dot<OneElement<double>>(d, d)),
-                 length = size < least ? least : size;
-    for (double& each : d) each = each / length;
-    kernel_loops::spring_stiffness(CubicSpring{spring.cubic}, spring.stiffness, spring.length, length, d, B);
+    double d[3], e[3], B[3][3];
+    span_of(program, spring.end, d);
+    const double length = kernel_loops::direction<OneElement<double>>(d, e);
+    kernel_loops::spring_stiffness(CubicSpring{spring.cubic}, spring.stiffness, spring.length, length, e, B);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
+  }
+}
+
+/// Adds what the dampers of a block have of K and of C.
+HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
+                                    double (*K)[3], double (*C)[3]) {
+  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyStep<double>& step = program.step;
+  for (std::int32_t n = matrix.damper_terms.first[block]; n < matrix.damper_terms.first[block + 1]; ++n) {
+    const StiffDamper& damper = matrix.dampers[matrix.damper_terms.of[n]];
+    double d[3], e[3], w[3], B[3][3];
+    span_of(program, damper.end, d);
+    for (int i = 0; i < 3; ++i) {
+      const auto v = [&](std::int32_t point) {
+        return point < step.body.free ? step.v_next[static_cast<std::int64_t>(i) * step.body.free + point]
+                                      : 0.0;
+      };
+      w[i] = v(damper.end[1]) - v(damper.end[0]);
+    }
+    const double length = kernel_loops::direction<OneElement<double>>(d, e);
+    kernel_loops::damper_stiffness<OneElement<double>>(damper.damper, length, e, w, B);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const double along = damper.damper * e[r] * e[c];
+        K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
+        C[r][c] = is_diagonal ? C[r][c] + along : C[r][c] - along;
+      }
   }
 }
 
@@ -293,11 +330,17 @@ HMAX_DEVICE inline void run_thread(std::true_type, const MatrixBlocks& program, 
   if (matrix.sum) take_tetrahedra(matrix, block, is_diagonal, K);
   if (matrix.springs) add_springs(program, block, is_diagonal, K);
   const double mass = program.step.body.mass[program.newton.place[point]];
+  double C[3][3];
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      C[r][c] = matrix.damping          ? matrix.damping[9 * block + 3 * r + c]
+                : is_diagonal && r == c ? matrix.alpha * mass
+                                        : 0.0;
+  if (matrix.dampers) add_dampers(program, block, is_diagonal, K, C);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
       const bool on_diagonal = is_diagonal && r == c;
-      const double drag = on_diagonal ? matrix.alpha * mass : 0.0;
-      double a = K[r][c] + (matrix.damping ? matrix.damping[9 * block + 3 * r + c] : drag) / h;
+      double a = K[r][c] + C[r][c] / h;
       if (on_diagonal) matrix.diagonal[3 * point + r] = a = a + mass / (h * h);
       matrix.values[9 * block + 3 * r + c] = a;
     }

@@ -75,6 +75,8 @@ class TissueBody {
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
   /// False when a moving damper or a tool that damps may make K unsymmetric.
   [[nodiscard]] bool has_symmetric_stiffness() const { return !needs_velocities(); }
+  /// Where beta is not 0: alpha M + beta K0, what damping() has of it; else empty.
+  [[nodiscard]] const DofMatrix& rayleigh() const { return rayleigh_; }
 
   /// Elastic energy and the potentials of gravity, loads and contact [J], of which the forces at rest are the
   /// gradient. Zero at q = 0 without contact.

@@ -127,6 +127,18 @@ Problem uneven_body(double alpha, const char* model = "fem_green",
   return body_of(mesh, settings);
 }
 
+/// Springs with dampers, and another set of springs on the surface, which begin to move.
+Problem damped_body(double alpha, double beta) {
+  const Problem still = uneven_body(alpha, "mass_spring", SkinSettings::Kind::springs);
+  TissueSettings settings = still.body->settings();
+  settings.beta = beta;
+  settings.springs.damper = 0.02;
+  settings.springs.damper_time = 1e-4;
+  Problem problem = body_of(still.body->mesh(), settings);
+  problem.y0 = tissue_tests::random_vector(problem.y0.size(), 0.002, 5);
+  return problem;
+}
+
 /// An uneven body of fem_corotational whose points begin at F X: turned inside out, flat, or at one place.
 /// @param F  its diagonal
 Problem pressed_body(const Eigen::Vector3d& F) {
@@ -163,6 +175,8 @@ void expect_same_on_bodies(Device& device) {
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 2e-5}}},
            {"mass_spring@ball", {{"g", 9.81}}},
            {"mass_spring@phantom", {{"g", 9.81}, {"cubic", 50}, {"skin", 300}}},
+           {"mass_spring@liver", {{"g", 9.81}, {"damper", 1e-4}, {"beta", 2e-5}}},
+           {"mass_spring@cube:n=6", {{"g", 9.81}, {"damper", 1e-4}, {"skin", 300}, {"alpha", 1}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@liver", {{"g", 9.81}, {"alpha", 1}}},
@@ -172,6 +186,10 @@ void expect_same_on_bodies(Device& device) {
   for (const char* method : {"stormer_verlet", "central_difference"})
     for (const double alpha : {0.0, 2.5})
       expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
+  for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                             "rk4", "dormand_prince_54"})
+    for (const Problem& body : {damped_body(0, 0), damped_body(2.5, 0), damped_body(2.5, 1e-4)})
+      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
   for (const Eigen::Vector3d& F : pressed)
     for (const char* method : {"symplectic_euler", "rk4"})
       expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
@@ -225,7 +243,7 @@ void expect_same_newton(Device& device) {
           uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
           uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
           uneven_body(0, "fem_neo_hookean", skin), uneven_body(2.5, "fem_corotational"),
-          pressed_body(pressed[0]), driven_body()})
+          pressed_body(pressed[0]), driven_body(), damped_body(0, 0), damped_body(2.5, 1e-4)})
       expect_same(device, body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},

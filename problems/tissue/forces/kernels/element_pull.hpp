@@ -1,4 +1,4 @@
-/// The forces of tetrahedra and of springs: the one source of processors and devices.
+/// The forces of tetrahedra, springs and dampers: the one source of processors and devices.
 ///
 /// Stresses are first Piola-Kirchhoff ones of displacement gradients H = F - I times the volume V of the
 /// element, whose coefficients are V lambda / 2 and V mu [J]; elasticity.hpp has the laws. `Lanes` has `V`, a
@@ -119,6 +119,27 @@ HMAX_DEVICE inline V spring_pull(const Number* length_inverse, const Number* ten
   if constexpr (!cubic) return pull;
   const V s = now * per_length - one;
   return pull * (one + b * (s * s));
+}
+
+/// Of d, from the near to the far end of one spring: its length, at least the smallest normal number, and its
+/// direction e = d / length, 0 where the ends coincide.
+template <class Lanes, class Real>
+HMAX_DEVICE inline Real direction(const Real* d, Real* e) {
+  constexpr double least = sizeof(Real) == sizeof(double) ? 0x1p-1022 : 0x1p-126;
+  const Real size = Lanes::root(dot<Lanes>(d, d)),
+             length = size < Lanes::splat(least) ? Lanes::splat(least) : size;
+  for (int i = 0; i < 3; ++i) e[i] = d[i] / length;
+  return length;
+}
+
+/// c (e.w) e, the pull of one damper c [N s/m] at the near end, as SpringSet::add_damper_force() has it.
+/// @param d, w  from the near to the far end: position [m], velocity [m/s]
+template <class Lanes, class Real>
+HMAX_DEVICE inline void damper_pull(Real damper, const Real* d, const Real* w, Real* pull) {
+  Real e[3];
+  direction<Lanes>(d, e);
+  const Real along = damper * dot<Lanes>(e, w);
+  for (int i = 0; i < 3; ++i) pull[i] = along * e[i];
 }
 
 }  // namespace hmax::kernel_loops

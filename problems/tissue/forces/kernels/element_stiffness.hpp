@@ -168,4 +168,16 @@ HMAX_DEVICE inline void spring_stiffness(const Law& law, double stiffness, doubl
     for (int j = 0; j < 3; ++j) B[i][j] = across * (i == j ? 1.0 : 0.0) + along * e[i] * e[j];
 }
 
+/// -dF/dx of one damper c [N s/m], c / l (e (w - (e.w) e)^T + (e.w) (I - e e^T)), as
+/// SpringSet::add_damper_stiffness() has it: not symmetric. Its -dF/dv is c e e^T.
+/// @param w  the velocity of the far end less that of the near one [m/s]
+template <class Lanes>
+HMAX_DEVICE inline void damper_stiffness(double damper, double length, const double* e, const double* w,
+                                         double (*B)[3]) {
+  const double along = dot<Lanes>(e, w), size = damper / length;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      B[i][j] = size * (e[i] * (w[j] - along * e[j]) + along * ((i == j ? 1.0 : 0.0) - e[i] * e[j]));
+}
+
 }  // namespace hmax::kernel_loops
