@@ -46,6 +46,7 @@ class MatrixMaker {
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
     if (!body_.spring_sets().empty()) place_springs();
+    if (body_.membrane()) place_skin(*body_.membrane());
     return std::move(made_);
   }
 
@@ -210,6 +211,24 @@ class MatrixMaker {
       }
     made_.spring_terms = lists_of(terms);
     made_.damper_terms = lists_of(damped);
+  }
+
+  void place_skin(const Membrane& skin) {
+    BlockTerms terms(made_.blocks());
+    for (std::size_t n = 0; n < skin.size(); ++n) {
+      const Membrane::Triangle& from = skin.triangle(n);
+      StiffTriangle& to = made_.triangles.emplace_back();
+      std::ranges::copy(from.gradients, to.gradients);
+      to.volume = from.volume;
+      for (std::size_t a = 0; a < 3; ++a) {
+        to.corner[a] = number_[at(from.points[a])];
+        for (std::size_t b = 0; b < 3; ++b)
+          if (const std::int32_t i = free_[at(from.points[a])], j = free_[at(from.points[b])];
+              i >= 0 && j >= 0)
+            terms[block(i, j)].push_back(static_cast<std::int32_t>(9 * n + 3 * a + b));
+      }
+    }
+    made_.triangle_terms = lists_of(terms);
   }
 
   const TissueBody& body_;

@@ -19,9 +19,10 @@ struct MatrixArrays {
   std::vector<std::int32_t> first, row, column, sum_of, rim;
   TetLaw law = TetLaw::green;
   std::vector<StiffTet> tets;
-  Lists terms, spring_terms, damper_terms;
+  Lists terms, spring_terms, triangle_terms, damper_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffSpring> springs;
+  std::vector<StiffTriangle> triangles;
   std::vector<StiffDamper> dampers;
   double alpha = 0;
 

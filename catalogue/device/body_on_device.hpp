@@ -39,11 +39,10 @@ class BodyOnDevice {
   [[nodiscard]] const BodyStep<Real>& step() const { return step_; }
   /// Of each free point of the body: its number there.
   [[nodiscard]] const std::vector<std::int32_t>& order() const { return patches_.order; }
-  /// Whether loads change with time, so that steps need set_times().
+  /// Whether loads change with time or supports move, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
-  /// @param y  of each body, or the one state of all; shape (dim). Central differences lump dampers as they
-  ///           are in the first
+  /// @param y  of each body, or the one state of all; shape (dim)
   void set(std::span<const Eigen::VectorXd> y);
   /// That of body `number`.
   [[nodiscard]] Eigen::VectorXd get(std::int32_t number = 0) const { return get(step_.q, step_.v, number); }
@@ -94,8 +93,13 @@ class BodyOnDevice {
   [[nodiscard]] std::size_t numbers_of_a_load() const {
     return method_.kind == DeviceMethod::Kind::constraints ? 1 : 3;
   }
-  /// diag(C) / m [1/s] at t = 0, shape (3, free).
-  [[nodiscard]] std::vector<Real> lumped_damping(const Eigen::VectorXd& y) const;
+  /// Of all loads and supports.
+  [[nodiscard]] std::size_t numbers_of_an_evaluation() const {
+    return numbers_of_a_load() * loads_.size() + 6 * patches_.motions.size() + patches_.rates.size();
+  }
+  void append_evaluation(double t, std::vector<Real>& table) const;
+  /// diag(C) / m [1/s] at t = 0, of each body, shape (bodies, 3, free).
+  [[nodiscard]] std::vector<Real> lumped_damping(std::span<const Eigen::VectorXd> y) const;
 
   /// Calls use(i, q, v) for each degree of freedom of body `number` with its place in the arrays of the
   /// device.

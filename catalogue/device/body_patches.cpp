@@ -58,7 +58,7 @@ struct Dampers {
 
 /// What is added up at a point of the mesh, in this order: tetrahedra, then other parts.
 struct Terms {
-  enum Kind : std::size_t { spring, damper, kinds };
+  enum Kind : std::size_t { spring, damper, triangle, kinds };
   /// A force of part `number` of its kind, at its point `place`.
   struct Other {
     Kind kind;
@@ -128,6 +128,10 @@ std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra
     append_springs(*set.sliced(), terms, springs);  // NOLINT(bugprone-unchecked-optional-access): it suits
     append_dampers(set, terms, dampers);
   }
+  if (const Membrane* const skin = body.membrane())
+    for (std::size_t n = 0; n < skin->size(); ++n)
+      for (std::size_t a = 0; a < 3; ++a)
+        terms[at(skin->points(n)[a])].others.push_back({Terms::triangle, static_cast<std::int32_t>(n), a});
   return terms;
 }
 
@@ -175,6 +179,7 @@ class Cutter {
       made_.damped.push_back(ends_of(dampers_.points[static_cast<std::size_t>(damper)], slot, used));
       made_.damper.push_back(dampers_.damper[static_cast<std::size_t>(damper)]);
     }
+    for (const auto& [number, slot] : of_others_[Terms::triangle]) add_triangle(number, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     made_.shared =
@@ -210,7 +215,9 @@ class Cutter {
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
     made_.number = number_;
-    if (!springs_.end.empty()) place_rest();
+    if (!springs_.end.empty() || body_.membrane()) place_rest();
+    if (body_.membrane()) place_skin(*body_.membrane());
+    place_supports();
     if (body_.settings().beta != 0) place_damping();
     // Displacements of at most a quarter of it differ by less than TissueBody::admits().
     const auto& X = body_.mesh().points;
@@ -242,6 +249,49 @@ class Cutter {
       made_.damping.insert(made_.damping.end(), each.begin(), each.end());
   }
 
+  void place_skin(const Membrane& skin) {
+    made_.skin_modulus = skin.modulus(), made_.skin_poisson = skin.poisson();
+    made_.skin_gradients.resize(4 * triangles_.size());
+    for (std::size_t n = 0; n < triangles_.size(); ++n) {
+      const Membrane::Triangle& triangle = skin.triangle(triangles_[n]);
+      for (std::size_t k = 0; k < 4; ++k)
+        made_.skin_gradients[k * triangles_.size() + n] = triangle.gradients[k];
+      made_.skin_volume.push_back(triangle.volume);
+    }
+  }
+
+  /// Springs that hold free points, supports that move, and what these drag.
+  void place_supports() {
+    const std::size_t free = points_.size();
+    if (!body_.anchors().empty()) made_.anchor.resize(free);
+    for (const TissueBody::Anchor& each : body_.anchors())
+      made_.anchor[static_cast<std::size_t>(number_[at(each.point)])] = each.stiffness;
+    made_.moved_by.assign(number_.size() - free, -1);
+    const std::vector<Support>& supports = body_.settings().supports;
+    std::size_t begin = 0;
+    for (const std::size_t end : body_.support_ends()) {
+      std::vector<Support> lot;
+      for (std::size_t s = begin; s < end; ++s) lot.push_back({{}, supports[s].travel, supports[s].profile});
+      const bool moves =
+          !std::ranges::all_of(lot, [](const Support& support) { return support.travel.isZero(0); });
+      for (const Index p : supports[begin].points)
+        made_.moved_by[static_cast<std::size_t>(number_[at(p)]) - free] =
+            moves ? static_cast<std::int32_t>(made_.motions.size()) : -1;
+      if (moves) made_.motions.push_back(std::move(lot));
+      begin = end;
+    }
+    for (std::size_t s = 0; s < supports.size(); ++s) {
+      const TissueBody::Dofs& drag = body_.support_drag()[s];
+      if (drag.isZero(0)) continue;
+      made_.rates.push_back(supports[s].profile);
+      const std::size_t first = made_.support_drag.size();
+      made_.support_drag.resize(first + 3 * free);
+      for (std::size_t n = 0; n < 3 * free; ++n)
+        made_.support_drag[first + n % 3 * free + static_cast<std::size_t>(made_.order[n / 3])] =
+            drag[static_cast<Eigen::Index>(n)];
+    }
+  }
+
   void place_rest() {
     made_.rest.resize(3 * number_.size());
     for (std::size_t p = 0; p < number_.size(); ++p)
@@ -251,9 +301,12 @@ class Cutter {
   }
 
   [[nodiscard]] PatchBegin here(std::size_t own) const {
-    return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
-            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.push_slot.size()),
-            static_cast<std::int32_t>(made_.damper.size())};
+    return {static_cast<std::int32_t>(own),
+            static_cast<std::int32_t>(made_.rim.size()),
+            static_cast<std::int32_t>(tets_.size()),
+            static_cast<std::int32_t>(made_.push_slot.size()),
+            static_cast<std::int32_t>(made_.damper.size()),
+            static_cast<std::int32_t>(triangles_.size())};
   }
 
   /// Slots of the own points, one after the other.
@@ -322,6 +375,16 @@ class Cutter {
     return {{local(points[0], used), local(points[1], used)}, {slot[0], slot[1]}};
   }
 
+  void add_triangle(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
+    const auto n = static_cast<std::size_t>(number);
+    PatchTriangle& triangle = made_.skin.emplace_back();
+    for (std::size_t a = 0; a < 3; ++a) {
+      triangle.point[a] = local(body_.membrane()->points(n)[a], used);
+      triangle.slot[a] = slot[a];
+    }
+    triangles_.push_back(n);
+  }
+
   static constexpr Slots nowhere() {
     return {PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere};
   }
@@ -336,7 +399,7 @@ class Cutter {
   std::vector<std::int32_t> number_, local_;     ///< of each point of the mesh: here, and in the patch
   std::map<std::int32_t, Slots> of_tetrahedra_;  ///< of a patch
   std::array<std::map<std::int32_t, Slots>, Terms::kinds> of_others_;  ///< likewise
-  std::vector<std::size_t> tets_;
+  std::vector<std::size_t> tets_, triangles_;
   std::int32_t count_ = 0;
   bool fits_ = true;
   BodyPatches made_;
@@ -349,13 +412,9 @@ std::string unsuited_for_patches(const TissueBody& body) {
   const std::vector<SpringSet>& springs = body.spring_sets();
   if (!body.tet_blocks() && body.element_pieces() > 0)
     return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean without fibres";
-  if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (!std::ranges::all_of(springs, [](const SpringSet& set) { return set.sliced().has_value(); }))
     return "has springs that are neither linear nor cubic";
   if (!settings.tools.empty()) return "meets a tool";
-  if (!settings.elastic_supports.empty()) return "lies on springs";
-  for (const Support& support : settings.supports)
-    if (!support.travel.isZero(0)) return "has a support that is moved";
   return {};
 }
 

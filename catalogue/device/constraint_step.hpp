@@ -61,7 +61,7 @@ HMAX_DEVICE inline void run_thread(std::true_type, const ConstraintBegin& begin,
   const BodyStep<double>& step = begin.step;
   const auto i = static_cast<std::int32_t>(n / step.body.free),
              p = static_cast<std::int32_t>(n % step.body.free);
-  const double* const factor = step.loads + (*step.evaluated + begin.evaluation) * step.next_loads;
+  const double* const factor = loads_of(step, begin.evaluation);
   double load = step.body.weight[n];
   for (std::int32_t k = arrays.pushes.first[p]; k < arrays.pushes.first[p + 1]; ++k) {
     const std::int32_t push = arrays.pushes.of[k], which = arrays.push_load[push];

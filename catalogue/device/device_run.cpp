@@ -16,6 +16,7 @@
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/positional_body.hpp"
 
 namespace hmax {
 
@@ -138,7 +139,12 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!problem.body) return "runs on a GPU for bodies on meshes alone";
   const std::optional<DeviceMethod> known = device_method(method);
   if (!known) return "runs on no GPU";
-  const std::string why = unsuited_for_patches(*problem.body);
+  std::string why = unsuited_for_patches(*problem.body);
+  if (known->kind == DeviceMethod::Kind::constraints) {
+    std::string never = PositionalBody::why_not(*problem.body, PositionalVerbs::constraints);
+    if (!never.empty()) return never;
+    if (!problem.body->anchors().empty()) why = "lies on springs";
+  }
   if (known->kind == DeviceMethod::Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";

@@ -39,6 +39,8 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
                     .rim = memory_.copy(made.rim),
                     .springs = made.springs.empty() ? nullptr : memory_.copy(made.springs),
                     .spring_terms = lists(made.spring_terms),
+                    .triangles = made.triangles.empty() ? nullptr : memory_.copy(made.triangles),
+                    .triangle_terms = lists(made.triangle_terms),
                     .dampers = made.dampers.empty() ? nullptr : memory_.copy(made.dampers),
                     .damper_terms = lists(made.damper_terms),
                     .damping = made.damping.empty() ? nullptr : memory_.copy(made.damping),
@@ -50,14 +52,15 @@ void NewtonOnDevice::place_matrix(const TissueBody& body, const BodyPatches& pat
   if (!made.constant.empty())
     memory_.device().write(arrays_.matrix.sum, made.constant.data(), sizeof(double) * made.constant.size());
   terms_ = static_cast<double>(made.terms.of.size());
-  spring_terms_ = static_cast<double>(made.spring_terms.of.size() + made.damper_terms.of.size());
+  spring_terms_ = static_cast<double>(made.spring_terms.of.size() + made.damper_terms.of.size() +
+                                      made.triangle_terms.of.size());
 }
 
 void NewtonOnDevice::append(const BodyStep<double>& step, double h,
                             std::vector<DeviceProgram>& programs) const {
   NewtonArrays newton = arrays_;
   newton.h = h;
-  programs.push_back({NewtonBegin{{newton, step}}});
+  programs.push_back({NewtonBegin{{newton, step}, step.evaluation}});
   BodyStep<double> force = step;
   force.move = Move::force;
   force.q = step.q_next;
@@ -66,7 +69,7 @@ void NewtonOnDevice::append(const BodyStep<double>& step, double h,
     programs.push_back({force});
     if (newton.matrix.sums > 0)
       programs.push_back({TetStiffness{newton.matrix, step.q_next, step.body.points}});
-    programs.push_back({MatrixBlocks{newton, step}});
+    programs.push_back({MatrixBlocks{newton, step, step.evaluation}});
     programs.push_back({GradientBegin{{newton, 0}, step}});
     for (std::int32_t k = 0; k < steps_.gradients; ++k) {
       programs.push_back({GradientProduct{{newton, k}}});

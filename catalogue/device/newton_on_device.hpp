@@ -39,7 +39,7 @@ class NewtonOnDevice {
   IteratedSteps steps_;
   NewtonArrays arrays_{};
   std::int64_t* kept_;
-  double terms_ = 0, spring_terms_ = 0;  ///< of tetrahedra; of springs and dampers
+  double terms_ = 0, spring_terms_ = 0;  ///< of tetrahedra; of springs, dampers and triangles
 };
 
 }  // namespace hmax
