@@ -34,7 +34,7 @@ class MatrixMaker {
     TissueBody::DofMatrix C;
     body.damping(0, still, still, C);
     take_pattern(C);
-    if (body.settings().beta != 0) take_damping(C);
+    if (body.settings().beta != 0) take_damping(body.rayleigh());
     made_.alpha = body.settings().alpha;
   }
 
@@ -45,7 +45,8 @@ class MatrixMaker {
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
-    if (!body_.spring_sets().empty()) place_springs(body_.spring_sets().front());
+    if (!body_.spring_sets().empty()) place_springs();
+    if (body_.membrane()) place_skin(*body_.membrane());
     return std::move(made_);
   }
 
@@ -183,19 +184,47 @@ class MatrixMaker {
     made_.terms = lists_of(terms);
   }
 
-  void place_springs(const SpringSet& springs) {
-    BlockTerms terms(made_.blocks());
-    for (std::size_t n = 0; n < springs.size(); ++n) {
-      const auto& points = springs.spring(n).points;
-      for (const Index a : points)
-        for (const Index b : points)
-          if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
-            terms[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(n));
-      made_.springs.push_back(
-          {springs.spring(n).stiffness, springs.length(n), {number_[at(points[0])], number_[at(points[1])]}});
-    }
+  void place_springs() {
+    BlockTerms terms(made_.blocks()), damped(made_.blocks());
+    for (const SpringSet& set : body_.spring_sets())
+      for (std::size_t n = 0; n < set.size(); ++n) {
+        const auto& [points, stiffness, damper] = set.spring(n);
+        const auto append = [&](BlockTerms& to, std::size_t number) {
+          for (const Index a : points)
+            for (const Index b : points)
+              if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
+                to[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(number));
+        };
+        append(terms, made_.springs.size());
+        const std::int32_t ends[2] = {number_[at(points[0])], number_[at(points[1])]};
+        made_.springs.push_back({stiffness,
+                                 set.length(n),
+                                 set.sliced()->cubic,  // NOLINT(bugprone-unchecked-optional-access): it suits
+                                 {ends[0], ends[1]}});
+        if (damper == 0) continue;
+        append(damped, made_.dampers.size());
+        made_.dampers.push_back({damper, {ends[0], ends[1]}});
+      }
     made_.spring_terms = lists_of(terms);
-    made_.cubic = springs.sliced()->cubic;  // NOLINT(bugprone-unchecked-optional-access): it suits
+    made_.damper_terms = lists_of(damped);
+  }
+
+  void place_skin(const Membrane& skin) {
+    BlockTerms terms(made_.blocks());
+    for (std::size_t n = 0; n < skin.size(); ++n) {
+      const Membrane::Triangle& from = skin.triangle(n);
+      StiffTriangle& to = made_.triangles.emplace_back();
+      std::ranges::copy(from.gradients, to.gradients);
+      to.volume = from.volume;
+      for (std::size_t a = 0; a < 3; ++a) {
+        to.corner[a] = number_[at(from.points[a])];
+        for (std::size_t b = 0; b < 3; ++b)
+          if (const std::int32_t i = free_[at(from.points[a])], j = free_[at(from.points[b])];
+              i >= 0 && j >= 0)
+            terms[block(i, j)].push_back(static_cast<std::int32_t>(9 * n + 3 * a + b));
+      }
+    }
+    made_.triangle_terms = lists_of(terms);
   }
 
   const TissueBody& body_;
@@ -217,7 +246,8 @@ MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t>
 
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches)
     : terms_(static_cast<double>(made.terms.of.size())),
-      spring_terms_(static_cast<double>(made.spring_terms.of.size())) {
+      spring_terms_(static_cast<double>(made.spring_terms.of.size() + made.damper_terms.of.size() +
+                                        made.triangle_terms.of.size())) {
   const auto lists = [&](const MatrixArrays::Lists& from) {
     return TermLists{memory.copy(from.first), memory.copy(from.of)};
   };
@@ -235,7 +265,10 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
                     .rim = memory.copy(made.rim),
                     .springs = made.springs.empty() ? nullptr : memory.copy(made.springs),
                     .spring_terms = lists(made.spring_terms),
-                    .cubic = made.cubic,
+                    .triangles = made.triangles.empty() ? nullptr : memory.copy(made.triangles),
+                    .triangle_terms = lists(made.triangle_terms),
+                    .dampers = made.dampers.empty() ? nullptr : memory.copy(made.dampers),
+                    .damper_terms = lists(made.damper_terms),
                     .damping = made.damping.empty() ? nullptr : memory.copy(made.damping),
                     .alpha = made.alpha,
                     .values = memory.room<double>(9 * made.blocks()),
@@ -252,7 +285,7 @@ void MatrixOnDevice::append(const NewtonArrays& arrays, const BodyStep<double>& 
                             std::vector<DeviceProgram>& programs) {
   if (arrays.matrix.sums > 0)
     programs.push_back({TetStiffness{arrays.matrix, step.q_next, step.body.points}});
-  programs.push_back({MatrixBlocks{arrays, step}});
+  programs.push_back({MatrixBlocks{arrays, step, step.evaluation}});
 }
 
 double MatrixOnDevice::flops() const {

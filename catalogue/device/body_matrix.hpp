@@ -21,10 +21,12 @@ struct MatrixArrays {
   std::vector<std::int32_t> first, row, column, sum_of, rim;
   TetLaw law = TetLaw::green;
   std::vector<StiffTet> tets;
-  Lists terms, spring_terms;
+  Lists terms, spring_terms, triangle_terms, damper_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffSpring> springs;
-  double cubic = 0, alpha = 0;
+  std::vector<StiffTriangle> triangles;
+  std::vector<StiffDamper> dampers;
+  double alpha = 0;
 
   [[nodiscard]] std::size_t blocks() const { return column.size(); }
   /// The number of a block of the pattern.
@@ -54,7 +56,7 @@ class MatrixOnDevice {
 
  private:
   NewtonArrays arrays_{};
-  double terms_, spring_terms_;
+  double terms_, spring_terms_;  ///< of tetrahedra; of springs, dampers and triangles
 };
 
 }  // namespace hmax

@@ -14,7 +14,12 @@
 namespace hmax {
 
 namespace {
-bool is_damped(const TissueBody& body) { return body.settings().alpha != 0 || body.settings().beta != 0; }
+bool has_dampers(const TissueBody& body) {
+  return std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers);
+}
+bool is_damped(const TissueBody& body) {
+  return body.settings().alpha != 0 || body.settings().beta != 0 || has_dampers(body);
+}
 
 /// Of many bodies each is a patch, where it fits.
 std::size_t points_of_a_patch(const TissueBody& body, std::int32_t bodies) {
@@ -28,6 +33,7 @@ template <class Real>
 BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method,
                                  std::int32_t bodies)
     : device_(device),
+      body_(body),
       memory_(device),
       method_(std::move(method)),
       patches_(
@@ -58,7 +64,8 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
   // Without damping the three methods of kicks are one.
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
-  if (method_.damping == KickDamping::lumped && is_damped(body)) step_.lumped = there(lumped_damping(body));
+  if (method_.damping == KickDamping::lumped && is_damped(body))
+    step_.lumped = lumped_ = numbers(velocities());
   if (const char* const what = method_.steps_alone()) {
     if (sizeof(Real) != sizeof(double))
       throw InputError(std::string(what) + " run on a GPU in double precision; leave --precision out");
@@ -81,11 +88,10 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
 
 template <class Real>
 void BodyOnDevice<Real>::place_loads() {
-  const bool driven =
-      std::ranges::any_of(loads_, [](const PressingForce& load) { return load.profile.steady_from() > 0; });
-  step_.next_loads = driven ? static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()) : 0;
+  const bool driven = body_.steady_from() > 0;
+  step_.next_loads = driven ? static_cast<std::int32_t>(numbers_of_an_evaluation()) : 0;
   const auto rows = static_cast<std::size_t>(driven ? steps_at_once() * method_.most_instants() : 1);
-  load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, numbers_of_a_load() * loads_.size() * rows));
+  load_table_ = numbers(sizeof(Real) * std::max<std::size_t>(1, numbers_of_an_evaluation() * rows));
   evaluated_ = memory_.template room<std::int64_t>(1);
   step_.loads = load_table_;
   step_.evaluated = evaluated_;
@@ -96,41 +102,62 @@ void BodyOnDevice<Real>::place_loads() {
 template <class Real>
 void BodyOnDevice<Real>::set_times(std::span<const double> times) {
   std::vector<Real> table;
-  for (const double t : times)
-    for (const PressingForce& load : loads_) {
-      const double factor = load.profile.value(t);
-      if (numbers_of_a_load() == 1)
-        table.push_back(static_cast<Real>(factor));
-      else
-        for (const double each : load.force) table.push_back(static_cast<Real>(factor * each));
-    }
+  for (const double t : times) append_evaluation(t, table);
   if (!table.empty()) device_.write(load_table_, table.data(), sizeof(Real) * table.size());
   const std::int64_t none = 0;
   device_.write(evaluated_, &none, sizeof none);
 }
 
 template <class Real>
-std::vector<double> BodyOnDevice<Real>::lumped_damping(const TissueBody& body) const {
-  const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
-  TissueBody::DofMatrix C;
-  body.damping(0, still, still, C);
+void BodyOnDevice<Real>::append_evaluation(double t, std::vector<Real>& table) const {
+  for (const PressingForce& load : loads_) {
+    const double factor = load.profile.value(t);
+    if (numbers_of_a_load() == 1)
+      table.push_back(static_cast<Real>(factor));
+    else
+      for (const double each : load.force) table.push_back(static_cast<Real>(factor * each));
+  }
+  for (const std::vector<Support>& lot : patches_.motions)
+    for (double (TimeProfile::*const of)(double) const : {&TimeProfile::value, &TimeProfile::rate}) {
+      Eigen::Vector3d sum = (lot.front().profile.*of)(t)*lot.front().travel;
+      for (std::size_t s = 1; s < lot.size(); ++s) sum += (lot[s].profile.*of)(t)*lot[s].travel;
+      for (const double each : sum) table.push_back(static_cast<Real>(each));
+    }
+  for (const TimeProfile& profile : patches_.rates) table.push_back(static_cast<Real>(profile.rate(t)));
+}
+
+template <class Real>
+std::vector<Real> BodyOnDevice<Real>::lumped_damping(std::span<const Eigen::VectorXd> y) const {
   const std::size_t free = patches_.mass.size();
-  std::vector<double> lumped(3 * free);
-  for (Eigen::Index i = 0; i < body.dofs(); ++i)
-    lumped[static_cast<std::size_t>(i % 3) * free +
-           static_cast<std::size_t>(patches_.order[static_cast<std::size_t>(i / 3)])] =
-        C.coeff(i, i) / body.mass()[i];
+  std::vector<Real> lumped;
+  lumped.reserve(3 * free * bodies());
+  TissueBody::DofMatrix C;
+  for (const Eigen::VectorXd& own : y) {
+    body_.damping(0, own.head(body_.dofs()), own.tail(body_.dofs()), C);
+    const std::size_t first = lumped.size();
+    lumped.resize(first + 3 * free);
+    for (std::size_t n = 0; n < 3 * free; ++n) {
+      const auto i = static_cast<Eigen::Index>(n);
+      lumped[first + n % 3 * free + static_cast<std::size_t>(patches_.order[n / 3])] =
+          static_cast<Real>(C.coeff(i, i) / body_.mass()[i]);
+    }
+  }
+  while (lumped.size() < 3 * free * bodies()) lumped.push_back(lumped[lumped.size() - 3 * free]);
   return lumped;
 }
 
 template <class Real>
 BodyArrays<Real> BodyOnDevice<Real>::arrays() {
   const BodyPatches& p = patches_;
+  const auto first_motion = static_cast<std::int32_t>(numbers_of_a_load() * loads_.size());
   return {.patches = static_cast<std::int32_t>(p.begin.size()) - 1,
           .points = p.points,
           .free = p.free(),
           .tets = static_cast<std::int32_t>(p.mu.size()),
           .springs = static_cast<std::int32_t>(p.ends.size()),
+          .sets = static_cast<std::int32_t>(p.cubic.size()),
+          .dampers = static_cast<std::int32_t>(p.damper.size()),
+          .triangles = static_cast<std::int32_t>(p.skin.size()),
           .begin = there(p.begin),
           .rim = there(p.rim),
           .law = p.law,
@@ -141,15 +168,31 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .ends = there(p.ends),
           .per_length = there(p.per_length),
           .tension = there(p.tension),
-          .cubic = static_cast<Real>(p.cubic),
+          .set_begin = there(p.set_begin),
+          .cubic = there(p.cubic),
+          .damped = there(p.damped),
+          .damper = there(p.damper),
+          .skin = there(p.skin),
+          .skin_gradients = there(p.skin_gradients),
+          .skin_volume = there(p.skin_volume),
+          .skin_modulus = static_cast<Real>(p.skin_modulus),
+          .skin_poisson = static_cast<Real>(p.skin_poisson),
           .rest = there(p.rest),
           .slots = there(p.slots),
+          .groups = there(p.groups),
           .push_slot = there(p.push_slot),
           .push_load = there(p.push_load),
           .push_share = there(p.push_share),
           .weight = there(p.weight),
           .drag = there(p.drag),
           .mass = there(p.mass),
+          .anchor = p.anchor.empty() ? nullptr : there(p.anchor),
+          .motions = static_cast<std::int32_t>(p.motions.size()),
+          .first_motion = first_motion,
+          .moved_by = there(p.moved_by),
+          .rates = static_cast<std::int32_t>(p.rates.size()),
+          .first_rate = first_motion + 6 * static_cast<std::int32_t>(p.motions.size()),
+          .support_drag = there(p.support_drag),
           .damped_by = there(p.damped_by),
           .damping = there(p.damping),
           .damp_end = there(p.damp_end),
@@ -187,6 +230,7 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
   for (Real* const to : {step_.q, step_.q_next, stage_q_[0], stage_q_[1]})
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
+  if (lumped_) device_.write(lumped_, lumped_damping(y).data(), velocities());
   if (newton_) newton_->reset();
   counted_ = {};
   static_cast<void>(left());
@@ -239,7 +283,8 @@ void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64
                                           .times = times,
                                           .bodies = step_.bodies,
                                           .shared = step_.body.shared,
-                                          .law = step_.body.law}};
+                                          .law = step_.body.law,
+                                          .has_more = step_.body.has_more()}};
   device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * instants});
 }
 
@@ -448,7 +493,8 @@ double BodyOnDevice<Real>::flops() const {
          (points_ ? points_->flops() : 0) + (radius_ ? radius_->flops() : 0) +
          step_.bodies * evaluations_of_a_step() *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
-              31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+              31.0 * step_.body.springs + 29.0 * step_.body.dampers + 98.0 * step_.body.triangles +
+              10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
 
 template <class Real>
@@ -463,6 +509,8 @@ double BodyOnDevice<Real>::bytes() const {
          evaluations_of_a_step() *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
+              static_cast<double>(sizeof(PatchSpring) + 7 * sizeof(Real)) * step_.body.dampers +
+              static_cast<double>(sizeof(PatchTriangle) + 5 * sizeof(Real)) * step_.body.triangles +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +
               (3 * (1 + 4.0 * step_.bodies) + 2) * number * step_.body.free) +

@@ -27,7 +27,7 @@ class BodyOnDevice {
   /// At most so many steps at a time.
   static constexpr std::int64_t most_steps = 4096;
 
-  /// @param device  outlives this
+  /// @param device, body  outlive this
   /// @param bodies  at a time
   /// @throws InputError  for a method that has no such numbers, or not of many bodies
   BodyOnDevice(Device& device, const TissueBody& body, DeviceMethod method, std::int32_t bodies = 1);
@@ -40,7 +40,7 @@ class BodyOnDevice {
   [[nodiscard]] const BodyStep<Real>& step() const { return step_; }
   /// Of each free point of the body: its number there.
   [[nodiscard]] const std::vector<std::int32_t>& order() const { return patches_.order; }
-  /// Whether loads change with time, so that steps need set_times().
+  /// Whether loads change with time or supports move, so that steps need set_times().
   [[nodiscard]] bool is_driven() const { return step_.next_loads != 0; }
 
   /// @param y  of each body, or the one state of all; shape (dim)
@@ -105,8 +105,13 @@ class BodyOnDevice {
   [[nodiscard]] double evaluations_of_a_step() const;
   /// Numbers of a load in the table: where programs push by themselves, its factor alone.
   [[nodiscard]] std::size_t numbers_of_a_load() const { return method_.is_positional() ? 1 : 3; }
-  /// diag(C) / m [1/s], shape (3, free).
-  [[nodiscard]] std::vector<double> lumped_damping(const TissueBody& body) const;
+  /// Of all loads and supports.
+  [[nodiscard]] std::size_t numbers_of_an_evaluation() const {
+    return numbers_of_a_load() * loads_.size() + 6 * patches_.motions.size() + patches_.rates.size();
+  }
+  void append_evaluation(double t, std::vector<Real>& table) const;
+  /// diag(C) / m [1/s] at t = 0, of each body, shape (bodies, 3, free).
+  [[nodiscard]] std::vector<Real> lumped_damping(std::span<const Eigen::VectorXd> y) const;
 
   /// Calls use(i, q, v) for each degree of freedom of body `number` with its place in the arrays of the
   /// device.
@@ -126,6 +131,7 @@ class BodyOnDevice {
   void advance_by(const Iterations& iterations, double h, std::int64_t count);
 
   Device& device_;
+  const TissueBody& body_;
   DeviceMemory memory_;
   DeviceMethod method_;
   BodyPatches patches_;
@@ -134,6 +140,7 @@ class BodyOnDevice {
   std::int64_t* evaluated_ = nullptr;
   BodyStep<Real>* programs_ = nullptr;  ///< of BodySteps; null where a body is no single block
   BodyStep<Real> step_{};
+  Real* lumped_ = nullptr;              ///< that of BodyStep
   Real *stage_q_[2]{}, *stage_v_[2]{};  ///< arguments of stages; displacements at the ends of substeps
   struct {
     Real *q, *v, *a;

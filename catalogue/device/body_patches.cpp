@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <optional>
 #include <span>
 #include <utility>
 
@@ -43,45 +42,96 @@ struct Tetrahedra {
   }
 };
 
-/// The springs of a body, at most one set.
+/// The springs of a body, set after set.
 struct Springs {
-  explicit Springs(const TissueBody& body) {
-    if (!body.spring_sets().empty()) sliced = body.spring_sets().front().sliced();
-  }
-  std::optional<SpringSet::Sliced> sliced;
   std::vector<std::array<Index, 2>> points;  ///< the near and the far end of each
   std::vector<double> per_length, tension;
+  std::vector<std::size_t> end;  ///< of each set
+  std::vector<double> cubic;     ///< likewise
 };
 
-/// What is added up at a point of the mesh, in this order: the numbers of tetrahedra and springs.
+/// Their dampers, likewise.
+struct Dampers {
+  std::vector<std::array<Index, 2>> points;
+  std::vector<double> damper;
+};
+
+/// What is added up at a point of the mesh, in this order: tetrahedra, then other parts.
 struct Terms {
-  std::vector<std::int32_t> tetrahedra, far_before, own, far_after;
+  enum Kind : std::size_t { spring, damper, triangle, kinds };
+  /// A force of part `number` of its kind, at its point `place`.
+  struct Other {
+    Kind kind;
+    std::int32_t number;
+    std::size_t place;
+  };
+  std::vector<std::int32_t> tetrahedra;
+  std::vector<Other> others;
+  std::vector<std::array<std::size_t, 2>> groups;  ///< of these: from where to where they are one sum
 };
 
-/// Those of unused lanes, which have no forces, are left out.
-std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Springs& springs, std::size_t points) {
-  std::vector<Terms> terms(points);
-  for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
-    if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
-      for (std::size_t a = 0; a < 4; ++a)
-        terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
-  if (!springs.sliced) return terms;
-  std::vector<bool> is_added(points, false);  // the sum of the springs that begin at a point
-  for (const SpringSlice& slice : springs.sliced->slices) {
+/// A set: what was added up at a point before the sum of the springs that begin there, these, and the rest.
+void append_springs(const SpringSet::Sliced& set, std::vector<Terms>& terms, Springs& springs) {
+  struct Ends {
+    std::vector<std::int32_t> far_before, own, far_after;
+  };
+  std::vector<Ends> ends(terms.size());
+  std::vector<bool> is_added(terms.size(), false);  // the sum of the springs that begin at a point
+  for (const SpringSlice& slice : set.slices) {
     for (std::int32_t k = slice.begin; k < slice.end; ++k)
       for (std::size_t lane = 0; lane < SpringSlice::lanes; ++lane) {
-        const SpringBlock& block = springs.sliced->blocks[at(k)];
+        const SpringBlock& block = set.blocks[at(k)];
         if (block.tension[lane] == 0) continue;
-        const Index near = slice.rows[lane] / 4, far = springs.sliced->ends[at(k)].rows[lane] / 4;
+        const Index near = slice.rows[lane] / 4, far = set.ends[at(k)].rows[lane] / 4;
         const auto spring = static_cast<std::int32_t>(springs.points.size());
-        terms[at(near)].own.push_back(spring);
-        (is_added[at(far)] ? terms[at(far)].far_after : terms[at(far)].far_before).push_back(spring);
+        ends[at(near)].own.push_back(spring);
+        (is_added[at(far)] ? ends[at(far)].far_after : ends[at(far)].far_before).push_back(spring);
         springs.points.push_back({near, far});
         springs.per_length.push_back(block.per_length[lane]);
         springs.tension.push_back(block.tension[lane]);
       }
     for (const Index row : slice.rows) is_added[at(row / 4)] = true;
   }
+  springs.end.push_back(springs.points.size());
+  springs.cubic.push_back(set.cubic);
+  for (std::size_t p = 0; p < terms.size(); ++p) {
+    std::vector<Terms::Other>& others = terms[p].others;
+    for (const std::int32_t spring : ends[p].far_before) others.push_back({Terms::spring, spring, 1});
+    const std::size_t begin = others.size();
+    for (const std::int32_t spring : ends[p].own) others.push_back({Terms::spring, spring, 0});
+    if (others.size() > begin) terms[p].groups.push_back({begin, others.size()});
+    for (const std::int32_t spring : ends[p].far_after) others.push_back({Terms::spring, spring, 1});
+  }
+}
+
+void append_dampers(const SpringSet& set, std::vector<Terms>& terms, Dampers& dampers) {
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const SpringSet::Spring& each = set.spring(i);
+    if (each.damper == 0) continue;
+    for (std::size_t a = 0; a < 2; ++a)
+      terms[at(each.points[a])].others.push_back(
+          {Terms::damper, static_cast<std::int32_t>(dampers.points.size()), a});
+    dampers.points.push_back(each.points);
+    dampers.damper.push_back(each.damper);
+  }
+}
+
+/// Those of unused lanes, which have no forces, are left out.
+std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra, Springs& springs,
+                            Dampers& dampers) {
+  std::vector<Terms> terms(at(static_cast<Index>(body.mesh().point_count())));
+  for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
+    if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
+      for (std::size_t a = 0; a < 4; ++a)
+        terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
+  for (const SpringSet& set : body.spring_sets()) {
+    append_springs(*set.sliced(), terms, springs);  // NOLINT(bugprone-unchecked-optional-access): it suits
+    append_dampers(set, terms, dampers);
+  }
+  if (const Membrane* const skin = body.membrane())
+    for (std::size_t n = 0; n < skin->size(); ++n)
+      for (std::size_t a = 0; a < 3; ++a)
+        terms[at(skin->points(n)[a])].others.push_back({Terms::triangle, static_cast<std::int32_t>(n), a});
   return terms;
 }
 
@@ -108,8 +158,7 @@ class Cutter {
       : body_(body),
         points_(std::move(points)),
         tetrahedra_{body.tet_blocks() ? body.tet_blocks()->blocks() : std::span<const TetBlock>{}},
-        springs_(body),
-        terms_(terms_of(tetrahedra_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
+        terms_(terms_of(body, tetrahedra_, springs_, dampers_)),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
         local_(terms_.size(), -1) {
@@ -125,7 +174,12 @@ class Cutter {
     const std::size_t slots = give_slots(own);
     std::vector<Index> used(own.begin(), own.end());
     for (const auto& [tet, slot] : of_tetrahedra_) add_tetrahedron(tet, slot, used);
-    for (const auto& [spring, slot] : of_springs_) add_spring(spring, slot, used);
+    add_springs(used);
+    for (const auto& [damper, slot] : of_others_[Terms::damper]) {
+      made_.damped.push_back(ends_of(dampers_.points[static_cast<std::size_t>(damper)], slot, used));
+      made_.damper.push_back(dampers_.damper[static_cast<std::size_t>(damper)]);
+    }
+    for (const auto& [number, slot] : of_others_[Terms::triangle]) add_triangle(number, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     made_.shared =
@@ -138,6 +192,8 @@ class Cutter {
 
   BodyPatches finish() {
     made_.begin.push_back(here(points_.size()));
+    made_.set_begin.push_back(static_cast<std::int32_t>(made_.ends.size()));
+    made_.cubic = springs_.cubic;
     made_.points = count_;
     made_.gradients.resize(9 * tets_.size());
     for (std::size_t n = 0; n < tets_.size(); ++n) {
@@ -159,7 +215,9 @@ class Cutter {
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
     made_.number = number_;
-    if (springs_.sliced) place_springs();
+    if (!springs_.end.empty() || body_.membrane()) place_rest();
+    if (body_.membrane()) place_skin(*body_.membrane());
+    place_supports();
     if (body_.settings().beta != 0) place_damping();
     // Displacements of at most a quarter of it differ by less than TissueBody::admits().
     const auto& X = body_.mesh().points;
@@ -172,9 +230,7 @@ class Cutter {
 
   /// The columns of C = alpha M + beta K0, which are its rows, from those of the body.
   void place_damping() {
-    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body_.dofs());
-    TissueBody::DofMatrix C;
-    body_.damping(0, still, still, C);
+    const TissueBody::DofMatrix& C = body_.rayleigh();
     const auto free = static_cast<std::int32_t>(points_.size());
     std::vector<Eigen::Index> column(points_.size());  // of each point here, that of its x
     for (std::size_t p = 0; p < points_.size(); ++p)
@@ -193,8 +249,50 @@ class Cutter {
       made_.damping.insert(made_.damping.end(), each.begin(), each.end());
   }
 
-  void place_springs() {
-    made_.cubic = springs_.sliced->cubic;
+  void place_skin(const Membrane& skin) {
+    made_.skin_modulus = skin.modulus(), made_.skin_poisson = skin.poisson();
+    made_.skin_gradients.resize(4 * triangles_.size());
+    for (std::size_t n = 0; n < triangles_.size(); ++n) {
+      const Membrane::Triangle& triangle = skin.triangle(triangles_[n]);
+      for (std::size_t k = 0; k < 4; ++k)
+        made_.skin_gradients[k * triangles_.size() + n] = triangle.gradients[k];
+      made_.skin_volume.push_back(triangle.volume);
+    }
+  }
+
+  /// Springs that hold free points, supports that move, and what these drag.
+  void place_supports() {
+    const std::size_t free = points_.size();
+    if (!body_.anchors().empty()) made_.anchor.resize(free);
+    for (const TissueBody::Anchor& each : body_.anchors())
+      made_.anchor[static_cast<std::size_t>(number_[at(each.point)])] = each.stiffness;
+    made_.moved_by.assign(number_.size() - free, -1);
+    const std::vector<Support>& supports = body_.settings().supports;
+    std::size_t begin = 0;
+    for (const std::size_t end : body_.support_ends()) {
+      std::vector<Support> lot;
+      for (std::size_t s = begin; s < end; ++s) lot.push_back({{}, supports[s].travel, supports[s].profile});
+      const bool moves =
+          !std::ranges::all_of(lot, [](const Support& support) { return support.travel.isZero(0); });
+      for (const Index p : supports[begin].points)
+        made_.moved_by[static_cast<std::size_t>(number_[at(p)]) - free] =
+            moves ? static_cast<std::int32_t>(made_.motions.size()) : -1;
+      if (moves) made_.motions.push_back(std::move(lot));
+      begin = end;
+    }
+    for (std::size_t s = 0; s < supports.size(); ++s) {
+      const TissueBody::Dofs& drag = body_.support_drag()[s];
+      if (drag.isZero(0)) continue;
+      made_.rates.push_back(supports[s].profile);
+      const std::size_t first = made_.support_drag.size();
+      made_.support_drag.resize(first + 3 * free);
+      for (std::size_t n = 0; n < 3 * free; ++n)
+        made_.support_drag[first + n % 3 * free + static_cast<std::size_t>(made_.order[n / 3])] =
+            drag[static_cast<Eigen::Index>(n)];
+    }
+  }
+
+  void place_rest() {
     made_.rest.resize(3 * number_.size());
     for (std::size_t p = 0; p < number_.size(); ++p)
       for (std::size_t i = 0; i < 3; ++i)
@@ -203,15 +301,18 @@ class Cutter {
   }
 
   [[nodiscard]] PatchBegin here(std::size_t own) const {
-    return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
-            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.ends.size()),
-            static_cast<std::int32_t>(made_.push_slot.size())};
+    return {static_cast<std::int32_t>(own),
+            static_cast<std::int32_t>(made_.rim.size()),
+            static_cast<std::int32_t>(tets_.size()),
+            static_cast<std::int32_t>(made_.push_slot.size()),
+            static_cast<std::int32_t>(made_.damper.size()),
+            static_cast<std::int32_t>(triangles_.size())};
   }
 
   /// Slots of the own points, one after the other.
   std::size_t give_slots(std::span<const Index> own) {
     of_tetrahedra_.clear();
-    of_springs_.clear();
+    for (auto& each : of_others_) each.clear();
     std::size_t next = 0;
     const auto give = [&](auto& slots_of, std::int32_t number, std::size_t place) {
       slots_of.try_emplace(number, nowhere()).first->second[place] = static_cast<std::uint16_t>(next++);
@@ -221,18 +322,17 @@ class Cutter {
       for (const std::int32_t tet : terms.tetrahedra)
         for (std::size_t a = 0; a < 4; ++a)
           if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p) give(of_tetrahedra_, tet, a);
-      for (const std::int32_t spring : terms.far_before) give(of_springs_, spring, 1);
-      PointSlots& ends = made_.slots.emplace_back();
-      ends.before = static_cast<std::uint16_t>(next);
-      for (const std::int32_t spring : terms.own) give(of_springs_, spring, 0);
-      ends.own = static_cast<std::uint16_t>(next);
-      for (const std::int32_t spring : terms.far_after) give(of_springs_, spring, 1);
+      for (const auto& [begin, end] : terms.groups)
+        made_.groups.push_back(
+            {static_cast<std::uint16_t>(next + begin), static_cast<std::uint16_t>(next + end)});
+      for (const Terms::Other& other : terms.others) give(of_others_[other.kind], other.number, other.place);
       for (const Push& push : pushes_[at(p)]) {
         made_.push_slot.push_back(static_cast<std::uint16_t>(next++));
         made_.push_load.push_back(push.load);
         made_.push_share.push_back(push.share);
       }
-      ends.after = static_cast<std::uint16_t>(next);
+      made_.slots.push_back(
+          {static_cast<std::int32_t>(made_.groups.size()), static_cast<std::uint16_t>(next)});
     }
     return next;
   }
@@ -256,15 +356,33 @@ class Cutter {
     tets_.push_back(static_cast<std::size_t>(tet));
   }
 
-  void add_spring(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
-    const auto spring = static_cast<std::size_t>(number);
-    PatchSpring& ends = made_.ends.emplace_back();
-    for (std::size_t a = 0; a < 2; ++a) {
-      ends.point[a] = local(springs_.points[spring][a], used);
-      ends.slot[a] = slot[a];
+  /// Their numbers rise from set to set.
+  void add_springs(std::vector<Index>& used) {
+    const std::map<std::int32_t, Slots>& here = of_others_[Terms::spring];
+    auto next = here.begin();
+    for (const std::size_t end : springs_.end) {
+      made_.set_begin.push_back(static_cast<std::int32_t>(made_.ends.size()));
+      for (; next != here.end() && static_cast<std::size_t>(next->first) < end; ++next) {
+        const auto spring = static_cast<std::size_t>(next->first);
+        made_.ends.push_back(ends_of(springs_.points[spring], next->second, used));
+        made_.per_length.push_back(springs_.per_length[spring]);
+        made_.tension.push_back(springs_.tension[spring]);
+      }
     }
-    made_.per_length.push_back(springs_.per_length[spring]);
-    made_.tension.push_back(springs_.tension[spring]);
+  }
+
+  PatchSpring ends_of(const std::array<Index, 2>& points, const Slots& slot, std::vector<Index>& used) {
+    return {{local(points[0], used), local(points[1], used)}, {slot[0], slot[1]}};
+  }
+
+  void add_triangle(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
+    const auto n = static_cast<std::size_t>(number);
+    PatchTriangle& triangle = made_.skin.emplace_back();
+    for (std::size_t a = 0; a < 3; ++a) {
+      triangle.point[a] = local(body_.membrane()->points(n)[a], used);
+      triangle.slot[a] = slot[a];
+    }
+    triangles_.push_back(n);
   }
 
   static constexpr Slots nowhere() {
@@ -275,11 +393,13 @@ class Cutter {
   std::vector<Index> points_;  ///< the free ones, patch by patch
   Tetrahedra tetrahedra_;
   Springs springs_;
+  Dampers dampers_;
   std::vector<Terms> terms_;
   std::vector<std::vector<Push>> pushes_;
-  std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
-  std::map<std::int32_t, Slots> of_tetrahedra_, of_springs_;  ///< of a patch
-  std::vector<std::size_t> tets_;
+  std::vector<std::int32_t> number_, local_;     ///< of each point of the mesh: here, and in the patch
+  std::map<std::int32_t, Slots> of_tetrahedra_;  ///< of a patch
+  std::array<std::map<std::int32_t, Slots>, Terms::kinds> of_others_;  ///< likewise
+  std::vector<std::size_t> tets_, triangles_;
   std::int32_t count_ = 0;
   bool fits_ = true;
   BodyPatches made_;
@@ -292,14 +412,9 @@ std::string unsuited_for_patches(const TissueBody& body) {
   const std::vector<SpringSet>& springs = body.spring_sets();
   if (!body.tet_blocks() && body.element_pieces() > 0)
     return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean without fibres";
-  if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
-  if (springs.size() > 1) return "has a skin of springs beside those of its model";
-  if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";
-  if (!springs.empty() && springs.front().has_dampers()) return "has dampers";
+  if (!std::ranges::all_of(springs, [](const SpringSet& set) { return set.sliced().has_value(); }))
+    return "has springs that are neither linear nor cubic";
   if (!settings.tools.empty()) return "meets a tool";
-  if (!settings.elastic_supports.empty()) return "lies on springs";
-  for (const Support& support : settings.supports)
-    if (!support.travel.isZero(0)) return "has a support that is moved";
   return {};
 }
 

@@ -24,12 +24,22 @@ struct BodyPatches {
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
   std::vector<PatchSpring> ends;
-  std::vector<double> per_length, tension, rest;
-  double cubic = 0;
+  std::vector<double> per_length, tension, cubic, rest;
+  std::vector<std::int32_t> set_begin;
+  std::vector<PatchSpring> damped;
+  std::vector<double> damper;
+  std::vector<PatchTriangle> skin;
+  std::vector<double> skin_gradients, skin_volume;
+  double skin_modulus = 0, skin_poisson = 0;
   std::vector<PointSlots> slots;
+  std::vector<SlotGroup> groups;
   std::vector<std::uint16_t> push_slot;
   std::vector<std::int32_t> push_load;
-  std::vector<double> push_share, weight, drag, mass;
+  std::vector<double> push_share, weight, drag, mass, anchor;
+  std::vector<std::vector<Support>> motions;  ///< of supports that move, without their points
+  std::vector<std::int32_t> moved_by;
+  std::vector<TimeProfile> rates;  ///< of supports that drag free points
+  std::vector<double> support_drag;
   std::vector<std::int32_t> damped_by, damp_end;
   std::vector<double> damping;
   double watch = 0;

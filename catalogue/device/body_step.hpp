@@ -20,6 +20,14 @@ namespace hmax {
 template <TetLaw law>
 using LawConstant = std::integral_constant<TetLaw, law>;
 
+/// What is known of a body when its steps are compiled. @tparam more  whether it has dampers or triangles,
+/// whose forces need more registers
+template <TetLaw the_law, bool more>
+struct BodyKind {
+  static constexpr TetLaw law = the_law;
+  static constexpr bool has_more = more;
+};
+
 /// Corners of a tetrahedron in a patch.
 struct PatchCorners {
   static constexpr std::uint16_t nowhere = 0xffff;
@@ -32,15 +40,25 @@ struct PatchSpring {
   std::uint16_t point[2], slot[2];
 };
 
-/// Where the slots of a free point end: those that are added up first, those of springs that begin at the
-/// point, whose sum is added as one, and those after them.
+/// A triangle of a skin in a patch, likewise.
+struct PatchTriangle {
+  std::uint16_t point[3], slot[3];
+};
+
+/// Slots from `begin` to `end` whose sum is added as one: those of springs of a set that begin at a point.
+struct SlotGroup {
+  std::uint16_t begin, end;
+};
+
+/// Where the groups and the slots of a free point end.
 struct PointSlots {
-  std::uint16_t before, own, after;
+  std::int32_t groups;
+  std::uint16_t end;
 };
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, spring, push;
+  std::int32_t own, rim, tet, push, damper, triangle;
 };
 
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
@@ -48,7 +66,7 @@ struct PatchBegin {
 /// the free ones.
 template <class Real>
 struct BodyArrays {
-  std::int32_t patches, points, free, tets, springs;
+  std::int32_t patches, points, free, tets, springs, sets, dampers, triangles;
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
@@ -57,19 +75,32 @@ struct BodyArrays {
   const Real *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
   const PatchSpring* ends;           ///< of springs, shape (springs)
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
-  Real cubic;                        ///< b of phi = s + b s^3
-  const Real* rest;                  ///< positions [m], shape (3, points); of springs alone
-  const PointSlots* slots;           ///< of each free point; they follow one another in a patch
-  const std::uint16_t* push_slot;    ///< slots of loads
-  const std::int32_t* push_load;     ///< which load pushes there
-  const Real* push_share;            ///< the share of it that does
-  const Real *weight, *drag, *mass;  ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
-  const std::int32_t* damped_by;     ///< dofs whose velocities damp a free point by the stiffness at rest
-  const Real* damping;               ///< of its three dofs [kg/s], shape (3, damps)
-  const std::int32_t* damp_end;      ///< the end of these, of each free point
+  const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
+  const Real* cubic;                 ///< b of phi = s + b s^3, of each set
+  const PatchSpring* damped;         ///< ends of dampers
+  const Real* damper;                ///< c [N s/m] of each
+  const PatchTriangle* skin;         ///< shape (triangles)
+  const Real *skin_gradients, *skin_volume;  ///< Bm [1/m], row after row, shape (4, triangles); [m^3]
+  Real skin_modulus, skin_poisson;           ///< Y / (1 - nu^2) [Pa], nu
+  const Real* rest;                    ///< positions [m], shape (3, points); of springs and triangles alone
+  const PointSlots* slots;             ///< of each free point; they follow one another in a patch
+  const SlotGroup* groups;             ///< of one point after the other, in the order of their slots
+  const std::uint16_t* push_slot;      ///< slots of loads
+  const std::int32_t* push_load;       ///< which load pushes there
+  const Real* push_share;              ///< the share of it that does
+  const Real *weight, *drag, *mass;    ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
+  const Real* anchor;                  ///< k [N/m] of the spring that holds each free point, or 0; null: none
+  std::int32_t motions, first_motion;  ///< of supports; where they begin among the numbers of an evaluation
+  const std::int32_t* moved_by;        ///< which motion each point that is not free has, or -1
+  std::int32_t rates, first_rate;      ///< of supports that drag free points, likewise
+  const Real* support_drag;            ///< what each does at a rate of 1/s [N], shape (rates, 3, free)
+  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
+  const Real* damping;                 ///< of its three dofs [kg/s], shape (3, damps)
+  const std::int32_t* damp_end;        ///< the end of these, of each free point
   std::int32_t damps;
   Real watch;           ///< a larger displacement [m] is told
   std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
+  [[nodiscard]] bool has_more() const { return dampers > 0 || triangles > 0; }  ///< see BodyKind
   bool operator==(const BodyArrays&) const = default;
 };
 
@@ -126,11 +157,11 @@ struct BodyStep {
   Real h, half;  ///< the step and its half
   Real *q, *q_next, *v, *v_next, *a;
   Real* half_v;        ///< velocities of half steps, of kicks whose forces meet predicted ones; else null
-  const Real* lumped;  ///< D / m [1/s] of central differences, as KickDriftKick has it; else null
+  const Real* lumped;  ///< D / m [1/s] of central differences, as v, see KickDriftKick; else null
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
-  /// Forces of the loads [N], x, y, z of each, shape (evaluations, loads, 3); of steady ones those of one
-  /// evaluation.
+  /// Of each evaluation the forces of the loads [N], shape (loads, 3), displacements [m] and velocities [m/s]
+  /// of supports, shape (motions, 2, 3), and rates [1/s]; of steady ones those of one evaluation.
   const Real* loads;
   std::int32_t next_loads;        ///< numbers from one evaluation to the next; 0: loads are steady
   const std::int64_t* evaluated;  ///< how many evaluations `loads` has before those of a Device::run()
@@ -139,6 +170,12 @@ struct BodyStep {
   StageRecurrence<Real> recurrence;
   bool operator==(const BodyStep&) const = default;
 };
+
+/// Loads and supports at an evaluation after those of BodyStep::evaluated.
+template <class Real>
+HMAX_DEVICE inline const Real* loads_of(const BodyStep<Real>& step, std::int64_t evaluation) {
+  return step.loads + (*step.evaluated + evaluation) * step.next_loads;
+}
 
 /// Numbers that the threads of a block share: positions of `points`, forces of `slots`.
 HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots) {
@@ -166,14 +203,14 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::in
 }
 
 /// d pull at the near end and -d pull at the far one, each at its slot.
+/// @param b  of phi = s + b s^3
 /// @param x  positions
 template <class Real>
-HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring, std::int32_t points,
-                                      std::int32_t slots, const Real* x, Real* f) {
+HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring, Real b,
+                                      std::int32_t points, std::int32_t slots, const Real* x, Real* f) {
   const PatchSpring ends = body.ends[spring];
   const Real* const L = body.per_length + spring;
   const Real* const tension = body.tension + spring;
-  const Real b = body.cubic;
   Real d[3];
   for (int i = 0; i < 3; ++i) d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
   const Real pull = b == 0 ? kernel_loops::spring_pull<OneElement<Real>, false>(L, tension, b, d)
@@ -185,14 +222,70 @@ HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t
   }
 }
 
-/// The sum at a point in the order of the processor. @param f  of one component
+/// The pull at the near end of a damper and -pull at the far one, each at its slot.
+/// @param x         positions
+/// @param velocity  velocity(p, i) of component i of point p of the patch
+template <class Real, class Velocity>
+HMAX_DEVICE inline void damper_forces(const BodyArrays<Real>& body, std::int32_t damper, std::int32_t points,
+                                      std::int32_t slots, const Real* x, const Velocity& velocity, Real* f) {
+  const PatchSpring ends = body.damped[damper];
+  Real d[3], w[3], pull[3];
+  for (int i = 0; i < 3; ++i) {
+    d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
+    w[i] = velocity(ends.point[1], i) - velocity(ends.point[0], i);
+  }
+  kernel_loops::damper_pull<OneElement<Real>>(body.damper[damper], d, w, pull);
+  for (int i = 0; i < 3; ++i) {
+    if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = pull[i];
+    if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -pull[i];
+  }
+}
+
+/// -pull at the corners 1 and 2 and their sum at corner 0, each at its slot.
+/// @param x  positions
 template <class Real>
-HMAX_DEVICE inline Real sum_of(const PointSlots& slots, std::int32_t first, const Real* f) {
-  Real sum = 0, own = 0;
-  for (std::int32_t s = first; s < slots.before; ++s) sum = sum + f[s];
-  for (std::int32_t s = slots.before; s < slots.own; ++s) own = own + f[s];
-  if (slots.own > slots.before) sum = sum + own;
-  for (std::int32_t s = slots.own; s < slots.after; ++s) sum = sum + f[s];
+HMAX_DEVICE inline void triangle_forces(const BodyArrays<Real>& body, std::int32_t triangle,
+                                        std::int32_t points, std::int32_t slots, const Real* x, Real* f) {
+  const PatchTriangle corners = body.skin[triangle];
+  Real D[2][3], g[4], pull[2][3];
+  for (int k = 0; k < 4; ++k)
+    g[k] = body.skin_gradients[static_cast<std::int64_t>(k) * body.triangles + triangle];
+  for (int a = 0; a < 2; ++a)
+    for (int i = 0; i < 3; ++i)
+      D[a][i] = x[i * points + corners.point[a + 1]] - x[i * points + corners.point[0]];
+  kernel_loops::triangle_pull<OneElement<Real>>(D, g, body.skin_volume[triangle], body.skin_modulus,
+                                                body.skin_poisson, pull);
+  for (int i = 0; i < 3; ++i) {
+    if (corners.slot[0] != PatchCorners::nowhere) f[i * slots + corners.slot[0]] = pull[0][i] + pull[1][i];
+    for (int a = 0; a < 2; ++a)
+      if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
+  }
+}
+
+/// Component k of the motion of a point that is not free: 0 to 2 of its displacement, 3 to 5 of its velocity.
+/// @param loads  of the evaluation
+template <class Real>
+HMAX_DEVICE inline Real held_motion(const BodyArrays<Real>& body, const Real* loads, std::int32_t point,
+                                    std::int32_t k) {
+  const std::int32_t motion = body.motions > 0 ? body.moved_by[point - body.free] : -1;
+  return motion < 0 ? static_cast<Real>(0) : loads[body.first_motion + 6 * motion + k];
+}
+
+/// The sum at free point p in the order of the processor.
+/// @param s  its first slot
+/// @param f  of one component
+template <class Real>
+HMAX_DEVICE inline Real sum_of(const BodyArrays<Real>& body, std::int32_t p, std::int32_t s, const Real* f) {
+  const PointSlots here = body.slots[p];
+  Real sum = 0;
+  for (std::int32_t n = p == 0 ? 0 : body.slots[p - 1].groups; n < here.groups; ++n) {
+    const SlotGroup group = body.groups[n];
+    Real own = 0;
+    for (; s < group.begin; ++s) sum = sum + f[s];
+    for (; s < group.end; ++s) own = own + f[s];
+    sum = sum + own;
+  }
+  for (; s < here.end; ++s) sum = sum + f[s];
   return sum;
 }
 
@@ -262,12 +355,10 @@ HMAX_DEVICE inline void next_stage(const BodyStep<Real>& step, std::int64_t at, 
 }
 
 /// The end of a step of kicks, and of kick_drift the beginning of the next, as KickDriftKick has them.
-/// @param of_body  the degree of freedom among those of a body
 template <class Real>
-HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, std::int64_t of_body, Real a,
-                                 Real& q, Real& v) {
+HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, Real a, Real& q, Real& v) {
   if (step.lumped) {
-    const Real damping = step.half * step.lumped[of_body];
+    const Real damping = step.half * step.lumped[dof];
     a = (a + damping * step.a[dof]) * (1 / (1 + damping));
   }
   if (step.half_v) v = step.half_v[dof];
@@ -282,15 +373,20 @@ HMAX_DEVICE inline void end_kick(const BodyStep<Real>& step, std::int64_t dof, s
 }
 
 /// The new q and v of component i of free point p, of body `number`.
+/// @param loads  of the evaluation
 template <class Real>
-HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::int32_t i, std::int32_t p,
-                                   std::int32_t number) {
+HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, const Real* loads, Real force, std::int32_t i,
+                                   std::int32_t p, std::int32_t number) {
   const std::int64_t first = 3 * static_cast<std::int64_t>(number) * step.body.free,
                      dof = first + static_cast<std::int64_t>(i) * step.body.free + p,
                      at = (3 * static_cast<std::int64_t>(number) + i) * step.body.points + p;
   Real q = step.q[at], v = step.v[dof];
   Real all = (force + step.body.weight[dof - first]) - step.body.drag[p] * v;
+  if (step.body.anchor && step.body.anchor[p] != 0) all = all - step.body.anchor[p] * q;
   if (step.body.damps > 0) all = all - damping_of(step, i, p, step.v + first);
+  for (std::int32_t n = 0; n < step.body.rates; ++n)
+    if (const Real rate = loads[step.body.first_rate + n]; rate != 0)
+      all = all - rate * step.body.support_drag[(3 * static_cast<std::int64_t>(n) + i) * step.body.free + p];
   if (step.move == Move::force) {
     step.a[dof] = all;
     return;
@@ -300,7 +396,7 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
   if (step.move == Move::slope) return;
   if (step.move == Move::start) step.a[dof] = a;
   if (step.move == Move::symplectic_euler) v = v + step.h * a, q = q + step.h * v;
-  if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, dof - first, a, q, v);
+  if (step.move == Move::kick_drift || step.move == Move::kick) end_kick(step, dof, a, q, v);
   if (step.move == Move::stage) sum_slopes(step, at, dof, q, v);
   if constexpr (std::is_same_v<Real, double>)
     if (step.move == Move::recurrence) next_stage(step, at, dof, a, q, v);
@@ -311,25 +407,28 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
 }
 
 /// The step of one patch of body `number`.
-/// @tparam law    that of the body
+/// @tparam Kind   BodyKind of the body
 /// @tparam Block  see device_program.hpp
 /// @param later   evaluations of loads between BodyStep::evaluation and this one
 /// @param shared  shared_numbers() of them
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch,
+template <class Kind, class Block, class Real>
+HMAX_DEVICE void body_step(Kind, const Block& block, const BodyStep<Real>& step, std::int32_t patch,
                            std::int32_t number, std::int64_t later, Real* shared) {
   const BodyArrays<Real>& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
   const std::int32_t own = to.own - from.own, points = own + to.rim - from.rim,
-                     slots = body.slots[to.own - 1].after;
+                     slots = body.slots[to.own - 1].end;
   Real* const u = shared;
   Real* const f = shared + 3 * points;
+  const auto of_body = [&](std::int32_t p) { return p < own ? from.own + p : body.rim[from.rim + p - own]; };
+  const Real* const loads = loads_of(step, step.evaluation + later);
   block.each(points, [&](std::int32_t p) {
-    const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+    const std::int32_t point = of_body(p);
     for (int i = 0; i < 3; ++i)
-      u[i * points + p] = step.q[(3 * static_cast<std::int64_t>(number) + i) * body.points + point];
+      u[i * points + p] = point < body.free
+                              ? step.q[(3 * static_cast<std::int64_t>(number) + i) * body.points + point]
+                              : held_motion(body, loads, point, i);
   });
-  const Real* const loads = step.loads + (*step.evaluated + step.evaluation + later) * step.next_loads;
   block.each(to.push - from.push, [&](std::int32_t n) {
     const std::int32_t push = from.push + n;
     for (int i = 0; i < 3; ++i)
@@ -337,23 +436,40 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   });
   block.barrier();
   block.each(to.tet - from.tet,
-             [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
-  if (to.spring > from.spring) {
+             [&](std::int32_t n) { tetrahedron_forces<Kind::law>(body, from.tet + n, points, slots, u, f); });
+  const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
+  if (of_set[body.sets] > of_set[0] ||
+      (Kind::has_more && (to.damper > from.damper || to.triangle > from.triangle))) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {
-      const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
+      const std::int32_t point = of_body(p);
       for (int i = 0; i < 3; ++i)
         u[i * points + p] = body.rest[static_cast<std::int64_t>(i) * body.points + point] + u[i * points + p];
     });
     block.barrier();
-    block.each(to.spring - from.spring,
-               [&](std::int32_t n) { spring_forces(body, from.spring + n, points, slots, u, f); });
+    for (std::int32_t set = 0; set < body.sets; ++set) {
+      const Real b = body.cubic[set];
+      block.each(of_set[set + 1] - of_set[set],
+                 [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, u, f); });
+    }
+    if constexpr (Kind::has_more) {
+      const auto velocity = [&](std::int32_t p, std::int32_t i) {
+        const std::int32_t point = of_body(p);
+        return point < body.free ? step.v[(3 * static_cast<std::int64_t>(number) + i) * body.free + point]
+                                 : held_motion(body, loads, point, 3 + i);
+      };
+      block.each(to.damper - from.damper, [&](std::int32_t n) {
+        damper_forces(body, from.damper + n, points, slots, u, velocity, f);
+      });
+      block.each(to.triangle - from.triangle,
+                 [&](std::int32_t n) { triangle_forces(body, from.triangle + n, points, slots, u, f); });
+    }
   }
   block.barrier();
   block.each(3 * own, [&](std::int32_t n) {
     const std::int32_t i = n / own, p = from.own + n % own;
-    const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].after;
-    move_point(step, sum_of(body.slots[p], first, f + i * slots), i, p, number);
+    const std::int32_t first = p == from.own ? 0 : body.slots[p - 1].end;
+    move_point(step, loads, sum_of(body, p, first, f + i * slots), i, p, number);
   });
 }
 
@@ -366,13 +482,14 @@ struct BodySteps {
   std::int64_t times;  ///< over and over again
   std::int32_t bodies, shared;
   TetLaw law;
+  bool has_more;  ///< see BodyKind
 };
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void body_steps(const Block& block, const BodySteps<Real>& all, std::int32_t number,
+template <class Kind, class Block, class Real>
+HMAX_DEVICE void body_steps(Kind kind, const Block& block, const BodySteps<Real>& all, std::int32_t number,
                             Real* shared) {
   for (std::int64_t done = 0; done < all.times; ++done)
     for (std::int32_t n = 0; n < all.count; ++n) {
-      body_step<law>(block, all.steps[n], 0, number, done * all.count, shared);
+      body_step(kind, block, all.steps[n], 0, number, done * all.count, shared);
       block.barrier();
     }
 }

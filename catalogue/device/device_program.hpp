@@ -45,15 +45,21 @@ void with_law(TetLaw law, const F& f) {
       return f(LawConstant<TetLaw::corotational>{});
   }
 }
+template <class F>
+void with_body_kind(TetLaw law, bool has_more, const F& f) {
+  with_law(law, [&]<TetLaw known>(LawConstant<known>) {
+    has_more ? f(BodyKind<known, true>{}) : f(BodyKind<known, false>{});
+  });
+}
 template <class Real, class F>
 void with_kind(const BodyStep<Real>& step, const F& f) {
-  with_law(step.body.law, f);
+  with_body_kind(step.body.law, step.body.has_more(), f);
 }
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodyStep<Real>& step,
+template <TetLaw law, bool more, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, more> kind, const Block& block, const BodyStep<Real>& step,
                            std::int32_t number, void* shared) {
-  body_step<law>(block, step, number % step.body.patches, number / step.body.patches, 0,
-                 static_cast<Real*>(shared));
+  body_step(kind, block, step, number % step.body.patches, number / step.body.patches, 0,
+            static_cast<Real*>(shared));
 }
 
 template <class Real>
@@ -66,12 +72,12 @@ std::size_t shared_bytes_of(const BodySteps<Real>& all) {
 }
 template <class Real, class F>
 void with_kind(const BodySteps<Real>& all, const F& f) {
-  with_law(all.law, f);
+  with_body_kind(all.law, all.has_more, f);
 }
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodySteps<Real>& all,
+template <TetLaw law, bool more, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, more> kind, const Block& block, const BodySteps<Real>& all,
                            std::int32_t number, void* shared) {
-  body_steps<law>(block, all, number, static_cast<Real*>(shared));
+  body_steps(kind, block, all, number, static_cast<Real*>(shared));
 }
 
 /// A program whose threads know nothing of each other, count_of(p) of them: run_thread(kind, p, number).
@@ -112,14 +118,18 @@ void with_kind(const MovePoints& move, const F& f) {
   if (!move.tetrahedron) return f(std::true_type{});
   with_law(move.step.body.law, f);
 }
+template <class F>
+void with_kind(const MatrixBlocks& blocks, const F& f) {
+  blocks.newton.matrix.has_more() ? f(std::true_type{}) : f(std::false_type{});
+}
 
 /// Programs of one kind.
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
-    std::same_as<P, MatrixBlocks> || std::same_as<P, BoundPieces> || std::same_as<P, FirstKick<double>> ||
-    std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
-    std::same_as<P, KnownStage<float>> || std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> ||
-    std::same_as<P, PointIteration> || std::same_as<P, SubstepEnd>
+    std::same_as<P, BoundPieces> || std::same_as<P, FirstKick<double>> || std::same_as<P, FirstKick<float>> ||
+    std::same_as<P, KnownStage<double>> || std::same_as<P, KnownStage<float>> ||
+    std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> || std::same_as<P, PointIteration> ||
+    std::same_as<P, SubstepEnd>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>

@@ -16,6 +16,7 @@
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/positional_body.hpp"
 
 namespace hmax {
 
@@ -144,8 +145,17 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!problem.body) return "runs on a GPU for bodies on meshes alone";
   const std::optional<DeviceMethod> known = device_method(method);
   if (!known) return "runs on no GPU";
-  const std::string why = unsuited_for_patches(*problem.body);
-  if (known->kind == DeviceMethod::Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
+  std::string why = unsuited_for_patches(*problem.body);
+  using Kind = DeviceMethod::Kind;
+  if (known->is_positional()) {
+    std::string never =
+        PositionalBody::why_not(*problem.body, known->kind == Kind::constraints ? PositionalVerbs::constraints
+                                                                                : PositionalVerbs::points);
+    if (!never.empty()) return never;
+    if (!problem.body->anchors().empty()) why = "lies on springs";
+  }
+  if (known->kind == Kind::stabilised && why.empty()) why = unsuited_for_radius(*problem.body);
+  if (known->kind == Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
   return why.empty() ? why : "does not run this body on a GPU: it " + why;

@@ -24,7 +24,7 @@ void NewtonOnDevice::append(const BodyStep<double>& step, double h,
                             std::vector<DeviceProgram>& programs) const {
   NewtonArrays newton = arrays_;
   newton.h = h;
-  programs.push_back({NewtonBegin{{newton, step}}});
+  programs.push_back({NewtonBegin{{newton, step}, step.evaluation}});
   BodyStep<double> force = step;
   force.move = Move::force;
   force.q = step.q_next;

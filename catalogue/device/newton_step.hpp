@@ -26,10 +26,22 @@ struct StiffTet {
   std::int32_t corner[4];                ///< points of BodyArrays
 };
 
-/// A spring, likewise: k [N/m], L [m].
+/// A spring, likewise: k [N/m], L [m], b of phi = s + b s^3.
 struct StiffSpring {
-  double stiffness, length;
+  double stiffness, length, cubic;
   std::int32_t end[2];
+};
+
+/// A damper between points of BodyArrays: c [N s/m].
+struct StiffDamper {
+  double damper;
+  std::int32_t end[2];
+};
+
+/// A triangle of a skin, likewise: Bm [1/m], row after row, V [m^3].
+struct StiffTriangle {
+  double gradients[4], volume;
+  std::int32_t corner[3];
 };
 
 /// Where the terms of a list begin: those of entry n are first[n] .. first[n + 1] - 1 of `of`.
@@ -55,11 +67,15 @@ struct BodyMatrix {
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
   const StiffSpring* springs;
   TermLists spring_terms;  ///< of each block
-  double cubic;            ///< b of phi = s + b s^3
+  const StiffTriangle* triangles;
+  TermLists triangle_terms;  ///< likewise: 9 times the triangle + 3 a + b of its corners
+  const StiffDamper* dampers;
+  TermLists damper_terms;  ///< likewise
   const double* damping;   ///< C of damping by stiffness, shape (blocks, 9); else null
   double alpha;            ///< [1/s]
   double* values;          ///< A, shape (blocks, 9)
   double* diagonal;        ///< shape (dofs)
+  [[nodiscard]] bool has_more() const { return dampers || triangles; }  ///< as BodyArrays
   bool operator==(const BodyMatrix&) const = default;
 };
 
@@ -102,8 +118,9 @@ struct DofProgram {
   bool operator==(const DofProgram&) const = default;
 };
 
-/// The first guess: q + h v.
+/// The first guess: q + h v, and where supports stand.
 struct NewtonBegin : DofProgram {
+  std::int32_t evaluation;  ///< of BodyStep
   bool operator==(const NewtonBegin&) const = default;
 };
 /// The end of an iteration: dq is added.
@@ -112,7 +129,19 @@ struct NewtonEnd : DofProgram {
 };
 
 HMAX_DEVICE inline std::int64_t count_of(const DofProgram& program) { return program.newton.dofs(); }
+/// Those of points that are not free come after those of the body.
+HMAX_DEVICE inline std::int64_t count_of(const NewtonBegin& begin) {
+  return begin.step.body.motions > 0 ? 3 * static_cast<std::int64_t>(begin.step.body.points)
+                                     : begin.newton.dofs();
+}
 HMAX_DEVICE inline void run_thread(std::true_type, const NewtonBegin& begin, std::int64_t n) {
+  if (n >= begin.newton.dofs()) {
+    const BodyStep<double>& step = begin.step;
+    const auto point = static_cast<std::int32_t>(n / 3), i = static_cast<std::int32_t>(n % 3);
+    step.q_next[static_cast<std::int64_t>(i) * step.body.points + point] =
+        held_motion(step.body, loads_of(step, begin.evaluation), point, i);
+    return;
+  }
   const DofPlace place(begin.newton, begin.step, n);
   const double h = begin.newton.h, q = begin.step.q[place.at], moved = q + h * begin.step.v[place.dof];
   begin.newton.inertial[n] = moved;
@@ -220,7 +249,8 @@ HMAX_DEVICE void run_thread(LawConstant<law> kind, const TetStiffness& stiffness
 struct MatrixBlocks {
   static constexpr std::int32_t threads = 128;
   NewtonArrays newton;
-  BodyStep<double> step;  ///< of the iterate, step.q_next
+  BodyStep<double> step;    ///< of the iterate, step.q_next
+  std::int32_t evaluation;  ///< of BodyStep
   bool operator==(const MatrixBlocks&) const = default;
 };
 HMAX_DEVICE inline std::int64_t count_of(const MatrixBlocks& program) { return program.newton.matrix.blocks; }
@@ -260,32 +290,100 @@ HMAX_DEVICE inline void take_tetrahedra(const BodyMatrix& matrix, std::int64_t b
                          : matrix.sum[9 * block + 3 * r + c];
 }
 
+/// The position of point b less that of point a.
+HMAX_DEVICE inline void span_of(const MatrixBlocks& program, std::int32_t a, std::int32_t b, double* d) {
+  const BodyArrays<double>& body = program.step.body;
+  for (int i = 0; i < 3; ++i) {
+    const auto x = [&](std::int32_t point) {
+      const std::int64_t at = static_cast<std::int64_t>(i) * body.points + point;
+      return body.rest[at] + program.step.q_next[at];
+    };
+    d[i] = x(b) - x(a);
+  }
+}
+
 /// Adds the springs of a block.
 HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
                                     double (*K)[3]) {
   const BodyMatrix& matrix = program.newton.matrix;
-  const BodyArrays<double>& body = program.step.body;
   for (std::int32_t n = matrix.spring_terms.first[block]; n < matrix.spring_terms.first[block + 1]; ++n) {
     const StiffSpring& spring = matrix.springs[matrix.spring_terms.of[n]];
-    double d[3], B[3][3];
-    for (int i = 0; i < 3; ++i) {
-      const auto x = [&](std::int32_t point) {
-        const std::int64_t at = static_cast<std::int64_t>(i) * body.points + point;
-        return body.rest[at] + program.step.q_next[at];
-      };
-      d[i] = x(spring.end[1]) - x(spring.end[0]);
-    }
-    constexpr double least = std::numeric_limits<double>::min();
-    const double size = std::sqrt(kernel_loops::dot<OneElement<double>>(d, d)),
-                 length = size < least ? least : size;
-    for (double& each : d) each = each / length;
-    kernel_loops::spring_stiffness(CubicSpring{matrix.cubic}, spring.stiffness, spring.length, length, d, B);
+    double d[3], e[3], B[3][3];
+    span_of(program, spring.end[0], spring.end[1], d);
+    const double length = kernel_loops::direction<OneElement<double>>(d, e);
+    kernel_loops::spring_stiffness(CubicSpring{spring.cubic}, spring.stiffness, spring.length, length, e, B);
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
   }
 }
 
-HMAX_DEVICE inline void run_thread(std::true_type, const MatrixBlocks& program, std::int64_t block) {
+/// Block (a, b) of a triangle of a skin: what is pulled at corner a changes with corner b.
+HMAX_DEVICE inline void triangle_block(const MatrixBlocks& program, const StiffTriangle& triangle, int a,
+                                       int b, double (*B)[3]) {
+  const BodyArrays<double>& body = program.step.body;
+  double D[2][3], F[2][3], S[3], pull[2][3];
+  span_of(program, triangle.corner[0], triangle.corner[1], D[0]);
+  span_of(program, triangle.corner[0], triangle.corner[2], D[1]);
+  kernel_loops::triangle_gradient(D, triangle.gradients, F);
+  kernel_loops::membrane_stress<OneElement<double>>(body.skin_modulus, body.skin_poisson, F, S);
+  const auto column = [&](int of, int c, double* to) {
+    kernel_loops::triangle_stiffness(F, S, triangle.gradients, triangle.volume, body.skin_modulus,
+                                     body.skin_poisson, of, c, pull);
+    for (int r = 0; r < 3; ++r)
+      to[r] = a == 0 ? -(pull[0][r] + pull[1][r]) : a == 1 ? pull[0][r] : pull[1][r];
+  };
+  for (int c = 0; c < 3; ++c) {
+    double first[3], second[3];
+    column(b == 2 ? 2 : 1, c, first);
+    if (b == 0) column(2, c, second);
+    for (int r = 0; r < 3; ++r) B[r][c] = b == 0 ? -(first[r] + second[r]) : first[r];
+  }
+}
+
+/// Adds the triangles of a block.
+HMAX_DEVICE inline void add_triangles(const MatrixBlocks& program, std::int64_t block, double (*K)[3]) {
+  const BodyMatrix& matrix = program.newton.matrix;
+  for (std::int32_t n = matrix.triangle_terms.first[block]; n < matrix.triangle_terms.first[block + 1]; ++n) {
+    const std::int32_t term = matrix.triangle_terms.of[n];
+    double B[3][3];
+    triangle_block(program, matrix.triangles[term / 9], term / 3 % 3, term % 3, B);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) K[r][c] = K[r][c] + B[r][c];
+  }
+}
+
+/// Adds what the dampers of a block have of K and of C.
+HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
+                                    double (*K)[3], double (*C)[3]) {
+  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyStep<double>& step = program.step;
+  const double* const loads = loads_of(step, program.evaluation);
+  for (std::int32_t n = matrix.damper_terms.first[block]; n < matrix.damper_terms.first[block + 1]; ++n) {
+    const StiffDamper& damper = matrix.dampers[matrix.damper_terms.of[n]];
+    double d[3], e[3], w[3], B[3][3];
+    span_of(program, damper.end[0], damper.end[1], d);
+    for (int i = 0; i < 3; ++i) {
+      const auto v = [&](std::int32_t point) {
+        return point < step.body.free ? step.v_next[static_cast<std::int64_t>(i) * step.body.free + point]
+                                      : held_motion(step.body, loads, point, 3 + i);
+      };
+      w[i] = v(damper.end[1]) - v(damper.end[0]);
+    }
+    const double length = kernel_loops::direction<OneElement<double>>(d, e);
+    kernel_loops::damper_stiffness<OneElement<double>>(damper.damper, length, e, w, B);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const double along = damper.damper * e[r] * e[c];
+        K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
+        C[r][c] = is_diagonal ? C[r][c] + along : C[r][c] - along;
+      }
+  }
+}
+
+/// @tparam more  as of BodyKind
+template <bool more>
+HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks& program,
+                                   std::int64_t block) {
   const BodyMatrix& matrix = program.newton.matrix;
   const double h = program.newton.h;
   const std::int32_t point = matrix.row[block];
@@ -294,11 +392,21 @@ HMAX_DEVICE inline void run_thread(std::true_type, const MatrixBlocks& program, 
   if (matrix.sum) take_tetrahedra(matrix, block, is_diagonal, K);
   if (matrix.springs) add_springs(program, block, is_diagonal, K);
   const double mass = program.step.body.mass[program.newton.place[point]];
+  double C[3][3];
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      C[r][c] = matrix.damping          ? matrix.damping[9 * block + 3 * r + c]
+                : is_diagonal && r == c ? matrix.alpha * mass
+                                        : 0.0;
+  if (more && matrix.triangles) add_triangles(program, block, K);
+  const double* const anchor = program.step.body.anchor;
+  for (int r = 0; anchor && is_diagonal && r < 3; ++r)
+    K[r][r] = K[r][r] + anchor[program.newton.place[point]];
+  if (more && matrix.dampers) add_dampers(program, block, is_diagonal, K, C);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
       const bool on_diagonal = is_diagonal && r == c;
-      const double drag = on_diagonal ? matrix.alpha * mass : 0.0;
-      double a = K[r][c] + (matrix.damping ? matrix.damping[9 * block + 3 * r + c] : drag) / h;
+      double a = K[r][c] + C[r][c] / h;
       if (on_diagonal) matrix.diagonal[3 * point + r] = a = a + mass / (h * h);
       matrix.values[9 * block + 3 * r + c] = a;
     }

@@ -111,7 +111,7 @@ HMAX_DEVICE inline void add_parts(const double* parts, double* f, double* K) {
     for (int i = j; i < 3; ++i) K[3 * j + i] = sum(3 + kernel_loops::symmetric(i, j));
 }
 
-/// Likewise of the springs at point p.
+/// Likewise of the springs at point p, all of one set.
 HMAX_DEVICE inline void add_springs(const MovePoints& move, std::int32_t p, double* f, double* K) {
   for (std::int32_t k = move.pieces.first[p]; k < move.pieces.first[p + 1]; ++k) {
     const PointSpring& spring = move.spring[move.pieces.of[k] / 2];
@@ -119,7 +119,7 @@ HMAX_DEVICE inline void add_springs(const MovePoints& move, std::int32_t p, doub
     for (int i = 0; i < 3; ++i)
       d[i] = spring.rest[i] + iterate_at(move.step, i, spring.point[1]) -
              iterate_at(move.step, i, spring.point[0]);
-    add_spring_at_point(CubicSpring{move.step.body.cubic}, spring, move.pieces.of[k] % 2 == 0, d, f, K);
+    add_spring_at_point(CubicSpring{move.step.body.cubic[0]}, spring, move.pieces.of[k] % 2 == 0, d, f, K);
   }
 }
 

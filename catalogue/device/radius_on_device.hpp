@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "catalogue/device/body_matrix.hpp"
@@ -16,6 +17,16 @@
 
 namespace hmax {
 
+/// Why the spectral radius of a body that has patches is not found there, "has ..."; empty where it is.
+inline std::string unsuited_for_radius(const TissueBody& body) {
+  if (std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers))
+    return "has dampers, whose spectral radius is not found there";
+  if (!std::ranges::all_of(body.settings().supports,
+                           [](const Support& each) { return each.travel.isZero(0); }))
+    return "has supports that move, and its spectral radius is not found there";
+  return {};
+}
+
 /// TissueBody::spectral_radius(): the stiffness is added up and bounded on the device, and its bound is read
 /// back. Damping does not change, nor does the stiffness of small strain: their bounds are the processor's.
 class RadiusOnDevice {
@@ -25,7 +36,7 @@ class RadiusOnDevice {
   RadiusOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches) : memory_(memory) {
     const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
     TissueBody::DofMatrix matrix;
-    if (body.spring_sets().empty() && body.tet_blocks()->law() == TetLaw::small_strain) {
+    if (body.spring_sets().empty() && !body.membrane() && body.tet_blocks()->law() == TetLaw::small_strain) {
       body.stiffness(0, still, still, matrix);
       stiffness_ = body.bound_of(matrix);
     } else {

@@ -119,9 +119,11 @@ void TissueBody::check_elastic_supports() const {
 void TissueBody::number_free_points() {
   check_elastic_supports();
   std::vector<bool> held(at(mesh_.point_count()), false);
-  for (std::size_t s = 0; s < settings_.supports.size(); ++s)
-    continues_support_.push_back(s > 0 && settings_.supports[s].points == settings_.supports[s - 1].points);
-  for (const Support& support : settings_.supports) {
+  const std::vector<Support>& supports = settings_.supports;
+  for (std::size_t end = 1; end <= supports.size(); ++end)
+    if (end == supports.size() || supports[end].points != supports[end - 1].points)
+      support_ends_.push_back(end);
+  for (const Support& support : supports) {
     check_points(support.points, "a support");
     check_profile(support.profile);
     for (const Index i : support.points) held[at(i)] = true;
@@ -323,10 +325,11 @@ TissueBody::Scratch& TissueBody::scratch() {
 template <class Of, class Visit>
 void TissueBody::for_moved_supports(const Of& of, const Visit& visit) const {
   const std::vector<Support>& supports = settings_.supports;
-  for (std::size_t s = 0; s < supports.size(); ++s) {
+  std::size_t s = 0;
+  for (const std::size_t end : support_ends_) {
     const std::vector<Index>& points = supports[s].points;
     Vector3d sum = of(supports[s]);
-    while (s + 1 < supports.size() && continues_support_[s + 1]) sum += of(supports[++s]);
+    while (++s < end) sum += of(supports[s]);
     for (const Index i : points) visit(i, sum);
   }
 }

@@ -76,6 +76,8 @@ class TissueBody {
   void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const;
   /// False when a moving damper or a tool that damps may make K unsymmetric.
   [[nodiscard]] bool has_symmetric_stiffness() const { return !needs_velocities(); }
+  /// Where beta is not 0: alpha M + beta K0, what damping() has of it; else empty.
+  [[nodiscard]] const DofMatrix& rayleigh() const { return rayleigh_; }
 
   /// Elastic energy and the potentials of gravity, loads and contact [J], of which the forces at rest are the
   /// gradient. Zero at q = 0 without contact.
@@ -105,6 +107,18 @@ class TissueBody {
   /// Where the mesh comes from; null where it was made in memory.
   [[nodiscard]] const std::shared_ptr<const MeshOrigin>& origin() const { return origin_; }
   [[nodiscard]] const TissueSettings& settings() const { return settings_; }
+  /// Supports of the same points that follow one another, whose motions add up: where each lot ends among the
+  /// supports. A point of several lots moves with the last.
+  [[nodiscard]] const std::vector<std::size_t>& support_ends() const { return support_ends_; }
+  /// Of each support what it drags the free points with, beta K0 times its travel, shape (dofs).
+  [[nodiscard]] const std::vector<Dofs>& support_drag() const { return support_drag_; }
+  /// A free point that a spring holds.
+  struct Anchor {
+    Index point;
+    Eigen::Index dof;  ///< the first of the three
+    double stiffness;  ///< [N/m]
+  };
+  [[nodiscard]] const std::vector<Anchor>& anchors() const { return anchors_; }
   /// The points that q moves, in its order.
   [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
   /// Mass of every point, supported ones included, shape (points) [kg].
@@ -139,6 +153,8 @@ class TissueBody {
   [[nodiscard]] const TetBlocks* tet_blocks() const { return elements_ ? elements_->blocks() : nullptr; }
   /// The springs of a model of springs, then those of a skin of springs.
   [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
+  /// The skin of triangles; null where there is none.
+  [[nodiscard]] const Membrane* membrane() const { return membrane_ ? &*membrane_ : nullptr; }
 
  private:
   struct Scratch {
@@ -184,16 +200,10 @@ class TissueBody {
   std::vector<SpringSet> springs_;
   std::optional<Membrane> membrane_;
   std::vector<ToolContact> contacts_;
-  /// A free point that a spring holds.
-  struct Anchor {
-    Index point;
-    Eigen::Index dof;  ///< the first of the three
-    double stiffness;  ///< [N/m]
-  };
   std::vector<Anchor> anchors_;
-  DofMatrix rayleigh_;                   ///< alpha M + beta K0; empty without damping
-  std::vector<bool> continues_support_;  ///< of each support: its points are those of the one before
-  std::vector<Dofs> support_drag_;       ///< of each support: beta K0 times its travel, on the free points
+  DofMatrix rayleigh_;  ///< alpha M + beta K0; empty without damping
+  std::vector<std::size_t> support_ends_;
+  std::vector<Dofs> support_drag_;
 };
 
 }  // namespace hmax

@@ -38,14 +38,16 @@ class Membrane {
   [[nodiscard]] const std::array<Index, 3>& points(std::size_t i) const { return triangles_[i].points; }
   [[nodiscard]] Stiffness stiffness(const NodeRows& x, std::size_t triangle) const;
 
- private:
   struct Triangle {
     std::array<Index, 3> points;
-    Eigen::Matrix2d gradients;  ///< Bm [1/m]
-    double volume;              ///< A h [m^3]
+    double gradients[4];  ///< Bm [1/m], row after row
+    double volume;        ///< A h [m^3]
   };
-  [[nodiscard]] Eigen::Matrix2d stress(const Eigen::Matrix2d& strain) const;
+  [[nodiscard]] const Triangle& triangle(std::size_t i) const { return triangles_[i]; }
+  [[nodiscard]] double modulus() const;  ///< Y / (1 - nu^2) [Pa]
+  [[nodiscard]] double poisson() const { return poisson_; }
 
+ private:
   double young_, poisson_;
   std::vector<Triangle> triangles_;
   std::vector<std::array<Index, 9>> slots_;

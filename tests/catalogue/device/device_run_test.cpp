@@ -38,6 +38,7 @@ void expect_same_on_bodies(Device& device) {
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
     for (const Problem& body :
          {uneven_body(2.5), uneven_body(2.5, "mass_spring"),
+          uneven_body(2.5, "mass_spring", SkinSettings::Kind::springs),
           uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), uneven_body(2.5, "fem_cauchy"),
           uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"),
           uneven_body(2.5, "fem_corotational", SkinSettings::Kind::springs)})
@@ -48,6 +49,9 @@ void expect_same_on_bodies(Device& device) {
            {"fem_green@liver", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}},
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 2e-5}}},
            {"mass_spring@ball", {{"g", 9.81}}},
+           {"mass_spring@phantom", {{"g", 9.81}, {"cubic", 50}, {"skin", 300}}},
+           {"mass_spring@liver", {{"g", 9.81}, {"damper", 1e-4}, {"beta", 2e-5}}},
+           {"mass_spring@cube:n=6", {{"g", 9.81}, {"damper", 1e-4}, {"skin", 300}, {"alpha", 1}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@phantom", {{"g", 9.81}, {"beta", 1e-4}}},
            {"fem_corotational@liver", {{"g", 9.81}, {"alpha", 1}}},
@@ -57,16 +61,41 @@ void expect_same_on_bodies(Device& device) {
   for (const char* method : {"stormer_verlet", "central_difference"})
     for (const double alpha : {0.0, 2.5})
       expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
+  for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                             "rk4", "dormand_prince_54"})
+    for (const Problem& body : {damped_body(0, 0), damped_body(2.5, 0), damped_body(2.5, 1e-4)})
+      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+  for (const char* id : {"fem_green@liver", "fem_green@beam", "fem_corotational@ball", "fem_cauchy@phantom",
+                         "fem_neo_hookean@cube:n=6"})
+    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"skin", 30}}}), "symplectic_euler",
+                spec);
+  for (const char* id :
+       {"fem_green/breathing@liver", "fem_neo_hookean/breathing@beam", "mass_spring/breathing@ball",
+        "fem_cauchy/breathing@phantom", "fem_corotational/breathing@cube:n=6"})
+    for (const double beta : {0.0, 1e-5})
+      expect_same(device, make_problem(id, {.parameters = {{"period", 0.05}, {"beta", beta}}}),
+                  "velocity_verlet", spec);
+  for (const char* id : {"fem_green@liver", "mass_spring@beam"})
+    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"support_stiffness", 1e5}}}),
+                "central_difference", spec);
+  for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                             "rk4", "dormand_prince_54"})
+    for (const Problem& body :
+         {moving_body(0), moving_body(1e-4), moving_body(1e-4, "mass_spring", SkinSettings::Kind::springs),
+          moving_body(0, "fem_cauchy", SkinSettings::Kind::membrane),
+          uneven_body(0, "mass_spring", SkinSettings::Kind::membrane),
+          uneven_body(2.5, "fem_neo_hookean", SkinSettings::Kind::membrane)})
+      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
   for (const Eigen::Vector3d& F : pressed)
     for (const char* method : {"symplectic_euler", "rk4"})
       expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
 }
 
 void expect_same_under_driven_loads(Device& device) {
-  const Problem body = driven_body();
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "rk2_heun", "dormand_prince_54", "bogacki_shampine_32"})
-    expect_same(device, body, method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
+    for (const Problem& body : {driven_body(), moving_body(1e-4)})
+      expect_same(device, body, method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
 }
 
 /// Every explicit Runge-Kutta method of the house.
@@ -94,10 +123,14 @@ void expect_same_newton(Device& device) {
   const auto skin = SkinSettings::Kind::springs;
   for (const char* method : {few, many})
     for (const Problem& body :
-         {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "fem_green", skin),
-          uneven_body(2.5, "fem_cauchy"), uneven_body(0, "fem_cauchy", skin),
-          uneven_body(2.5, "fem_neo_hookean"), uneven_body(0, "fem_neo_hookean", skin),
-          uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
+         {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "mass_spring", skin),
+          uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
+          uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
+          uneven_body(0, "fem_neo_hookean", skin), uneven_body(2.5, "fem_corotational"),
+          pressed_body(pressed[0]), driven_body(), damped_body(0, 0), damped_body(2.5, 1e-4), moving_body(0),
+          moving_body(1e-3, "mass_spring", skin), moving_body(0, "fem_green", SkinSettings::Kind::membrane),
+          uneven_body(2.5, "mass_spring", SkinSettings::Kind::membrane),
+          uneven_body(2.5, "fem_cauchy", SkinSettings::Kind::membrane)})
       expect_same(device, body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},
@@ -138,6 +171,7 @@ void expect_same_choices(Device& device) {
       for (const char* model : {"fem_cauchy", "fem_neo_hookean", "mass_spring"})
         each(uneven_body(2.5, model), method, spec);
       each(driven_body(), method, spec);
+      each(moving_body(1e-5, "mass_spring", SkinSettings::Kind::membrane), method, spec);
       each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
            method, spec);
       each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
@@ -228,6 +262,11 @@ void expect_same_divergence(Device& device) {
     const RunSpec spec{.t_end = 40, .h = 0.02};
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
     expect_same(device, problem, method, spec);
+    for (const Problem& body : {moving_body(1e-4), damped_body(2.5, 0),
+                                uneven_body(0, "fem_green", SkinSettings::Kind::membrane)}) {
+      ASSERT_EQ(find_method(method).bind(body).run({.t_end = 40, .h = 0.02}, {}).outcome, Outcome::diverged);
+      expect_same(device, body, method, {.t_end = 40, .h = 0.02});
+    }
   }
   const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
   expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
@@ -323,7 +362,8 @@ void expect_same_at_a_time(Device& device) {
   const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
-    for (const Problem& body : {driven_body(), damped}) expect_same_at_a_time(device, body, method, 5);
+    for (const Problem& body : {driven_body(), damped, moving_body(1e-5, "mass_spring")})
+      expect_same_at_a_time(device, body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
   for (const char* method : {"velocity_verlet", "rk4"}) expect_same_at_a_time(device, large, method, 2);
@@ -449,8 +489,13 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
+  EXPECT_TRUE(has(why(body, "xpbd"), "has the constraints of"));
   EXPECT_EQ(why(body, "vbd"), "");
   EXPECT_TRUE(has(why(body, "projective_dynamics"), "runs on no GPU"));
+  const Parameters on_springs{{"support_stiffness", 1e5}};
+  for (const char* method : {"xpbd", "vbd"})
+    EXPECT_TRUE(
+        has(why(make_problem("fem_neo_hookean@cube:n=2", {.parameters = on_springs}), method), "springs"));
   HostDevice device;
   for (const char* method : {"xpbd", "vbd"}) {
     EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method(method), {.t_end = 1, .h = 0.1},
@@ -491,9 +536,8 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
            {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
-           {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
-           {"fem_green/tool@cube:n=2", {}, "tool"},
-           {"fem_green/breathing@cube:n=2", {}, "moved"}})
+           {"mass_spring@cube:n=2", {{"exponential", 3}}, "neither linear nor cubic"},
+           {"fem_green/tool@cube:n=2", {}, "tool"}})
     EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler"), part)) << id;
 }
 

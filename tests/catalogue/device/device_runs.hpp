@@ -118,6 +118,37 @@ inline Problem uneven_body(double alpha, const char* model = "fem_green",
   return body_of(mesh, settings);
 }
 
+/// Springs with dampers, and another set of springs on the surface, which begin to move.
+inline Problem damped_body(double alpha, double beta) {
+  const Problem still = uneven_body(alpha, "mass_spring", SkinSettings::Kind::springs);
+  TissueSettings settings = still.body->settings();
+  settings.beta = beta;
+  settings.springs.damper = 0.02;
+  settings.springs.damper_time = 1e-4;
+  Problem problem = body_of(still.body->mesh(), settings);
+  problem.y0 = tissue_tests::random_vector(problem.y0.size(), 0.002, 5);
+  return problem;
+}
+
+/// Held at an end that ramps and swings at once, part of which has another motion, and on springs.
+inline Problem moving_body(double beta, const char* model = "fem_green",
+                           SkinSettings::Kind skin = SkinSettings::Kind::none) {
+  const Problem still = uneven_body(2.5, model, skin);
+  TissueSettings settings = still.body->settings();
+  settings.beta = beta;
+  settings.springs.damper = 0.02;
+  using Kind = TimeProfile::Kind;
+  const std::vector<TetMesh::Index> held = settings.supports[0].points, half(held.begin(), held.begin() + 4),
+                                    &free = still.body->free_points();
+  settings.supports = {{held, {0.004, 0, 0.002}, {.kind = Kind::ramp, .start = 0.002, .rise = 0.01}},
+                       {held, {0, -0.001, 0.001}, {.kind = Kind::sine, .start = 0.001, .omega = 300}},
+                       {half, {0.001, 0.002, 0}, {.kind = Kind::sine, .omega = 200}},
+                       {{held.back(), free[7]}},
+                       {{free[9]}, {0.0005, 0, 0}}};
+  settings.elastic_supports = {{{free[0], free[3], free[9]}, {40, 300, 20}}, {{free[3]}, {10}}};
+  return body_of(still.body->mesh(), settings);
+}
+
 /// An uneven body whose points begin at F X: turned inside out, flat, or at one place.
 /// @param F  its diagonal
 inline Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {

@@ -1,4 +1,4 @@
-/// The forces of tetrahedra and of springs: the one source of processors and devices.
+/// The forces of tetrahedra, springs, dampers and triangles: the one source of processors and devices.
 ///
 /// Stresses are first Piola-Kirchhoff ones of displacement gradients H = F - I times the volume V of the
 /// element, whose coefficients are V lambda / 2 and V mu [J]; elasticity.hpp has the laws. `Lanes` has `V`, a
@@ -119,6 +119,66 @@ HMAX_DEVICE inline V spring_pull(const Number* length_inverse, const Number* ten
   if constexpr (!cubic) return pull;
   const V s = now * per_length - one;
   return pull * (one + b * (s * s));
+}
+
+/// Of d, from the near to the far end of one spring: its length, at least the smallest normal number, and its
+/// direction e = d / length, 0 where the ends coincide.
+template <class Lanes, class Real>
+HMAX_DEVICE inline Real direction(const Real* d, Real* e) {
+  constexpr double least = sizeof(Real) == sizeof(double) ? 0x1p-1022 : 0x1p-126;
+  const Real size = Lanes::root(dot<Lanes>(d, d)),
+             length = size < Lanes::splat(least) ? Lanes::splat(least) : size;
+  for (int i = 0; i < 3; ++i) e[i] = d[i] / length;
+  return length;
+}
+
+/// c (e.w) e, the pull of one damper c [N s/m] at the near end, as SpringSet::add_damper_force() has it.
+/// @param d, w  from the near to the far end: position [m], velocity [m/s]
+template <class Lanes, class Real>
+HMAX_DEVICE inline void damper_pull(Real damper, const Real* d, const Real* w, Real* pull) {
+  Real e[3];
+  direction<Lanes>(d, e);
+  const Real along = damper * dot<Lanes>(e, w);
+  for (int i = 0; i < 3; ++i) pull[i] = along * e[i];
+}
+
+/// F = (x1 - x0, x2 - x0) Bm of one triangle in space, column b at F[b].
+/// @param D  column a at D[a];  @param g  Bm, row after row
+template <class Real>
+HMAX_DEVICE inline void triangle_gradient(const Real (*D)[3], const Real* g, Real (*F)[3]) {
+  for (int b = 0; b < 2; ++b)
+    for (int i = 0; i < 3; ++i) F[b][i] = D[0][i] * g[b] + D[1][i] * g[2 + b];
+}
+
+/// Plane stress S = Y / (1 - nu^2) ((1 - nu) E + nu tr(E) I); of both the entries 00 11 01.
+/// @param modulus  Y / (1 - nu^2) [Pa]
+template <class Real>
+HMAX_DEVICE inline void plane_stress(Real modulus, Real poisson, const Real* E, Real* S) {
+  const Real pressure = poisson * (E[0] + E[1]);
+  for (int k = 0; k < 3; ++k) S[k] = modulus * ((1 - poisson) * E[k] + (k < 2 ? pressure : Real{0}));
+}
+
+/// The same of Green's strain E = (F^T F - I) / 2.
+template <class Lanes, class Real>
+HMAX_DEVICE inline void membrane_stress(Real modulus, Real poisson, const Real (*F)[3], Real* S) {
+  const Real E[3] = {(dot<Lanes>(F[0], F[0]) - 1) / 2, (dot<Lanes>(F[1], F[1]) - 1) / 2,
+                     dot<Lanes>(F[0], F[1]) / 2};
+  plane_stress(modulus, poisson, E, S);
+}
+
+/// V F S Bm^T: what the corners 1 and 2 of one triangle are pulled back with. The force at corner 0 is their
+/// sum.
+/// @param volume  V [m^3]
+template <class Lanes, class Real>
+HMAX_DEVICE inline void triangle_pull(const Real (*D)[3], const Real* g, Real volume, Real modulus,
+                                      Real poisson, Real (*pull)[3]) {
+  Real F[2][3], S[3];
+  triangle_gradient(D, g, F);
+  membrane_stress<Lanes>(modulus, poisson, F, S);
+  for (int i = 0; i < 3; ++i) {
+    const Real a = volume * F[0][i], b = volume * F[1][i], P0 = a * S[0] + b * S[2], P1 = a * S[2] + b * S[1];
+    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[2 * k] + P1 * g[2 * k + 1];
+  }
 }
 
 }  // namespace hmax::kernel_loops

@@ -168,4 +168,34 @@ HMAX_DEVICE inline void spring_stiffness(const Law& law, double stiffness, doubl
     for (int j = 0; j < 3; ++j) B[i][j] = across * (i == j ? 1.0 : 0.0) + along * e[i] * e[j];
 }
 
+/// -dF/dx of one damper c [N s/m], c / l (e (w - (e.w) e)^T + (e.w) (I - e e^T)), as
+/// SpringSet::add_damper_stiffness() has it: not symmetric. Its -dF/dv is c e e^T.
+/// @param w  the velocity of the far end less that of the near one [m/s]
+template <class Lanes>
+HMAX_DEVICE inline void damper_stiffness(double damper, double length, const double* e, const double* w,
+                                         double (*B)[3]) {
+  const double along = dot<Lanes>(e, w), size = damper / length;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      B[i][j] = size * (e[i] * (w[j] - along * e[j]) + along * ((i == j ? 1.0 : 0.0) - e[i] * e[j]));
+}
+
+/// How triangle_pull() changes with component c of corner b, 1 or 2.
+/// @param F, S  of triangle_gradient() and membrane_stress()
+HMAX_DEVICE inline void triangle_stiffness(const double (*F)[3], const double* S, const double* g,
+                                           double volume, double modulus, double poisson, int b, int c,
+                                           double (*pull)[3]) {
+  const double* const own = g + 2 * (b - 1);
+  const double E[3] = {F[0][c] * own[0], F[1][c] * own[1], (F[0][c] * own[1] + F[1][c] * own[0]) / 2};
+  double T[3];
+  plane_stress(modulus, poisson, E, T);
+  for (int i = 0; i < 3; ++i) {
+    const double turned[2] = {i == c ? own[0] * S[0] + own[1] * S[2] : 0.0,
+                              i == c ? own[0] * S[2] + own[1] * S[1] : 0.0};
+    const double P0 = volume * (turned[0] + (F[0][i] * T[0] + F[1][i] * T[2])),
+                 P1 = volume * (turned[1] + (F[0][i] * T[2] + F[1][i] * T[1]));
+    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[2 * k] + P1 * g[2 * k + 1];
+  }
+}
+
 }  // namespace hmax::kernel_loops
