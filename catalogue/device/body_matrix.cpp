@@ -39,9 +39,9 @@ class MatrixMaker {
   }
 
   MatrixArrays finish() && {
-    if (body_.tet_blocks()) {
-      made_.law = body_.tet_blocks()->law();
-      if (made_.law == TetLaw::green) make_pairs(body_.tet_blocks()->blocks());
+    if (const TetBlocks* const tetrahedra = body_.element_parts().tetrahedra) {
+      made_.law = tetrahedra->law();
+      if (made_.law == TetLaw::green) make_pairs(tetrahedra->blocks());
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }

@@ -124,6 +124,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .points = p.points,
           .free = p.free(),
           .tets = static_cast<std::int32_t>(p.mu.size()),
+          .fibres = static_cast<std::int32_t>(p.fibre_corners.size()),
           .springs = static_cast<std::int32_t>(p.ends.size()),
           .begin = there(p.begin),
           .rim = there(p.rim),
@@ -132,6 +133,9 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .gradients = there(p.gradients),
           .half_lambda = there(p.half_lambda),
           .mu = there(p.mu),
+          .fibre_corners = there(p.fibre_corners),
+          .fibre = there(p.fibre),
+          .fibres_of_small_strain = p.fibres_of_small_strain,
           .ends = there(p.ends),
           .per_length = there(p.per_length),
           .tension = there(p.tension),
@@ -367,7 +371,8 @@ double BodyOnDevice<Real>::flops() const {
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
          step_.bodies * static_cast<double>(method_.evaluations()) *
              (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
-              31.0 * step_.body.springs + 10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+              57.0 * step_.body.fibres + 31.0 * step_.body.springs + 10.0 * 3 * step_.body.free +
+              6.0 * step_.body.damps);
 }
 
 template <class Real>
@@ -379,6 +384,7 @@ double BodyOnDevice<Real>::bytes() const {
   return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
          static_cast<double>(method_.evaluations()) *
              (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
+              static_cast<double>(sizeof(PatchCorners) + 9 * sizeof(Real)) * step_.body.fibres +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +

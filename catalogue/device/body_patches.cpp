@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
@@ -53,18 +54,23 @@ struct Springs {
   std::vector<double> per_length, tension;
 };
 
-/// What is added up at a point of the mesh, in this order: the numbers of tetrahedra and springs.
+using Fibres = std::span<const FibreElements::Element>;
+
+/// What is added up at a point of the mesh, in this order: the numbers of tetrahedra, fibres and springs.
 struct Terms {
-  std::vector<std::int32_t> tetrahedra, far_before, own, far_after;
+  std::vector<std::int32_t> tetrahedra, fibres, far_before, own, far_after;
 };
 
 /// Those of unused lanes, which have no forces, are left out.
-std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Springs& springs, std::size_t points) {
+std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Fibres fibres, Springs& springs,
+                            std::size_t points) {
   std::vector<Terms> terms(points);
   for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
     if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
       for (std::size_t a = 0; a < 4; ++a)
         terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
+  for (std::size_t n = 0; n < fibres.size(); ++n)
+    for (const Index p : fibres[n].points) terms[at(p)].fibres.push_back(static_cast<std::int32_t>(n));
   if (!springs.sliced) return terms;
   std::vector<bool> is_added(points, false);  // the sum of the springs that begin at a point
   for (const SpringSlice& slice : springs.sliced->slices) {
@@ -107,9 +113,11 @@ class Cutter {
   Cutter(const TissueBody& body, std::vector<Index> points)
       : body_(body),
         points_(std::move(points)),
-        tetrahedra_{body.tet_blocks() ? body.tet_blocks()->blocks() : std::span<const TetBlock>{}},
+        parts_(body.element_parts()),
+        tetrahedra_{parts_.tetrahedra ? parts_.tetrahedra->blocks() : std::span<const TetBlock>{}},
+        fibres_{parts_.fibres ? parts_.fibres->fibres() : Fibres{}},
         springs_(body),
-        terms_(terms_of(tetrahedra_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
+        terms_(terms_of(tetrahedra_, fibres_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
         local_(terms_.size(), -1) {
@@ -125,6 +133,7 @@ class Cutter {
     const std::size_t slots = give_slots(own);
     std::vector<Index> used(own.begin(), own.end());
     for (const auto& [tet, slot] : of_tetrahedra_) add_tetrahedron(tet, slot, used);
+    for (const auto& [fibre, slot] : of_fibres_) add_fibre(static_cast<std::size_t>(fibre), slot, used);
     for (const auto& [spring, slot] : of_springs_) add_spring(spring, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
@@ -147,7 +156,8 @@ class Cutter {
       made_.half_lambda.push_back(block.half_lambda[lane]);
       made_.mu.push_back(block.mu[lane]);
     }
-    if (body_.tet_blocks()) made_.law = body_.tet_blocks()->law();
+    if (parts_.tetrahedra) made_.law = parts_.tetrahedra->law();
+    if (parts_.fibres) place_fibres();
     made_.weight.resize(3 * points_.size());
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const double mass = body_.point_mass()[points_[p]];
@@ -193,6 +203,17 @@ class Cutter {
       made_.damping.insert(made_.damping.end(), each.begin(), each.end());
   }
 
+  void place_fibres() {
+    made_.fibres_of_small_strain = parts_.fibres->is_of_small_strain();
+    made_.fibre.resize(9 * cut_fibres_.size());
+    for (std::size_t n = 0; n < cut_fibres_.size(); ++n) {
+      const FibreElements::Element& e = fibres_[cut_fibres_[n]];
+      const std::array numbers{e.slopes[0],    e.slopes[1],    e.slopes[2], e.slopes[3], e.direction[0],
+                               e.direction[1], e.direction[2], e.young,     e.volume};
+      for (std::size_t k = 0; k < numbers.size(); ++k) made_.fibre[k * cut_fibres_.size() + n] = numbers[k];
+    }
+  }
+
   void place_springs() {
     made_.cubic = springs_.sliced->cubic;
     made_.rest.resize(3 * number_.size());
@@ -203,14 +224,18 @@ class Cutter {
   }
 
   [[nodiscard]] PatchBegin here(std::size_t own) const {
-    return {static_cast<std::int32_t>(own), static_cast<std::int32_t>(made_.rim.size()),
-            static_cast<std::int32_t>(tets_.size()), static_cast<std::int32_t>(made_.ends.size()),
+    return {static_cast<std::int32_t>(own),
+            static_cast<std::int32_t>(made_.rim.size()),
+            static_cast<std::int32_t>(tets_.size()),
+            static_cast<std::int32_t>(cut_fibres_.size()),
+            static_cast<std::int32_t>(made_.ends.size()),
             static_cast<std::int32_t>(made_.push_slot.size())};
   }
 
   /// Slots of the own points, one after the other.
   std::size_t give_slots(std::span<const Index> own) {
     of_tetrahedra_.clear();
+    of_fibres_.clear();
     of_springs_.clear();
     std::size_t next = 0;
     const auto give = [&](auto& slots_of, std::int32_t number, std::size_t place) {
@@ -221,6 +246,10 @@ class Cutter {
       for (const std::int32_t tet : terms.tetrahedra)
         for (std::size_t a = 0; a < 4; ++a)
           if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p) give(of_tetrahedra_, tet, a);
+      for (const std::int32_t fibre : terms.fibres) {
+        const auto& corners = fibres_[static_cast<std::size_t>(fibre)].points;
+        give(of_fibres_, fibre, at(static_cast<Index>(std::ranges::find(corners, p) - corners.begin())));
+      }
       for (const std::int32_t spring : terms.far_before) give(of_springs_, spring, 1);
       PointSlots& ends = made_.slots.emplace_back();
       ends.before = static_cast<std::uint16_t>(next);
@@ -256,6 +285,15 @@ class Cutter {
     tets_.push_back(static_cast<std::size_t>(tet));
   }
 
+  void add_fibre(std::size_t fibre, const Slots& slot, std::vector<Index>& used) {
+    PatchCorners& corners = made_.fibre_corners.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a) {
+      corners.point[a] = local(fibres_[fibre].points[a], used);
+      corners.slot[a] = slot[a];
+    }
+    cut_fibres_.push_back(fibre);
+  }
+
   void add_spring(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
     const auto spring = static_cast<std::size_t>(number);
     PatchSpring& ends = made_.ends.emplace_back();
@@ -273,13 +311,15 @@ class Cutter {
 
   const TissueBody& body_;
   std::vector<Index> points_;  ///< the free ones, patch by patch
+  ElementParts parts_;
   Tetrahedra tetrahedra_;
+  Fibres fibres_;
   Springs springs_;
   std::vector<Terms> terms_;
   std::vector<std::vector<Push>> pushes_;
   std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
-  std::map<std::int32_t, Slots> of_tetrahedra_, of_springs_;  ///< of a patch
-  std::vector<std::size_t> tets_;
+  std::map<std::int32_t, Slots> of_tetrahedra_, of_fibres_, of_springs_;  ///< of a patch
+  std::vector<std::size_t> tets_, cut_fibres_;  ///< of all patches, one after the other
   std::int32_t count_ = 0;
   bool fits_ = true;
   BodyPatches made_;
@@ -290,8 +330,8 @@ class Cutter {
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
-  if (!body.tet_blocks() && body.element_pieces() > 0)
-    return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean without fibres";
+  if (!body.element_parts().are_all() && body.element_pieces() > 0)
+    return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean";
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (springs.size() > 1) return "has a skin of springs beside those of its model";
   if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";

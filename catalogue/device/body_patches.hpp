@@ -23,6 +23,9 @@ struct BodyPatches {
   std::vector<PatchCorners> corners;
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
+  std::vector<PatchCorners> fibre_corners;
+  std::vector<double> fibre;
+  bool fibres_of_small_strain = false;
   std::vector<PatchSpring> ends;
   std::vector<double> per_length, tension, rest;
   double cubic = 0;

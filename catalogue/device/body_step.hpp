@@ -1,8 +1,8 @@
 /// One explicit step of bodies in patches of points: the one source of devices and of the processor.
 ///
-/// A patch owns some free points. A block of threads computes all tetrahedra and springs at them, in memory
-/// that its threads share, and adds up the forces at each point in the order in which the processor does: no
-/// atomics, no second order, the same bits. Those at the rim are computed by several patches.
+/// A patch owns some free points. A block of threads computes all tetrahedra, fibres and springs at them, in
+/// memory that its threads share, and adds up the forces at each point in the order in which the processor
+/// does: no atomics, no second order, the same bits. Those at the rim are computed by several patches.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,7 @@ struct PointSlots {
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, spring, push;
+  std::int32_t own, rim, tet, fibre, spring, push;
 };
 
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
@@ -47,13 +47,16 @@ struct PatchBegin {
 /// the free ones.
 template <class Real>
 struct BodyArrays {
-  std::int32_t patches, points, free, tets, springs;
+  std::int32_t patches, points, free, tets, fibres, springs;
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
-  const PatchCorners* corners;       ///< shape (tets)
-  const Real* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
-  const Real *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
+  const PatchCorners* corners;        ///< shape (tets)
+  const Real* gradients;              ///< Bm [1/m], row after row, shape (9, tets)
+  const Real *half_lambda, *mu;       ///< V lambda / 2, V mu [J], shape (tets)
+  const PatchCorners* fibre_corners;  ///< shape (fibres)
+  const Real* fibre;                  ///< numbers of fibre_forces(), shape (9, fibres)
+  bool fibres_of_small_strain;
   const PatchSpring* ends;           ///< of springs, shape (springs)
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
   Real cubic;                        ///< b of phi = s + b s^3
@@ -133,17 +136,22 @@ HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int6
   return 3 * (points + slots);
 }
 
+/// U = (u1 - u0, u2 - u0, u3 - u0) of four points of a patch, column a at U[a].
+template <class Real>
+HMAX_DEVICE inline void edges(const std::uint16_t* point, std::int32_t points, const Real* u, Real (*U)[3]) {
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) U[a][i] = u[i * points + point[a + 1]] - u[i * points + point[0]];
+}
+
 /// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
 template <TetLaw law, class Real>
 HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::int32_t tet,
                                            std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
   const PatchCorners corners = body.corners[tet];
   Real U[3][3], g[3][3], pull[3][3];
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) {
-      U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
-      g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
-    }
+  edges(corners.point, points, u, U);
+  for (int k = 0; k < 9; ++k)
+    g[k / 3][k % 3] = body.gradients[static_cast<std::int64_t>(k) * body.tets + tet];
   kernel_loops::tet_pull<OneElement<Real>, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
@@ -151,6 +159,23 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::in
     for (int a = 0; a < 3; ++a)
       if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
   }
+}
+
+/// Those of fibres: slopes g_a.a [1/m] of the corners, a, E_f [Pa] and V [m^3].
+template <class Real>
+HMAX_DEVICE inline void fibre_forces(const BodyArrays<Real>& body, std::int32_t fibre, std::int32_t points,
+                                     std::int32_t slots, const Real* u, Real* f) {
+  const PatchCorners corners = body.fibre_corners[fibre];
+  const bool small_strain = body.fibres_of_small_strain;
+  Real U[3][3], own[9];
+  edges(corners.point, points, u, U);
+  for (int k = 0; k < 9; ++k) own[k] = body.fibre[static_cast<std::int64_t>(k) * body.fibres + fibre];
+  const auto now = kernel_loops::stretch_of_fibre<OneElement<Real>>(U, own + 1, own + 4, small_strain);
+  const Real stress = kernel_loops::fibre_tension(now, own[7], small_strain);
+  for (int a = 0; a < 4; ++a)
+    if (corners.slot[a] != PatchCorners::nowhere)
+      for (int i = 0; i < 3; ++i)
+        f[i * slots + corners.slot[a]] = stress == 0 ? 0 : -(own[8] * stress * own[a] * now.along[i]);
 }
 
 /// d pull at the near end and -d pull at the far one, each at its slot.
@@ -314,6 +339,8 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   block.barrier();
   block.each(to.tet - from.tet,
              [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
+  block.each(to.fibre - from.fibre,
+             [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
   if (to.spring > from.spring) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {

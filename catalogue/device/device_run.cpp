@@ -142,7 +142,10 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (known->kind == DeviceMethod::Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
-  return why.empty() ? why : "does not run this body on a GPU: it " + why;
+  if (!why.empty()) return "does not run this body on a GPU: it " + why;
+  if (known->kind == DeviceMethod::Kind::newton && problem.body->element_parts().fibres)
+    return "has no stiffness of fibres on a GPU";
+  return {};
 }
 
 DeviceRun run_on_device(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,

@@ -23,6 +23,14 @@ namespace hmax {
 
 /// Ds = (u1 - u0, u2 - u0, u3 - u0).
 [[nodiscard]] Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points);
+/// The same as kernels take it, column a at U[a].
+inline void edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points, double (*U)[3]) {
+  const NodeRow& first = u[static_cast<std::size_t>(points[0])];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const NodeRow& row = u[static_cast<std::size_t>(points[a + 1])];
+    U[a][0] = row.x - first.x, U[a][1] = row.y - first.y, U[a][2] = row.z - first.z;
+  }
+}
 
 /// f -= V P g_a at the points of an element of stress P.
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,
@@ -79,7 +87,7 @@ class TetElements final : public Elements {
   void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return elements_.size(); }
-  [[nodiscard]] const TetBlocks* blocks() const override { return blocks_ ? &*blocks_ : nullptr; }
+  [[nodiscard]] ElementParts parts() const override { return {.tetrahedra = blocks_ ? &*blocks_ : nullptr}; }
 
  private:
   struct Element {

@@ -127,6 +127,18 @@ Problem uneven_body(double alpha, const char* model = "fem_green",
   return body_of(mesh, settings);
 }
 
+/// The same with fibres in one of its regions, or in both.
+Problem fibrous_body(const Problem& body, bool both = false) {
+  TissueSettings settings = body.body->settings();
+  const TissueMaterial fibres{.fibre_young = 2e4, .fibre_x = 1, .fibre_y = 0.5, .fibre_z = -0.3};
+  for (std::size_t n = both ? 0 : 1; n < settings.materials.size(); ++n) {
+    TissueMaterial& material = settings.materials[n];
+    material.fibre_young = fibres.fibre_young * static_cast<double>(n + 1);
+    material.fibre_x = fibres.fibre_x, material.fibre_y = fibres.fibre_y, material.fibre_z = fibres.fibre_z;
+  }
+  return body_of(body.body->mesh(), settings);
+}
+
 /// An uneven body of fem_corotational whose points begin at F X: turned inside out, flat, or at one place.
 /// @param F  its diagonal
 Problem pressed_body(const Eigen::Vector3d& F) {
@@ -176,8 +188,7 @@ void expect_same_on_bodies(Device& device) {
 }
 
 /// Loads that come, go and oscillate.
-Problem driven_body() {
-  const Problem steady = uneven_body(2.5);
+Problem driven_body(const Problem& steady = uneven_body(2.5)) {
   TissueSettings settings = steady.body->settings();
   using Kind = TimeProfile::Kind;
   settings.forces[0].profile = {.kind = Kind::ramp, .start = 0.002, .rise = 0.01};
@@ -185,6 +196,39 @@ Problem driven_body() {
   settings.forces.push_back(settings.forces[0]);
   settings.forces.back().profile = {};
   return body_of(steady.body->mesh(), settings);
+}
+
+/// A model and the parameters that give it parts beside its tetrahedra.
+struct Parts {
+  const char* model;
+  Parameters parameters{};
+  [[nodiscard]] Problem on(const std::string& mesh, Parameters more = {{"g", 9.81}}) const {
+    more.insert(more.end(), parameters.begin(), parameters.end());
+    return make_problem(model + mesh, {.parameters = more});
+  }
+};
+const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
+
+/// Elements whose forces are not those of tetrahedra alone: fibres in them.
+void expect_same_on_other_elements(Device& device) {
+  const RunSpec spec{.t_end = 0.0202, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
+  for (const Parts& parts : {fibrous}) {
+    for (const char* mesh : {"@liver", "@beam", "@ball", "@phantom", "@cube:n=6"})
+      expect_same(device, parts.on(mesh), "symplectic_euler", spec);
+    expect_same(device, parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
+                {.t_end = 0.01234, .h = 1e-4});
+    for (const char* method :
+         {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4"})
+      expect_same(device, parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
+  }
+  constexpr auto skin = SkinSettings::Kind::springs;
+  for (const Problem& body :
+       {fibrous_body(uneven_body(2.5), true), fibrous_body(uneven_body(2.5, "fem_green", skin)),
+        fibrous_body(uneven_body(2.5, "fem_cauchy")), fibrous_body(uneven_body(2.5, "fem_corotational")),
+        fibrous_body(uneven_body(2.5, "fem_neo_hookean")), fibrous_body(driven_body(), true)})
+    for (const char* method :
+         {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
+      expect_same(device, body, method, uneven);
 }
 
 void expect_same_under_driven_loads(Device& device) {
@@ -273,6 +317,7 @@ void expect_same_chosen(Device& device) {
       for (const char* model : {"fem_cauchy", "fem_neo_hookean", "mass_spring"})
         each(uneven_body(2.5, model), method, spec);
       each(driven_body(), method, spec);
+      each(fibrous_body(driven_body()), method, spec);
       each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
            method, spec);
       each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
@@ -335,8 +380,11 @@ void expect_same_divergence(Device& device) {
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
     expect_same(device, problem, method, spec);
   }
-  const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
-  expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
+  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous}) {
+    const RunRecord run =
+        expect_same(device, parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
+    EXPECT_EQ(run.outcome, Outcome::diverged) << parts.model;
+  }
   const RunRecord flat =
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
@@ -354,6 +402,13 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
     expect_same_under_driven_loads(device);
     expect_same_on_bodies(device);
     expect_same_stages(device);
+  }
+}
+
+TEST(HostDevice, StepsOtherElementsWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_on_other_elements(device);
   }
 }
 
@@ -416,7 +471,8 @@ void expect_same_at_a_time(Device& device) {
   const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
-    for (const Problem& body : {driven_body(), damped}) expect_same_at_a_time(device, body, method, 5);
+    for (const Problem& body : {driven_body(), damped, fibrous_body(driven_body())})
+      expect_same_at_a_time(device, body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
   for (const char* method : {"velocity_verlet", "rk4"}) expect_same_at_a_time(device, large, method, 2);
@@ -476,19 +532,19 @@ double error_of_single(const Problem& problem, const char* method, const RunSpec
 }
 
 TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
-  const Parameters heavy{{"g", 9.81}, {"alpha", 1}};
-  const auto expect_between = [&](const char* id, const char* method, const RunSpec& spec, double least,
+  const auto expect_between = [&](const Parts& parts, const char* method, const RunSpec& spec, double least,
                                   double most) {
-    const double error = error_of_single(make_problem(id, {.parameters = heavy}), method, spec);
+    const char* const id = parts.model;
+    const double error = error_of_single(parts.on("@liver", {{"g", 9.81}, {"alpha", 1}}), method, spec);
     EXPECT_LT(error, most) << id << ", " << method;
     EXPECT_GT(error, least) << id << ", " << method;
   };
-  for (const char* id : {"fem_green@liver", "fem_cauchy@liver", "fem_neo_hookean@liver",
-                         "fem_corotational@liver", "mass_spring@liver"})
+  for (const Parts& parts : {Parts{"fem_green"}, Parts{"fem_cauchy"}, Parts{"fem_neo_hookean"},
+                             Parts{"fem_corotational"}, Parts{"mass_spring"}, fibrous})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
-      expect_between(id, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
+      expect_between(parts, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
   // Of many short steps each rounds a displacement that it hardly changes.
-  expect_between("fem_green@liver", "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
+  expect_between({"fem_green"}, "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
 }
 
 TEST(BodyPatches, OwnEachFreePointOnceWithAllItsTetrahedra) {
@@ -525,6 +581,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
   EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
+  EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
   EXPECT_TRUE(has(why(body, "vbd"), "runs on no GPU"));
@@ -556,7 +613,6 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
            {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
-           {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
            {"fem_green/breathing@cube:n=2", {}, "moved"}})
@@ -566,6 +622,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
   expect_same_under_driven_loads(*device);
   expect_same_on_bodies(*device);
+  expect_same_on_other_elements(*device);
   expect_same_stages(*device);
 }
 TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {

@@ -1,4 +1,4 @@
-/// The forces of tetrahedra and of springs: the one source of processors and devices.
+/// The forces of tetrahedra, of fibres and of springs: the one source of processors and devices.
 ///
 /// Stresses are first Piola-Kirchhoff ones of displacement gradients H = F - I times the volume V of the
 /// element, whose coefficients are V lambda / 2 and V mu [J]; elasticity.hpp has the laws. `Lanes` has `V`, a
@@ -105,6 +105,37 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
     corotational_stress<Lanes, Number, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+}
+
+/// A fibre that is stretched from the unit vector a to l n = F a.
+template <class V>
+struct FibreStretch {
+  V strain;    ///< l - 1; of small strain a.H a
+  V square;    ///< l^2 - 1; not set of small strain
+  V along[3];  ///< n; of small strain a
+};
+
+/// From H a rather than F, so that small strains keep their digits.
+/// @param U       the edges of its tetrahedron, as displacement_gradient() has them
+/// @param slopes  Bm a: of the corners 1, 2 and 3
+template <class Lanes, class V>
+HMAX_DEVICE inline FibreStretch<V> stretch_of_fibre(const V (*U)[3], const V* slopes, const V* a,
+                                                    bool small_strain) {
+  V d[3];
+  for (int i = 0; i < 3; ++i) d[i] = U[0][i] * slopes[0] + U[1][i] * slopes[1] + U[2][i] * slopes[2];
+  const V turned = dot<Lanes>(a, d);
+  if (small_strain) return {turned, 0, {a[0], a[1], a[2]}};
+  const V square = (turned + turned) + dot<Lanes>(d, d), all = 1 + square,
+          length = Lanes::root(all > 0 ? all : 0);
+  return {square / (1 + length),
+          square,
+          {(a[0] + d[0]) / length, (a[1] + d[1]) / length, (a[2] + d[2]) / length}};
+}
+
+/// E_f (l - 1) [Pa]; pressed fibres buckle, those of small strain push.
+template <class V>
+HMAX_DEVICE inline V fibre_tension(const FibreStretch<V>& now, V young, bool small_strain) {
+  return small_strain || now.strain > 0 ? young * now.strain : 0;
 }
 
 /// T / l = k L (s + b s^3) / l as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d leads from the
