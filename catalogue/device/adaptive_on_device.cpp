@@ -95,7 +95,7 @@ class SystemOnDevice {
     step.q = y.q, step.v = y.v;
     step.sum.slopes = slope.q, step.sum.stage = 0;
     step.evaluation = static_cast<std::int32_t>(attempt_.times.size());
-    attempt_.programs.push_back({step});
+    attempt_.body.append_step(step, attempt_.programs);
     attempt_.times.push_back(processor_.inside(t));
   }
   /// The stages of a step, later. @param known  as BodyOnDevice::append_stages()

@@ -53,6 +53,11 @@ class BodyOnDevice {
   /// What a step needs besides (q, v): the acceleration, of methods that kick.
   void start();
   void advance(double h, std::int64_t count);
+  /// Appends an evaluation of the forces at (step.q, step.v), and what its move makes of them.
+  static void append_step(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
+    if (step.body.elements == PatchElements::of_pressures) programs.push_back({VolumeShares<Real>{step}});
+    programs.push_back({step});
+  }
   /// Appends the stages of a Runge-Kutta method, as many evaluations as instants().
   /// @param known  the stage of an earlier step whose slope is that of the first one, which then is not
   ///               evaluated
@@ -88,6 +93,9 @@ class BodyOnDevice {
   }
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
+  [[nodiscard]] SharedPressures<Real> pressures();
+  /// Of an evaluation: volumes of tetrahedra and what patches read of them.
+  [[nodiscard]] double bytes_of_pressures() const;
   void place_loads();
   /// Numbers of a load in the table: of constraints, which push by themselves, its factor alone.
   [[nodiscard]] std::size_t numbers_of_a_load() const {

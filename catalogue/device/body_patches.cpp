@@ -9,6 +9,7 @@
 
 #include "core/errors.hpp"
 #include "problems/tissue/forces/fibres.hpp"
+#include "problems/tissue/forces/nodal_pressure.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
@@ -35,12 +36,36 @@ void halve(const TissueBody& body, std::span<Index> points, std::size_t begin, s
   halve(body, points.subspan(left), begin + left, most, ends);
 }
 
-/// One tetrahedron of the blocks: corners in the mesh.
+/// The tetrahedra of a body in the order in which they are added up: lanes of blocks, or those of shared
+/// pressures.
 struct Tetrahedra {
   std::span<const TetBlock> blocks;
-  [[nodiscard]] std::size_t size() const { return blocks.size() * TetBlock::lanes; }
+  std::span<const NodalPressure::Element> of_pressures;
+  [[nodiscard]] std::size_t size() const { return blocks.size() * TetBlock::lanes + of_pressures.size(); }
+  /// False of unused lanes, which have no forces.
+  [[nodiscard]] bool is_used(std::size_t tet) const {
+    return blocks.empty() || blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0;
+  }
+  /// A point of the mesh.
   [[nodiscard]] Index corner(std::size_t tet, std::size_t a) const {
+    if (blocks.empty()) return of_pressures[tet].points[a];
     return blocks[tet / TetBlock::lanes].rows[a][tet % TetBlock::lanes] / 4;
+  }
+  /// What a device has of it: 9 gradients, V lambda / 2 and V mu.
+  [[nodiscard]] std::array<double, 11> numbers(std::size_t tet) const {
+    std::array<double, 11> all;
+    const std::size_t lane = tet % TetBlock::lanes;
+    if (blocks.empty()) {
+      const NodalPressure::Element& e = of_pressures[tet];
+      for (std::size_t k = 0; k < 9; ++k)
+        all[k] = e.rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
+      all[9] = e.rest.volume * e.own.lambda / 2, all[10] = e.rest.volume * e.own.mu;
+      return all;
+    }
+    const TetBlock& block = blocks[tet / TetBlock::lanes];
+    for (std::size_t k = 0; k < 9; ++k) all[k] = block.gradients[k][lane];
+    all[9] = block.half_lambda[lane], all[10] = block.mu[lane];
+    return all;
   }
 };
 
@@ -61,12 +86,11 @@ struct Terms {
   std::vector<std::int32_t> tetrahedra, fibres, far_before, own, far_after;
 };
 
-/// Those of unused lanes, which have no forces, are left out.
 std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Fibres fibres, Springs& springs,
                             std::size_t points) {
   std::vector<Terms> terms(points);
   for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
-    if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
+    if (tetrahedra.is_used(tet))
       for (std::size_t a = 0; a < 4; ++a)
         terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
   for (std::size_t n = 0; n < fibres.size(); ++n)
@@ -114,13 +138,17 @@ class Cutter {
       : body_(body),
         points_(std::move(points)),
         parts_(body.element_parts()),
-        tetrahedra_{parts_.tetrahedra ? parts_.tetrahedra->blocks() : std::span<const TetBlock>{}},
+        tetrahedra_{parts_.tetrahedra ? parts_.tetrahedra->blocks() : std::span<const TetBlock>{},
+                    parts_.of_pressures ? parts_.of_pressures->elements()
+                                        : std::span<const NodalPressure::Element>{}},
         fibres_{parts_.fibres ? parts_.fibres->fibres() : Fibres{}},
         springs_(body),
         terms_(terms_of(tetrahedra_, fibres_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
-        local_(terms_.size(), -1) {
+        local_(terms_.size(), -1),
+        place_(tetrahedra_.of_pressures.size(), -1),
+        local_average_(parts_.of_pressures ? parts_.of_pressures->averages().size() : 0, -1) {
     for (const Index p : points_) number_[at(p)] = count_++;
     for (std::size_t p = 0; p < number_.size(); ++p)
       if (number_[p] < 0) number_[p] = count_++;
@@ -137,10 +165,14 @@ class Cutter {
     for (const auto& [spring, slot] : of_springs_) add_spring(spring, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
+    const std::size_t averages = made_.average.size() - static_cast<std::size_t>(made_.begin.back().average);
+    for (const std::int32_t average : std::span(made_.average).last(averages))
+      local_average_[at(average)] = -1;
     made_.shared =
         std::max(made_.shared, static_cast<std::size_t>(shared_numbers(static_cast<std::int64_t>(used.size()),
-                                                                       static_cast<std::int64_t>(slots))));
-    fits_ = fits_ && slots < PatchCorners::nowhere && used.size() < PatchCorners::nowhere;
+                                                                       static_cast<std::int64_t>(slots),
+                                                                       static_cast<std::int64_t>(averages))));
+    fits_ = fits_ && std::max({slots, used.size(), averages}) < PatchCorners::nowhere;
   }
 
   [[nodiscard]] bool fits() const { return fits_; }
@@ -148,13 +180,13 @@ class Cutter {
   BodyPatches finish() {
     made_.begin.push_back(here(points_.size()));
     made_.points = count_;
+    if (parts_.of_pressures) place_pressures();
     made_.gradients.resize(9 * tets_.size());
     for (std::size_t n = 0; n < tets_.size(); ++n) {
-      const TetBlock& block = tetrahedra_.blocks[tets_[n] / TetBlock::lanes];
-      const std::size_t lane = tets_[n] % TetBlock::lanes;
-      for (std::size_t k = 0; k < 9; ++k) made_.gradients[k * tets_.size() + n] = block.gradients[k][lane];
-      made_.half_lambda.push_back(block.half_lambda[lane]);
-      made_.mu.push_back(block.mu[lane]);
+      const std::array<double, 11> numbers = tetrahedra_.numbers(tets_[n]);
+      for (std::size_t k = 0; k < 9; ++k) made_.gradients[k * tets_.size() + n] = numbers[k];
+      made_.half_lambda.push_back(numbers[9]);
+      made_.mu.push_back(numbers[10]);
     }
     if (parts_.tetrahedra) made_.law = parts_.tetrahedra->law();
     if (parts_.fibres) place_fibres();
@@ -203,6 +235,33 @@ class Cutter {
       made_.damping.insert(made_.damping.end(), each.begin(), each.end());
   }
 
+  /// What comes before the patches: volumes of all tetrahedra, and the averages that they are added to.
+  void place_pressures() {
+    made_.elements = PatchElements::of_pressures;
+    const std::span<const NodalPressure::Element> elements = tetrahedra_.of_pressures;
+    std::vector<std::vector<std::int32_t>> among(local_average_.size());
+    for (std::size_t tet = 0; tet < elements.size(); ++tet) {
+      if (place_[tet] < 0) {  // of points that stand still, in no patch
+        add_place(tet);
+        made_.corners.emplace_back(), made_.averages.emplace_back();
+      }
+      BodyTetrahedron& own = made_.tetrahedra.emplace_back();
+      own.place = place_[tet];
+      for (std::size_t a = 0; a < 4; ++a) own.point[a] = number_[at(elements[tet].points[a])];
+      for (const Index average : elements[tet].averages)
+        among[at(average)].push_back(static_cast<std::int32_t>(tet));
+    }
+    for (const std::vector<std::int32_t>& own : among) {
+      made_.among.insert(made_.among.end(), own.begin(), own.end());
+      made_.average_ends.push_back(static_cast<std::int32_t>(made_.among.size()));
+    }
+    for (const std::size_t tet : tets_) made_.volume.push_back(elements[tet].rest.volume);
+    for (const NodalPressure::Average& average : parts_.of_pressures->averages()) {
+      made_.average_lambda.push_back(average.lambda);
+      made_.average_volume.push_back(average.volume);
+    }
+  }
+
   void place_fibres() {
     made_.fibres_of_small_strain = parts_.fibres->is_of_small_strain();
     made_.fibre.resize(9 * cut_fibres_.size());
@@ -227,6 +286,7 @@ class Cutter {
     return {static_cast<std::int32_t>(own),
             static_cast<std::int32_t>(made_.rim.size()),
             static_cast<std::int32_t>(tets_.size()),
+            static_cast<std::int32_t>(made_.average.size()),
             static_cast<std::int32_t>(cut_fibres_.size()),
             static_cast<std::int32_t>(made_.ends.size()),
             static_cast<std::int32_t>(made_.push_slot.size())};
@@ -282,7 +342,25 @@ class Cutter {
       corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
       corners.slot[a] = slot[a];
     }
-    tets_.push_back(static_cast<std::size_t>(tet));
+    add_place(static_cast<std::size_t>(tet));
+    if (!tetrahedra_.of_pressures.empty()) add_averages(tetrahedra_.of_pressures[tets_.back()]);
+  }
+
+  void add_place(std::size_t tet) {
+    if (!place_.empty() && place_[tet] < 0) place_[tet] = static_cast<std::int32_t>(tets_.size());
+    tets_.push_back(tet);
+  }
+
+  void add_averages(const NodalPressure::Element& element) {
+    PatchAverages& averages = made_.averages.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a) {
+      std::int32_t& number = local_average_[at(element.averages[a])];
+      if (number < 0) {
+        number = static_cast<std::int32_t>(made_.average.size()) - made_.begin.back().average;
+        made_.average.push_back(element.averages[a]);
+      }
+      averages.of[a] = static_cast<std::uint16_t>(number);
+    }
   }
 
   void add_fibre(std::size_t fibre, const Slots& slot, std::vector<Index>& used) {
@@ -318,6 +396,8 @@ class Cutter {
   std::vector<Terms> terms_;
   std::vector<std::vector<Push>> pushes_;
   std::vector<std::int32_t> number_, local_;  ///< of each point of the mesh: here, and in the patch
+  std::vector<std::int32_t> place_;           ///< of tetrahedra of pressures: the first among `tets_`
+  std::vector<std::int32_t> local_average_;   ///< in the patch
   std::map<std::int32_t, Slots> of_tetrahedra_, of_fibres_, of_springs_;  ///< of a patch
   std::vector<std::size_t> tets_, cut_fibres_;  ///< of all patches, one after the other
   std::int32_t count_ = 0;
@@ -330,8 +410,9 @@ class Cutter {
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
-  if (!body.element_parts().are_all() && body.element_pieces() > 0)
-    return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean";
+  const ElementParts parts = body.element_parts();
+  if (!parts.tetrahedra && !parts.of_pressures && body.element_pieces() > 0)
+    return "has other elements than those of fem_green, fem_cauchy, fem_corotational, fem_neo_hookean and fem_nodal_pressure";
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (springs.size() > 1) return "has a skin of springs beside those of its model";
   if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";

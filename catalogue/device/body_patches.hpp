@@ -23,6 +23,12 @@ struct BodyPatches {
   std::vector<PatchCorners> corners;
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
+  PatchElements elements = PatchElements::tetrahedra;
+  std::vector<BodyTetrahedron> tetrahedra;  ///< of the body, where they share pressures; else empty
+  std::vector<double> volume;
+  std::vector<PatchAverages> averages;
+  std::vector<std::int32_t> average, average_ends, among;
+  std::vector<double> average_lambda, average_volume;
   std::vector<PatchCorners> fibre_corners;
   std::vector<double> fibre;
   bool fibres_of_small_strain = false;

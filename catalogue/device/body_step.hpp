@@ -19,11 +19,33 @@ namespace hmax {
 template <TetLaw law>
 using LawConstant = std::integral_constant<TetLaw, law>;
 
+/// What the elements of a body are, beside their fibres.
+enum class PatchElements : std::uint8_t {
+  tetrahedra,   ///< of any law
+  of_pressures  ///< those of NodalPressure
+};
+template <TetLaw law_of, PatchElements elements_of>
+struct ElementKind {
+  static constexpr TetLaw law = law_of;
+  static constexpr PatchElements elements = elements_of;
+};
+
 /// Corners of a tetrahedron in a patch.
 struct PatchCorners {
   static constexpr std::uint16_t nowhere = 0xffff;
   std::uint16_t point[4];  ///< among the points of the patch
   std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
+};
+
+/// The averages at the corners of a tetrahedron, among those of the patch.
+struct PatchAverages {
+  std::uint16_t of[4];
+};
+
+/// A tetrahedron of the whole body.
+struct BodyTetrahedron {
+  std::int32_t point[4];
+  std::int32_t place;  ///< the first one in the arrays of patches
 };
 
 /// The ends of a spring in a patch, likewise: the near one and the far one.
@@ -39,7 +61,21 @@ struct PointSlots {
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, fibre, spring, push;
+  std::int32_t own, rim, tet, average, fibre, spring, push;
+};
+
+/// Pressures that tetrahedra share at their points, as NodalPressure has them.
+template <class Real>
+struct SharedPressures {
+  std::int32_t tets;                 ///< of the body
+  const BodyTetrahedron* tet;        ///< shape (tets)
+  const Real* volume;                ///< V [m^3], shape (BodyArrays::tets)
+  const PatchAverages* corners;      ///< likewise
+  const std::int32_t* average;       ///< which averages a patch reads
+  const std::int32_t *ends, *among;  ///< where the tetrahedra of an average end, and which they are, in order
+  const Real *lambda, *around;       ///< of averages: lambda [Pa], V_a [m^3]
+  Real* shares;                      ///< V/4 (J - 1) [m^3], shape (bodies, tets)
+  bool operator==(const SharedPressures&) const = default;
 };
 
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
@@ -51,12 +87,14 @@ struct BodyArrays {
   const PatchBegin* begin;  ///< shape (patches + 1)
   const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
   TetLaw law;
+  PatchElements elements;
   const PatchCorners* corners;        ///< shape (tets)
   const Real* gradients;              ///< Bm [1/m], row after row, shape (9, tets)
   const Real *half_lambda, *mu;       ///< V lambda / 2, V mu [J], shape (tets)
   const PatchCorners* fibre_corners;  ///< shape (fibres)
   const Real* fibre;                  ///< numbers of fibre_forces(), shape (9, fibres)
   bool fibres_of_small_strain;
+  SharedPressures<Real> pressures;
   const PatchSpring* ends;           ///< of springs, shape (springs)
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
   Real cubic;                        ///< b of phi = s + b s^3
@@ -131,28 +169,73 @@ struct BodyStep {
   bool operator==(const BodyStep&) const = default;
 };
 
-/// Numbers that the threads of a block share: positions of `points`, forces of `slots`.
-HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots) {
-  return 3 * (points + slots);
+/// Numbers that the threads of a block share: positions of `points`, forces of `slots`, pressures of
+/// averages.
+HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots,
+                                                  std::int64_t averages) {
+  return 3 * (points + slots) + averages;
 }
 
-/// U = (u1 - u0, u2 - u0, u3 - u0) of four points of a patch, column a at U[a].
-template <class Real>
-HMAX_DEVICE inline void edges(const std::uint16_t* point, std::int32_t points, const Real* u, Real (*U)[3]) {
+/// U = (u1 - u0, u2 - u0, u3 - u0) of four of these points, column a at U[a].
+template <class Place, class Real>
+HMAX_DEVICE inline void edges(const Place* point, std::int32_t points, const Real* u, Real (*U)[3]) {
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) U[a][i] = u[i * points + point[a + 1]] - u[i * points + point[0]];
 }
 
+/// Bm, row a at g[a].
+template <class Real>
+HMAX_DEVICE inline void rows_of_gradients(const BodyArrays<Real>& body, std::int32_t tet, Real (*g)[3]) {
+  for (int k = 0; k < 9; ++k)
+    g[k / 3][k % 3] = body.gradients[static_cast<std::int64_t>(k) * body.tets + tet];
+}
+
+/// What tetrahedron `tet` of body `number` adds to the averages at its corners.
+template <class Real>
+HMAX_DEVICE inline void share_volume(const BodyStep<Real>& step, std::int32_t tet, std::int32_t number) {
+  const BodyArrays<Real>& body = step.body;
+  const SharedPressures<Real>& own = body.pressures;
+  const BodyTetrahedron corners = own.tet[tet];
+  Real U[3][3], g[3][3], H[3][3];
+  edges(corners.point, body.points, step.q + 3 * static_cast<std::int64_t>(number) * body.points, U);
+  rows_of_gradients(body, corners.place, g);
+  kernel_loops::displacement_gradient<OneElement<Real>, Real>(U, g, H);
+  own.shares[static_cast<std::int64_t>(number) * own.tets + tet] =
+      own.volume[corners.place] / 4 * kernel_loops::volume_change<OneElement<Real>, Real>(H);
+}
+
+/// The pressure lambda (J_a - 1) of an average, from the shares of its body.
+template <class Real>
+HMAX_DEVICE inline Real shared_pressure(const SharedPressures<Real>& own, std::int32_t average,
+                                        const Real* shares) {
+  Real sum = 0;
+  for (std::int32_t n = average == 0 ? 0 : own.ends[average - 1]; n < own.ends[average]; ++n)
+    sum = sum + shares[own.among[n]];
+  return own.lambda[average] * (sum / own.around[average]);
+}
+
 /// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
-template <TetLaw law, class Real>
+/// @param pressures  of the averages of the patch
+template <class Kind, class Real>
 HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::int32_t tet,
-                                           std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
+                                           std::int32_t points, std::int32_t slots, const Real* u,
+                                           const Real* pressures, Real* f) {
+  using Lanes = OneElement<Real>;
   const PatchCorners corners = body.corners[tet];
   Real U[3][3], g[3][3], pull[3][3];
   edges(corners.point, points, u, U);
-  for (int k = 0; k < 9; ++k)
-    g[k / 3][k % 3] = body.gradients[static_cast<std::int64_t>(k) * body.tets + tet];
-  kernel_loops::tet_pull<OneElement<Real>, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  rows_of_gradients(body, tet, g);
+  if constexpr (Kind::elements == PatchElements::of_pressures) {
+    const PatchAverages at = body.pressures.corners[tet];
+    Real H[3][3], P[3][3], sum = 0;
+    for (const std::uint16_t average : at.of) sum = sum + pressures[average];
+    kernel_loops::displacement_gradient<Lanes, Real>(U, g, H);
+    kernel_loops::neo_hookean_stress<Lanes, Real>(H, body.half_lambda[tet], body.mu[tet], P,
+                                                  body.pressures.volume[tet] * (sum / 4));
+    kernel_loops::corner_pull<Lanes, Real>(P, g, pull);
+  } else {
+    kernel_loops::tet_pull<Lanes, Kind::law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  }
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
       f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
@@ -312,11 +395,11 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, Real force, std::
 }
 
 /// The step of one patch of body `number`.
-/// @tparam law    that of the body
+/// @tparam Kind   an ElementKind, that of the body
 /// @tparam Block  see device_program.hpp
 /// @param later   evaluations of loads between BodyStep::evaluation and this one
 /// @param shared  shared_numbers() of them
-template <TetLaw law, class Block, class Real>
+template <class Kind, class Block, class Real>
 HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::int32_t patch,
                            std::int32_t number, std::int64_t later, Real* shared) {
   const BodyArrays<Real>& body = step.body;
@@ -325,6 +408,7 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
                      slots = body.slots[to.own - 1].after;
   Real* const u = shared;
   Real* const f = shared + 3 * points;
+  Real* const pressures = f + 3 * slots;
   block.each(points, [&](std::int32_t p) {
     const std::int32_t point = p < own ? from.own + p : body.rim[from.rim + p - own];
     for (int i = 0; i < 3; ++i)
@@ -336,9 +420,17 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
     for (int i = 0; i < 3; ++i)
       f[i * slots + body.push_slot[push]] = body.push_share[push] * loads[3 * body.push_load[push] + i];
   });
+  if constexpr (Kind::elements == PatchElements::of_pressures) {
+    const SharedPressures<Real>& own_pressures = body.pressures;
+    const Real* const shares = own_pressures.shares + static_cast<std::int64_t>(number) * own_pressures.tets;
+    block.each(to.average - from.average, [&](std::int32_t n) {
+      pressures[n] = shared_pressure(own_pressures, own_pressures.average[from.average + n], shares);
+    });
+  }
   block.barrier();
-  block.each(to.tet - from.tet,
-             [&](std::int32_t n) { tetrahedron_forces<law>(body, from.tet + n, points, slots, u, f); });
+  block.each(to.tet - from.tet, [&](std::int32_t n) {
+    tetrahedron_forces<Kind>(body, from.tet + n, points, slots, u, pressures, f);
+  });
   block.each(to.fibre - from.fibre,
              [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
   if (to.spring > from.spring) {
@@ -369,15 +461,39 @@ struct BodySteps {
   std::int64_t times;  ///< over and over again
   std::int32_t bodies, shared;
   TetLaw law;
+  PatchElements elements;
 };
-template <TetLaw law, class Block, class Real>
+template <class Kind, class Block, class Real>
 HMAX_DEVICE void body_steps(const Block& block, const BodySteps<Real>& all, std::int32_t number,
                             Real* shared) {
   for (std::int64_t done = 0; done < all.times; ++done)
     for (std::int32_t n = 0; n < all.count; ++n) {
-      body_step<law>(block, all.steps[n], 0, number, done * all.count, shared);
+      const BodyStep<Real>& step = all.steps[n];
+      if constexpr (Kind::elements == PatchElements::of_pressures) {
+        block.each(step.body.pressures.tets, [&](std::int32_t tet) { share_volume(step, tet, number); });
+        block.barrier();
+      }
+      body_step<Kind>(block, step, 0, number, done * all.count, shared);
       block.barrier();
     }
+}
+
+/// The volumes that BodyStep reads of PatchElements::of_pressures, where its body is not one of BodySteps.
+template <class Real>
+struct VolumeShares {
+  static constexpr std::int32_t threads = 256;
+  BodyStep<Real> step;
+  bool operator==(const VolumeShares&) const = default;
+};
+template <class Real>
+HMAX_DEVICE std::int64_t count_of(const VolumeShares<Real>& shares) {
+  return static_cast<std::int64_t>(shares.step.body.pressures.tets) * shares.step.bodies;
+}
+/// Of one tetrahedron of one body.
+template <class Real>
+HMAX_DEVICE inline void run_thread(std::true_type, const VolumeShares<Real>& shares, std::int64_t n) {
+  const std::int32_t tets = shares.step.body.pressures.tets;
+  share_volume(shares.step, static_cast<std::int32_t>(n % tets), static_cast<std::int32_t>(n / tets));
 }
 
 /// The first kick and drift of a run of steps, from accelerations that are known.

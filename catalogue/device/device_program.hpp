@@ -44,15 +44,25 @@ void with_law(TetLaw law, const F& f) {
       return f(LawConstant<TetLaw::corotational>{});
   }
 }
+template <class F>
+void with_elements(PatchElements elements, TetLaw law, const F& f) {
+  switch (elements) {
+    case PatchElements::tetrahedra:
+      return with_law(
+          law, [&]<TetLaw own>(LawConstant<own>) { f(ElementKind<own, PatchElements::tetrahedra>{}); });
+    case PatchElements::of_pressures:
+      return f(ElementKind<TetLaw::neo_hookean, PatchElements::of_pressures>{});
+  }
+}
 template <class Real, class F>
 void with_kind(const BodyStep<Real>& step, const F& f) {
-  with_law(step.body.law, f);
+  with_elements(step.body.elements, step.body.law, f);
 }
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodyStep<Real>& step,
+template <TetLaw law, PatchElements elements, class Block, class Real>
+HMAX_DEVICE void run_block(ElementKind<law, elements> kind, const Block& block, const BodyStep<Real>& step,
                            std::int32_t number, void* shared) {
-  body_step<law>(block, step, number % step.body.patches, number / step.body.patches, 0,
-                 static_cast<Real*>(shared));
+  body_step<decltype(kind)>(block, step, number % step.body.patches, number / step.body.patches, 0,
+                            static_cast<Real*>(shared));
 }
 
 template <class Real>
@@ -65,12 +75,12 @@ std::size_t shared_bytes_of(const BodySteps<Real>& all) {
 }
 template <class Real, class F>
 void with_kind(const BodySteps<Real>& all, const F& f) {
-  with_law(all.law, f);
+  with_elements(all.elements, all.law, f);
 }
-template <TetLaw law, class Block, class Real>
-HMAX_DEVICE void run_block(LawConstant<law>, const Block& block, const BodySteps<Real>& all,
+template <TetLaw law, PatchElements elements, class Block, class Real>
+HMAX_DEVICE void run_block(ElementKind<law, elements> kind, const Block& block, const BodySteps<Real>& all,
                            std::int32_t number, void* shared) {
-  body_steps<law>(block, all, number, static_cast<Real*>(shared));
+  body_steps<decltype(kind)>(block, all, number, static_cast<Real*>(shared));
 }
 
 /// A program whose threads know nothing of each other, count_of(p) of them: run_thread(kind, p, number).
@@ -110,7 +120,8 @@ void with_kind(const TetStiffness& stiffness, const F& f) {
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
     std::same_as<P, MatrixBlocks> || std::same_as<P, FirstKick<double>> ||
-    std::same_as<P, FirstKick<float>> || std::same_as<P, KnownStage<double>> ||
+    std::same_as<P, FirstKick<float>> || std::same_as<P, VolumeShares<double>> ||
+    std::same_as<P, VolumeShares<float>> || std::same_as<P, KnownStage<double>> ||
     std::same_as<P, KnownStage<float>> || std::same_as<P, ConstraintBegin> || std::same_as<P, MeetColours> ||
     std::same_as<P, ConstraintEnd>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
@@ -127,10 +138,11 @@ void with_kind(const Motions& motions, const F& f) {
 
 /// Any of them.
 struct DeviceProgram {
-  std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
-               FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
-               SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
-               GradientProduct, GradientUpdate, NewtonEnd, ConstraintBegin, MeetColours, ConstraintEnd>
+  std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, VolumeShares<double>,
+               VolumeShares<float>, FirstKick<double>, FirstKick<float>, KnownStage<double>,
+               KnownStage<float>, ErrorPieces, AdaptiveMotions, SharedMotions, OwnMotions, NewtonBegin,
+               TetStiffness, MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate, NewtonEnd,
+               ConstraintBegin, MeetColours, ConstraintEnd>
       of;
 
   template <class F>

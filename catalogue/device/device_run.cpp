@@ -143,8 +143,10 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
   if (!why.empty()) return "does not run this body on a GPU: it " + why;
-  if (known->kind == DeviceMethod::Kind::newton && problem.body->element_parts().fibres)
-    return "has no stiffness of fibres on a GPU";
+  const ElementParts parts = problem.body->element_parts();
+  if (known->kind != DeviceMethod::Kind::newton) return {};
+  if (parts.fibres) return "has no stiffness of fibres on a GPU";
+  if (parts.of_pressures) return "has no stiffness of shared pressures on a GPU";
   return {};
 }
 

@@ -13,15 +13,18 @@
 
 namespace hmax {
 
-class TetBlocks;      // problems/tissue/forces/tet_blocks.hpp
-class FibreElements;  // problems/tissue/forces/fibres.hpp
+class TetBlocks;          // problems/tissue/forces/tet_blocks.hpp
+class NodalPressure;      // problems/tissue/forces/nodal_pressure.hpp
+class QuadraticElements;  // problems/tissue/forces/quadratic_elements.hpp
+class FibreElements;      // problems/tissue/forces/fibres.hpp
 
-/// What Elements::add_force() adds, one after the other; null what there is none of.
+/// What Elements::add_force() adds, one after the other; null what there is none of. None but fibres: more
+/// than these.
 struct ElementParts {
   const TetBlocks* tetrahedra = nullptr;
+  const NodalPressure* of_pressures = nullptr;
+  const QuadraticElements* of_ten_nodes = nullptr;
   const FibreElements* fibres = nullptr;
-  /// Whether other elements than fibres are among them: else add_force() adds more than these.
-  [[nodiscard]] bool are_all() const { return tetrahedra != nullptr; }
 };
 
 /// Takes the points of a piece of an elastic body and its symmetric K = -dF/du [N/m], points after one

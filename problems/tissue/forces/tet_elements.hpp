@@ -36,6 +36,16 @@ inline void edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>&
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,
                    const Eigen::Matrix3d& stress, NodeRows& f);
 
+/// The same of a pull of the kernels.
+inline void subtract_pull(const std::array<TetMesh::Index, 4>& points, const double (*pull)[3], NodeRows& f) {
+  const auto row = [&](std::size_t a) -> NodeRow& { return f[static_cast<std::size_t>(points[a])]; };
+  for (std::size_t a = 0; a < 3; ++a)
+    row(a + 1).x -= pull[a][0], row(a + 1).y -= pull[a][1], row(a + 1).z -= pull[a][2];
+  row(0).x += (pull[0][0] + pull[1][0]) + pull[2][0];
+  row(0).y += (pull[0][1] + pull[1][1]) + pull[2][1];
+  row(0).z += (pull[0][2] + pull[1][2]) + pull[2][2];
+}
+
 /// -dF/du of one element, points after one another.
 using ElementStiffness = Eigen::Matrix<double, 12, 12>;
 

@@ -207,12 +207,23 @@ struct Parts {
     return make_problem(model + mesh, {.parameters = more});
   }
 };
+const Parts of_pressures{"fem_nodal_pressure"};
 const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
 
-/// Elements whose forces are not those of tetrahedra alone: fibres in them.
+/// Shared pressures of a body that is held at many points, some tetrahedra at all of theirs, of a material
+/// that becomes thicker as it is pulled.
+Problem held_body() {
+  const Problem body = uneven_body(2.5, "fem_nodal_pressure");
+  TissueSettings settings = body.body->settings();
+  settings.materials[0].poisson = -0.2;
+  settings.supports = {{points_in_box(body.body->mesh(), {-1, -1, -1}, {0.06, 1, 1})}};
+  return body_of(body.body->mesh(), settings);
+}
+
+/// Elements whose forces are not those of tetrahedra alone: fibres in them, shared pressures.
 void expect_same_on_other_elements(Device& device) {
   const RunSpec spec{.t_end = 0.0202, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
-  for (const Parts& parts : {fibrous}) {
+  for (const Parts& parts : {fibrous, of_pressures}) {
     for (const char* mesh : {"@liver", "@beam", "@ball", "@phantom", "@cube:n=6"})
       expect_same(device, parts.on(mesh), "symplectic_euler", spec);
     expect_same(device, parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
@@ -225,7 +236,9 @@ void expect_same_on_other_elements(Device& device) {
   for (const Problem& body :
        {fibrous_body(uneven_body(2.5), true), fibrous_body(uneven_body(2.5, "fem_green", skin)),
         fibrous_body(uneven_body(2.5, "fem_cauchy")), fibrous_body(uneven_body(2.5, "fem_corotational")),
-        fibrous_body(uneven_body(2.5, "fem_neo_hookean")), fibrous_body(driven_body(), true)})
+        fibrous_body(uneven_body(2.5, "fem_neo_hookean")), fibrous_body(driven_body(), true),
+        uneven_body(2.5, "fem_nodal_pressure"), uneven_body(0, "fem_nodal_pressure", skin), held_body(),
+        fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure")))})
     for (const char* method :
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
       expect_same(device, body, method, uneven);
@@ -318,6 +331,8 @@ void expect_same_chosen(Device& device) {
         each(uneven_body(2.5, model), method, spec);
       each(driven_body(), method, spec);
       each(fibrous_body(driven_body()), method, spec);
+      each(uneven_body(2.5, "fem_nodal_pressure"), method, spec);
+      each(of_pressures.on("@liver"), method, spec);
       each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
            method, spec);
       each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
@@ -380,7 +395,7 @@ void expect_same_divergence(Device& device) {
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
     expect_same(device, problem, method, spec);
   }
-  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous}) {
+  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous, of_pressures}) {
     const RunRecord run =
         expect_same(device, parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
     EXPECT_EQ(run.outcome, Outcome::diverged) << parts.model;
@@ -471,11 +486,14 @@ void expect_same_at_a_time(Device& device) {
   const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
-    for (const Problem& body : {driven_body(), damped, fibrous_body(driven_body())})
+    for (const Problem& body : {driven_body(), damped, fibrous_body(driven_body()),
+                                driven_body(uneven_body(2.5, "fem_nodal_pressure"))})
       expect_same_at_a_time(device, body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
-  for (const char* method : {"velocity_verlet", "rk4"}) expect_same_at_a_time(device, large, method, 2);
+  for (const char* method : {"velocity_verlet", "rk4"})
+    for (const Problem& body : {large, of_pressures.on("@cube:n=10")})
+      expect_same_at_a_time(device, body, method, 2);
   expect_same_at_a_time<float>(device, driven_body(), "rk4", 3);
 }
 
@@ -540,7 +558,7 @@ TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
     EXPECT_GT(error, least) << id << ", " << method;
   };
   for (const Parts& parts : {Parts{"fem_green"}, Parts{"fem_cauchy"}, Parts{"fem_neo_hookean"},
-                             Parts{"fem_corotational"}, Parts{"mass_spring"}, fibrous})
+                             Parts{"fem_corotational"}, Parts{"mass_spring"}, fibrous, of_pressures})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
       expect_between(parts, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
   // Of many short steps each rounds a displacement that it hardly changes.
@@ -582,6 +600,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "rkc_2"), "runs on no GPU"));
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
+  EXPECT_TRUE(has(why(of_pressures.on("@cube:n=2"), "newton_truncated"), "shared pressures"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
   EXPECT_TRUE(has(why(body, "vbd"), "runs on no GPU"));
@@ -612,7 +631,7 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(run_many(Precision::single_precision, 1), InputError);
   EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
+           {"fem_quadratic@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
            {"fem_green/breathing@cube:n=2", {}, "moved"}})
