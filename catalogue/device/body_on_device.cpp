@@ -138,6 +138,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .fibre = there(p.fibre),
           .fibres_of_small_strain = p.fibres_of_small_strain,
           .pressures = pressures(),
+          .ten_nodes = there(p.ten_nodes),
           .ends = there(p.ends),
           .per_length = there(p.per_length),
           .tension = there(p.tension),
@@ -390,7 +391,8 @@ double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
          step_.bodies * static_cast<double>(method_.evaluations()) *
-             (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
+             ((is_of_ten_nodes() ? 2020 : of_tetrahedron[static_cast<std::size_t>(step_.body.law)]) *
+                  step_.body.tets +
               79.0 * step_.body.pressures.tets + 57.0 * step_.body.fibres + 31.0 * step_.body.springs +
               10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
@@ -412,7 +414,9 @@ double BodyOnDevice<Real>::bytes() const {
     for (const long double weight : row) slopes += weight != 0 ? 2 : 0;
   return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
          static_cast<double>(method_.evaluations()) *
-             (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
+             (static_cast<double>(is_of_ten_nodes() ? sizeof(PatchTenNodes) + 126 * sizeof(Real)
+                                                    : sizeof(PatchCorners) + 11 * sizeof(Real)) *
+                  step_.body.tets +
               bytes_of_pressures() +
               static_cast<double>(sizeof(PatchCorners) + 9 * sizeof(Real)) * step_.body.fibres +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +

@@ -86,6 +86,7 @@ class BodyOnDevice {
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size() * bodies(); }
   [[nodiscard]] std::size_t bodies() const { return static_cast<std::size_t>(step_.bodies); }
+  [[nodiscard]] bool is_of_ten_nodes() const { return step_.body.elements == PatchElements::of_ten_nodes; }
   Real* numbers(std::size_t bytes) { return memory_.template room<Real>(bytes / sizeof(Real)); }
   template <class T>
   const T* there(const std::vector<T>& values) {

@@ -10,6 +10,7 @@
 #include "core/errors.hpp"
 #include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/forces/nodal_pressure.hpp"
+#include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
@@ -36,35 +37,53 @@ void halve(const TissueBody& body, std::span<Index> points, std::size_t begin, s
   halve(body, points.subspan(left), begin + left, most, ends);
 }
 
-/// The tetrahedra of a body in the order in which they are added up: lanes of blocks, or those of shared
-/// pressures.
+/// The elements of a body in the order in which they are added up: lanes of blocks, or those of shared
+/// pressures, or of ten nodes.
 struct Tetrahedra {
+  explicit Tetrahedra(const ElementParts& parts) {
+    if (parts.tetrahedra) blocks = parts.tetrahedra->blocks();
+    if (parts.of_pressures) of_pressures = parts.of_pressures->elements();
+    if (parts.of_ten_nodes) of_ten_nodes = parts.of_ten_nodes->elements();
+  }
   std::span<const TetBlock> blocks;
   std::span<const NodalPressure::Element> of_pressures;
-  [[nodiscard]] std::size_t size() const { return blocks.size() * TetBlock::lanes + of_pressures.size(); }
+  std::span<const QuadraticElements::Element> of_ten_nodes;
+
+  [[nodiscard]] std::size_t size() const {
+    return blocks.size() * TetBlock::lanes + of_pressures.size() + of_ten_nodes.size();
+  }
   /// False of unused lanes, which have no forces.
-  [[nodiscard]] bool is_used(std::size_t tet) const {
-    return blocks.empty() || blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0;
+  [[nodiscard]] bool is_used(std::size_t n) const {
+    return blocks.empty() || blocks[n / TetBlock::lanes].mu[n % TetBlock::lanes] != 0;
   }
-  /// A point of the mesh.
-  [[nodiscard]] Index corner(std::size_t tet, std::size_t a) const {
-    if (blocks.empty()) return of_pressures[tet].points[a];
-    return blocks[tet / TetBlock::lanes].rows[a][tet % TetBlock::lanes] / 4;
+  /// Points of each.
+  [[nodiscard]] std::size_t corners() const { return of_ten_nodes.empty() ? 4 : 10; }
+  /// One of the mesh.
+  [[nodiscard]] Index corner(std::size_t n, std::size_t a) const {
+    if (!of_ten_nodes.empty()) return of_ten_nodes[n].points[a];
+    if (!of_pressures.empty()) return of_pressures[n].points[a];
+    return blocks[n / TetBlock::lanes].rows[a][n % TetBlock::lanes] / 4;
   }
-  /// What a device has of it: 9 gradients, V lambda / 2 and V mu.
-  [[nodiscard]] std::array<double, 11> numbers(std::size_t tet) const {
-    std::array<double, 11> all;
-    const std::size_t lane = tet % TetBlock::lanes;
-    if (blocks.empty()) {
-      const NodalPressure::Element& e = of_pressures[tet];
-      for (std::size_t k = 0; k < 9; ++k)
-        all[k] = e.rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
-      all[9] = e.rest.volume * e.own.lambda / 2, all[10] = e.rest.volume * e.own.mu;
-      return all;
+  /// How many numbers BodyArrays::gradients has of each, and these, followed by half_lambda and mu.
+  [[nodiscard]] std::size_t gradients() const { return of_ten_nodes.empty() ? 9 : 124; }
+  [[nodiscard]] std::vector<double> numbers(std::size_t n) const {
+    std::vector<double> all;
+    if (!of_ten_nodes.empty()) {
+      const QuadraticElements::Element& e = of_ten_nodes[n];
+      for (int g = 0; g < 4; ++g)
+        for (Eigen::Index k = 0; k < 30; ++k) all.push_back(e.gradient(g, k / 3, k % 3));
+      for (int g = 0; g < 4; ++g) all.push_back(e.volume(g));
+      all.insert(all.end(), {e.half_lambda(), e.mu()});
+    } else if (!of_pressures.empty()) {
+      const NodalPressure::Element& e = of_pressures[n];
+      for (Eigen::Index k = 0; k < 9; ++k) all.push_back(e.rest.gradients(k / 3, k % 3));
+      all.insert(all.end(), {e.rest.volume * e.own.lambda / 2, e.rest.volume * e.own.mu});
+    } else {
+      const TetBlock& block = blocks[n / TetBlock::lanes];
+      const std::size_t lane = n % TetBlock::lanes;
+      for (const auto& gradients_of : block.gradients) all.push_back(gradients_of[lane]);
+      all.insert(all.end(), {block.half_lambda[lane], block.mu[lane]});
     }
-    const TetBlock& block = blocks[tet / TetBlock::lanes];
-    for (std::size_t k = 0; k < 9; ++k) all[k] = block.gradients[k][lane];
-    all[9] = block.half_lambda[lane], all[10] = block.mu[lane];
     return all;
   }
 };
@@ -91,7 +110,7 @@ std::vector<Terms> terms_of(const Tetrahedra& tetrahedra, Fibres fibres, Springs
   std::vector<Terms> terms(points);
   for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
     if (tetrahedra.is_used(tet))
-      for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t a = 0; a < tetrahedra.corners(); ++a)
         terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
   for (std::size_t n = 0; n < fibres.size(); ++n)
     for (const Index p : fibres[n].points) terms[at(p)].fibres.push_back(static_cast<std::int32_t>(n));
@@ -138,9 +157,7 @@ class Cutter {
       : body_(body),
         points_(std::move(points)),
         parts_(body.element_parts()),
-        tetrahedra_{parts_.tetrahedra ? parts_.tetrahedra->blocks() : std::span<const TetBlock>{},
-                    parts_.of_pressures ? parts_.of_pressures->elements()
-                                        : std::span<const NodalPressure::Element>{}},
+        tetrahedra_(parts_),
         fibres_{parts_.fibres ? parts_.fibres->fibres() : Fibres{}},
         springs_(body),
         terms_(terms_of(tetrahedra_, fibres_, springs_, at(static_cast<Index>(body.mesh().point_count())))),
@@ -181,14 +198,7 @@ class Cutter {
     made_.begin.push_back(here(points_.size()));
     made_.points = count_;
     if (parts_.of_pressures) place_pressures();
-    made_.gradients.resize(9 * tets_.size());
-    for (std::size_t n = 0; n < tets_.size(); ++n) {
-      const std::array<double, 11> numbers = tetrahedra_.numbers(tets_[n]);
-      for (std::size_t k = 0; k < 9; ++k) made_.gradients[k * tets_.size() + n] = numbers[k];
-      made_.half_lambda.push_back(numbers[9]);
-      made_.mu.push_back(numbers[10]);
-    }
-    if (parts_.tetrahedra) made_.law = parts_.tetrahedra->law();
+    place_numbers();
     if (parts_.fibres) place_fibres();
     made_.weight.resize(3 * points_.size());
     for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -210,7 +220,20 @@ class Cutter {
   }
 
  private:
-  using Slots = std::array<std::uint16_t, 4>;
+  using Slots = std::array<std::uint16_t, 10>;
+
+  void place_numbers() {
+    if (parts_.tetrahedra) made_.law = parts_.tetrahedra->law();
+    if (parts_.of_ten_nodes) made_.elements = PatchElements::of_ten_nodes;
+    const std::size_t gradients = tetrahedra_.gradients();
+    made_.gradients.resize(gradients * tets_.size());
+    for (std::size_t n = 0; n < tets_.size(); ++n) {
+      const std::vector<double> numbers = tetrahedra_.numbers(tets_[n]);
+      for (std::size_t k = 0; k < gradients; ++k) made_.gradients[k * tets_.size() + n] = numbers[k];
+      made_.half_lambda.push_back(numbers[gradients]);
+      made_.mu.push_back(numbers[gradients + 1]);
+    }
+  }
 
   /// The columns of C = alpha M + beta K0, which are its rows, from those of the body.
   void place_damping() {
@@ -304,7 +327,7 @@ class Cutter {
     for (const Index p : own) {
       const Terms& terms = terms_[at(p)];
       for (const std::int32_t tet : terms.tetrahedra)
-        for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t a = 0; a < tetrahedra_.corners(); ++a)
           if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p) give(of_tetrahedra_, tet, a);
       for (const std::int32_t fibre : terms.fibres) {
         const auto& corners = fibres_[static_cast<std::size_t>(fibre)].points;
@@ -337,11 +360,16 @@ class Cutter {
   }
 
   void add_tetrahedron(std::int32_t tet, const Slots& slot, std::vector<Index>& used) {
-    PatchCorners& corners = made_.corners.emplace_back();
-    for (std::size_t a = 0; a < 4; ++a) {
-      corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
-      corners.slot[a] = slot[a];
-    }
+    const auto place = [&](auto& corners) {
+      for (std::size_t a = 0; a < tetrahedra_.corners(); ++a) {
+        corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
+        corners.slot[a] = slot[a];
+      }
+    };
+    if (parts_.of_ten_nodes)
+      place(made_.ten_nodes.emplace_back());
+    else
+      place(made_.corners.emplace_back());
     add_place(static_cast<std::size_t>(tet));
     if (!tetrahedra_.of_pressures.empty()) add_averages(tetrahedra_.of_pressures[tets_.back()]);
   }
@@ -383,8 +411,10 @@ class Cutter {
     made_.tension.push_back(springs_.tension[spring]);
   }
 
-  static constexpr Slots nowhere() {
-    return {PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere};
+  static Slots nowhere() {
+    Slots slots;
+    slots.fill(PatchCorners::nowhere);
+    return slots;
   }
 
   const TissueBody& body_;
@@ -411,8 +441,8 @@ std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
   const ElementParts parts = body.element_parts();
-  if (!parts.tetrahedra && !parts.of_pressures && body.element_pieces() > 0)
-    return "has other elements than those of fem_green, fem_cauchy, fem_corotational, fem_neo_hookean and fem_nodal_pressure";
+  if (!parts.tetrahedra && !parts.of_pressures && !parts.of_ten_nodes && body.element_pieces() > 0)
+    return "has other elements than those of the models of hmax";
   if (settings.skin.kind == SkinSettings::Kind::membrane) return "has a skin of triangles";
   if (springs.size() > 1) return "has a skin of springs beside those of its model";
   if (!springs.empty() && !springs.front().sliced()) return "has springs that are neither linear nor cubic";

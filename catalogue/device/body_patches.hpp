@@ -24,6 +24,7 @@ struct BodyPatches {
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
   PatchElements elements = PatchElements::tetrahedra;
+  std::vector<PatchTenNodes> ten_nodes;
   std::vector<BodyTetrahedron> tetrahedra;  ///< of the body, where they share pressures; else empty
   std::vector<double> volume;
   std::vector<PatchAverages> averages;

@@ -21,8 +21,9 @@ using LawConstant = std::integral_constant<TetLaw, law>;
 
 /// What the elements of a body are, beside their fibres.
 enum class PatchElements : std::uint8_t {
-  tetrahedra,   ///< of any law
-  of_pressures  ///< those of NodalPressure
+  tetrahedra,    ///< of any law
+  of_pressures,  ///< those of NodalPressure
+  of_ten_nodes   ///< those of QuadraticElements
 };
 template <TetLaw law_of, PatchElements elements_of>
 struct ElementKind {
@@ -35,6 +36,11 @@ struct PatchCorners {
   static constexpr std::uint16_t nowhere = 0xffff;
   std::uint16_t point[4];  ///< among the points of the patch
   std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
+};
+
+/// The points of a tetrahedron of ten nodes in a patch, likewise.
+struct PatchTenNodes {
+  std::uint16_t point[10], slot[10];
 };
 
 /// The averages at the corners of a tetrahedron, among those of the patch.
@@ -95,6 +101,9 @@ struct BodyArrays {
   const Real* fibre;                  ///< numbers of fibre_forces(), shape (9, fibres)
   bool fibres_of_small_strain;
   SharedPressures<Real> pressures;
+  /// Of ten nodes: `gradients` are numbers of TenNodeRule, shape (124, tets), `half_lambda` and `mu` are
+  /// lambda / 2 and mu [Pa].
+  const PatchTenNodes* ten_nodes;
   const PatchSpring* ends;           ///< of springs, shape (springs)
   const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
   Real cubic;                        ///< b of phi = s + b s^3
@@ -242,6 +251,37 @@ HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::in
     for (int a = 0; a < 3; ++a)
       if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
   }
+}
+
+/// The rule of an element of ten nodes, for ten_node_pull(): 30 gradients of each point of the rule, then
+/// volumes.
+template <class Real>
+struct TenNodeRule {
+  const BodyArrays<Real>& body;
+  std::int64_t element;
+  [[nodiscard]] HMAX_DEVICE Real number(std::int64_t k) const {
+    return body.gradients[k * body.tets + element];
+  }
+  [[nodiscard]] HMAX_DEVICE Real gradient(int g, int a, int j) const { return number(30 * g + 3 * a + j); }
+  [[nodiscard]] HMAX_DEVICE Real volume(int g) const { return number(120 + g); }
+  [[nodiscard]] HMAX_DEVICE Real half_lambda() const { return body.half_lambda[element]; }
+  [[nodiscard]] HMAX_DEVICE Real mu() const { return body.mu[element]; }
+};
+
+/// -pull at the ten points, each at its slot.
+template <class Real>
+HMAX_DEVICE inline void ten_node_forces(const BodyArrays<Real>& body, std::int32_t element,
+                                        std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
+  const PatchTenNodes own = body.ten_nodes[element];
+  Real U[10][3];
+  for (int a = 0; a < 10; ++a)
+    for (int i = 0; i < 3; ++i) U[a][i] = u[i * points + own.point[a]] - u[i * points + own.point[0]];
+  kernel_loops::ten_node_pull<OneElement<Real>, Real>(U, TenNodeRule<Real>{body, element},
+                                                      [&](int a, const Real* pull) {
+                                                        if (own.slot[a] != PatchCorners::nowhere)
+                                                          for (int i = 0; i < 3; ++i)
+                                                            f[i * slots + own.slot[a]] = -pull[i];
+                                                      });
 }
 
 /// Those of fibres: slopes g_a.a [1/m] of the corners, a, E_f [Pa] and V [m^3].
@@ -429,7 +469,10 @@ HMAX_DEVICE void body_step(const Block& block, const BodyStep<Real>& step, std::
   }
   block.barrier();
   block.each(to.tet - from.tet, [&](std::int32_t n) {
-    tetrahedron_forces<Kind>(body, from.tet + n, points, slots, u, pressures, f);
+    if constexpr (Kind::elements == PatchElements::of_ten_nodes)
+      ten_node_forces(body, from.tet + n, points, slots, u, f);
+    else
+      tetrahedron_forces<Kind>(body, from.tet + n, points, slots, u, pressures, f);
   });
   block.each(to.fibre - from.fibre,
              [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });

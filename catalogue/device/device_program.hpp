@@ -52,6 +52,8 @@ void with_elements(PatchElements elements, TetLaw law, const F& f) {
           law, [&]<TetLaw own>(LawConstant<own>) { f(ElementKind<own, PatchElements::tetrahedra>{}); });
     case PatchElements::of_pressures:
       return f(ElementKind<TetLaw::neo_hookean, PatchElements::of_pressures>{});
+    case PatchElements::of_ten_nodes:
+      return f(ElementKind<TetLaw::neo_hookean, PatchElements::of_ten_nodes>{});
   }
 }
 template <class Real, class F>

@@ -147,6 +147,7 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (known->kind != DeviceMethod::Kind::newton) return {};
   if (parts.fibres) return "has no stiffness of fibres on a GPU";
   if (parts.of_pressures) return "has no stiffness of shared pressures on a GPU";
+  if (parts.of_ten_nodes) return "has no stiffness of ten nodes on a GPU";
   return {};
 }
 

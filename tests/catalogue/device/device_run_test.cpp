@@ -26,6 +26,7 @@
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/tissue/body.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
 #include "tests/catalogue/device/gpu.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
@@ -111,9 +112,10 @@ TetMesh shuffled(const TetMesh& mesh) {
 /// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
 Problem uneven_body(double alpha, const char* model = "fem_green",
                     SkinSettings::Kind skin = SkinSettings::Kind::none) {
-  const TetMesh mesh = shuffled(tissue_tests::uneven_box());
   TissueSettings settings;
   settings.model = tissue_model(model);
+  TetMesh mesh = tissue_tests::mesh_for(settings.model, shuffled(tissue_tests::uneven_box()));
+  if (settings.model.has_ten_nodes) tissue_tests::bend_sides(mesh, 0.002);
   settings.springs.law = CubicSpring{4};
   settings.skin.kind = skin;
   settings.skin.young = 1e5;
@@ -208,6 +210,7 @@ struct Parts {
   }
 };
 const Parts of_pressures{"fem_nodal_pressure"};
+const Parts of_ten_nodes{"fem_quadratic"};
 const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
 
 /// Shared pressures of a body that is held at many points, some tetrahedra at all of theirs, of a material
@@ -220,14 +223,14 @@ Problem held_body() {
   return body_of(body.body->mesh(), settings);
 }
 
-/// Elements whose forces are not those of tetrahedra alone: fibres in them, shared pressures.
+/// Elements whose forces are not those of tetrahedra alone: fibres in them, shared pressures, ten nodes.
 void expect_same_on_other_elements(Device& device) {
-  const RunSpec spec{.t_end = 0.0202, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
-  for (const Parts& parts : {fibrous, of_pressures}) {
+  const RunSpec spec{.t_end = 0.0042, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
+  for (const Parts& parts : {fibrous, of_pressures, of_ten_nodes}) {
     for (const char* mesh : {"@liver", "@beam", "@ball", "@phantom", "@cube:n=6"})
       expect_same(device, parts.on(mesh), "symplectic_euler", spec);
     expect_same(device, parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
-                {.t_end = 0.01234, .h = 1e-4});
+                {.t_end = 0.00434, .h = 1e-4});
     for (const char* method :
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4"})
       expect_same(device, parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
@@ -238,7 +241,8 @@ void expect_same_on_other_elements(Device& device) {
         fibrous_body(uneven_body(2.5, "fem_cauchy")), fibrous_body(uneven_body(2.5, "fem_corotational")),
         fibrous_body(uneven_body(2.5, "fem_neo_hookean")), fibrous_body(driven_body(), true),
         uneven_body(2.5, "fem_nodal_pressure"), uneven_body(0, "fem_nodal_pressure", skin), held_body(),
-        fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure")))})
+        fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure"))), uneven_body(2.5, "fem_quadratic"),
+        uneven_body(0, "fem_quadratic", skin), fibrous_body(driven_body(uneven_body(2.5, "fem_quadratic")))})
     for (const char* method :
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
       expect_same(device, body, method, uneven);
@@ -333,6 +337,7 @@ void expect_same_chosen(Device& device) {
       each(fibrous_body(driven_body()), method, spec);
       each(uneven_body(2.5, "fem_nodal_pressure"), method, spec);
       each(of_pressures.on("@liver"), method, spec);
+      each(uneven_body(2.5, "fem_quadratic"), method, spec);
       each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
            method, spec);
       each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
@@ -395,7 +400,7 @@ void expect_same_divergence(Device& device) {
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
     expect_same(device, problem, method, spec);
   }
-  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous, of_pressures}) {
+  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous, of_pressures, of_ten_nodes}) {
     const RunRecord run =
         expect_same(device, parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
     EXPECT_EQ(run.outcome, Outcome::diverged) << parts.model;
@@ -487,7 +492,8 @@ void expect_same_at_a_time(Device& device) {
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
     for (const Problem& body : {driven_body(), damped, fibrous_body(driven_body()),
-                                driven_body(uneven_body(2.5, "fem_nodal_pressure"))})
+                                driven_body(uneven_body(2.5, "fem_nodal_pressure")),
+                                driven_body(uneven_body(2.5, "fem_quadratic"))})
       expect_same_at_a_time(device, body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
@@ -561,6 +567,7 @@ TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
                              Parts{"fem_corotational"}, Parts{"mass_spring"}, fibrous, of_pressures})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
       expect_between(parts, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
+  expect_between(of_ten_nodes, "symplectic_euler", {.t_end = 0.05, .h = 2e-4}, 1e-8, 1e-5);
   // Of many short steps each rounds a displacement that it hardly changes.
   expect_between({"fem_green"}, "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
 }
@@ -601,6 +608,13 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
   EXPECT_TRUE(has(why(of_pressures.on("@cube:n=2"), "newton_truncated"), "shared pressures"));
+  EXPECT_TRUE(has(why(of_ten_nodes.on("@cube:n=2"), "newton_truncated"), "ten nodes"));
+  TissueSettings others = body.body->settings();
+  others.model.make_elements = [](const TetMesh& mesh, std::span<const Lame> lame,
+                                  const BlockPattern& pattern) -> std::shared_ptr<const Elements> {
+    return std::make_shared<const TetElements<GreenStrain>>(mesh, lame, pattern);
+  };
+  EXPECT_TRUE(has(why(body_of(body.body->mesh(), others), "rk4"), "other elements"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
   EXPECT_TRUE(has(why(body, "vbd"), "runs on no GPU"));
@@ -631,7 +645,6 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(run_many(Precision::single_precision, 1), InputError);
   EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"fem_quadratic@cube:n=2", {}, "other elements"},
            {"fem_green@cube:n=2", {{"skin", 10}}, "skin of triangles"},
            {"fem_green/tool@cube:n=2", {}, "tool"},
            {"fem_green/breathing@cube:n=2", {}, "moved"}})
@@ -647,7 +660,8 @@ TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
 TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
   HostDevice host;
   const RunSpec spec{.t_end = 0.0203, .h = 3e-4};
-  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
+  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring",
+                            "fem_nodal_pressure", "fem_quadratic"})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"}) {
       const Problem problem = uneven_body(2.5, model);
       const auto on = [&](Device& where) {

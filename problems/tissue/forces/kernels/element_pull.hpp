@@ -115,13 +115,13 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
   corner_pull<Lanes, V>(P, g, pull);
 }
 
-/// sum_g V_g P_g G_g^T of a stable neo-Hookean tetrahedron of ten nodes: what its points are pulled back
-/// with, that of point a at pull[a].
+/// sum_g V_g P_g G_g^T of a stable neo-Hookean tetrahedron of ten nodes, what its points are pulled back
+/// with: calls take(a, pull) for each of them.
 /// @param U     displacements relative to those of point 0, that of point a at U[a]
 /// @param rule  of four points g: gradient(g, a, j) of G [1/m], volume(g) V_g [m^3], half_lambda() and mu()
 ///              [Pa]
-template <class Lanes, class V, class Rule>
-HMAX_DEVICE inline void ten_node_pull(const V (*U)[3], const Rule& rule, V (*pull)[3]) {
+template <class Lanes, class V, class Rule, class Take>
+HMAX_DEVICE inline void ten_node_pull(const V (*U)[3], const Rule& rule, const Take& take) {
   V P[4][3][3];
   for (int g = 0; g < 4; ++g) {
     V H[3][3];
@@ -133,14 +133,14 @@ HMAX_DEVICE inline void ten_node_pull(const V (*U)[3], const Rule& rule, V (*pul
     const V volume = rule.volume(g);
     neo_hookean_stress<Lanes, V>(H, volume * rule.half_lambda(), volume * rule.mu(), P[g]);
   }
-  for (int a = 0; a < 10; ++a)
-    for (int i = 0; i < 3; ++i) {
-      pull[a][i] = 0;
-      for (int g = 0; g < 4; ++g) {
-        const V G[3] = {rule.gradient(g, a, 0), rule.gradient(g, a, 1), rule.gradient(g, a, 2)};
-        pull[a][i] += dot<Lanes>(P[g][i], G);
-      }
+  for (int a = 0; a < 10; ++a) {
+    V pull[3] = {0, 0, 0};
+    for (int g = 0; g < 4; ++g) {
+      const V G[3] = {rule.gradient(g, a, 0), rule.gradient(g, a, 1), rule.gradient(g, a, 2)};
+      for (int i = 0; i < 3; ++i) pull[i] += dot<Lanes>(P[g][i], G);
     }
+    take(a, pull);
+  }
 }
 
 /// A fibre that is stretched from the unit vector a to l n = F a.
