@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/device/device_program.hpp"
 #include "catalogue/methods/bind.hpp"
 #include "core/errors.hpp"
@@ -99,7 +99,7 @@ class SystemOnDevice {
     step.q = y.q, step.v = y.v;
     step.sum.slopes = slope.q, step.sum.stage = 0;
     step.evaluation = static_cast<std::int32_t>(attempt_.times.size());
-    attempt_.programs.push_back({step});
+    attempt_.body.append_step(step, attempt_.programs);
     attempt_.times.push_back(processor_.inside(t));
   }
   /// The stages of a step, later. @param known  as BodyOnDevice::append_stages()

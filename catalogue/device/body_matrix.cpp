@@ -39,9 +39,9 @@ class MatrixMaker {
   }
 
   MatrixArrays finish() && {
-    if (body_.tet_blocks()) {
-      made_.law = body_.tet_blocks()->law();
-      if (made_.law == TetLaw::green) make_pairs(body_.tet_blocks()->blocks());
+    if (const TetBlocks* const tetrahedra = body_.element_parts().tetrahedra) {
+      made_.law = tetrahedra->law();
+      if (made_.law == TetLaw::green) make_pairs(tetrahedra->blocks());
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
@@ -242,6 +242,14 @@ std::size_t MatrixArrays::block(std::int32_t i, std::int32_t j) const {
 
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number) {
   return MatrixMaker(body, number).finish();
+}
+
+std::string unsuited_for_matrix(const TissueBody& body) {
+  const ElementParts parts = body.element_parts();
+  if (parts.fibres) return "has fibres, whose stiffness is not there";
+  if (parts.of_pressures) return "has shared pressures, whose stiffness is not there";
+  if (parts.of_ten_nodes) return "has elements of ten nodes, whose stiffness is not there";
+  return {};
 }
 
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches)

@@ -4,10 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "catalogue/device/body_patches.hpp"
-#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/device/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -37,6 +38,9 @@ struct MatrixArrays {
 /// @param body    one that unsuited_for_patches() has nothing against
 /// @param number  of each point of the mesh among those of BodyArrays
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number);
+
+/// Why the stiffness of a body that has patches is not found there, "has ..."; empty where it is.
+std::string unsuited_for_matrix(const TissueBody& body);
 
 /// The same in the memory of a device, and the programs that add it up.
 class MatrixOnDevice {

@@ -154,6 +154,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .points = p.points,
           .free = p.free(),
           .tets = static_cast<std::int32_t>(p.mu.size()),
+          .fibres = static_cast<std::int32_t>(p.fibre_corners.size()),
           .springs = static_cast<std::int32_t>(p.ends.size()),
           .sets = static_cast<std::int32_t>(p.cubic.size()),
           .dampers = static_cast<std::int32_t>(p.damper.size()),
@@ -161,10 +162,16 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .begin = there(p.begin),
           .rim = there(p.rim),
           .law = p.law,
+          .elements = p.elements,
           .corners = there(p.corners),
           .gradients = there(p.gradients),
           .half_lambda = there(p.half_lambda),
           .mu = there(p.mu),
+          .fibre_corners = there(p.fibre_corners),
+          .fibre = there(p.fibre),
+          .fibres_of_small_strain = p.fibres_of_small_strain,
+          .pressures = pressures(),
+          .ten_nodes = there(p.ten_nodes),
           .ends = there(p.ends),
           .per_length = there(p.per_length),
           .tension = there(p.tension),
@@ -199,6 +206,22 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .damps = static_cast<std::int32_t>(p.damped_by.size()),
           .watch = static_cast<Real>(p.watch),
           .shared = static_cast<std::int32_t>(p.shared)};
+}
+
+template <class Real>
+SharedPressures<Real> BodyOnDevice<Real>::pressures() {
+  const BodyPatches& p = patches_;
+  if (p.elements != PatchElements::of_pressures) return {};
+  return {.tets = static_cast<std::int32_t>(p.tetrahedra.size()),
+          .tet = there(p.tetrahedra),
+          .volume = there(p.volume),
+          .corners = there(p.averages),
+          .average = there(p.average),
+          .ends = there(p.average_ends),
+          .among = there(p.among),
+          .lambda = there(p.average_lambda),
+          .around = there(p.average_volume),
+          .shares = numbers(sizeof(Real) * p.tetrahedra.size() * bodies())};
 }
 
 template <class Real>
@@ -276,7 +299,8 @@ void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64
                              std::int32_t instants) {
   if (!programs_) return device_.run(programs, times, {evaluated_, instants});
   std::vector<BodyStep<Real>> steps;
-  for (const DeviceProgram& each : programs) steps.push_back(std::get<BodyStep<Real>>(each.of));
+  for (const DeviceProgram& each : programs)
+    if (const auto* const step = std::get_if<BodyStep<Real>>(&each.of)) steps.push_back(*step);
   device_.write(programs_, steps.data(), steps.size() * sizeof steps.front());
   const DeviceProgram all{BodySteps<Real>{.steps = programs_,
                                           .count = static_cast<std::int32_t>(steps.size()),
@@ -284,7 +308,8 @@ void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64
                                           .bodies = step_.bodies,
                                           .shared = step_.body.shared,
                                           .law = step_.body.law,
-                                          .has_more = step_.body.has_more()}};
+                                          .has_more = step_.body.has_more(),
+                                          .elements = step_.body.elements}};
   device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * instants});
 }
 
@@ -293,7 +318,7 @@ void BodyOnDevice<Real>::start() {
   if (method_.kind == DeviceMethod::Kind::kicks)
     run(1, [](BodyStep<Real> step, std::vector<DeviceProgram>& programs) {
       step.move = Move::start;
-      programs.push_back({step});
+      append_step(step, programs);
     });
 }
 
@@ -333,7 +358,7 @@ void BodyOnDevice<Real>::append_stages(BodyStep<Real> step, std::vector<DevicePr
     if (i == 0 && known) {
       programs.push_back({KnownStage<Real>{step, *known}});
     } else {
-      programs.push_back({step});
+      append_step(step, programs);
       ++step.evaluation;
     }
     step.q = step.q_next, step.v = step.v_next;
@@ -428,7 +453,7 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
   const auto moves = [](Move move) {
     return [move](BodyStep<Real> step, std::vector<DeviceProgram>& programs) {
       step.move = move;
-      programs.push_back({step});
+      append_step(step, programs);
     };
   };
   switch (method_.kind) {
@@ -492,9 +517,20 @@ double BodyOnDevice<Real>::flops() const {
   return (newton_ ? newton_->flops() : 0) + (constraints_ ? constraints_->flops() : 0) +
          (points_ ? points_->flops() : 0) + (radius_ ? radius_->flops() : 0) +
          step_.bodies * evaluations_of_a_step() *
-             (of_tetrahedron[static_cast<std::size_t>(step_.body.law)] * step_.body.tets +
-              31.0 * step_.body.springs + 29.0 * step_.body.dampers + 98.0 * step_.body.triangles +
-              10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
+             ((is_of_ten_nodes() ? 2020 : of_tetrahedron[static_cast<std::size_t>(step_.body.law)]) *
+                  step_.body.tets +
+              79.0 * step_.body.pressures.tets + 57.0 * step_.body.fibres + 31.0 * step_.body.springs +
+              29.0 * step_.body.dampers + 98.0 * step_.body.triangles + 10.0 * 3 * step_.body.free +
+              6.0 * step_.body.damps);
+}
+
+template <class Real>
+double BodyOnDevice<Real>::bytes_of_pressures() const {
+  if (step_.body.elements != PatchElements::of_pressures) return 0;
+  const double tets = step_.body.pressures.tets, averages = static_cast<double>(patches_.average.size());
+  return (sizeof(BodyTetrahedron) + 10 * sizeof(Real) + 4 * sizeof(std::int32_t)) * tets +
+         (sizeof(PatchAverages) + sizeof(Real)) * static_cast<double>(step_.body.tets) +
+         (2 * sizeof(Real) + 2 * sizeof(std::int32_t)) * averages + 5 * sizeof(Real) * tets * step_.bodies;
 }
 
 template <class Real>
@@ -507,7 +543,11 @@ double BodyOnDevice<Real>::bytes() const {
   return (newton_ ? newton_->bytes() : 0) + (constraints_ ? constraints_->bytes() : 0) +
          (points_ ? points_->bytes() : 0) + (radius_ ? radius_->bytes() : 0) +
          evaluations_of_a_step() *
-             (static_cast<double>(sizeof(PatchCorners) + 11 * sizeof(Real)) * step_.body.tets +
+             (static_cast<double>(is_of_ten_nodes() ? sizeof(PatchTenNodes) + 126 * sizeof(Real)
+                                                    : sizeof(PatchCorners) + 11 * sizeof(Real)) *
+                  step_.body.tets +
+              bytes_of_pressures() +
+              static_cast<double>(sizeof(PatchCorners) + 9 * sizeof(Real)) * step_.body.fibres +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               static_cast<double>(sizeof(PatchSpring) + 7 * sizeof(Real)) * step_.body.dampers +
               static_cast<double>(sizeof(PatchTriangle) + 5 * sizeof(Real)) * step_.body.triangles +

@@ -11,7 +11,6 @@
 
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
-#include "catalogue/device/device_memory.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/newton_on_device.hpp"
 #include "catalogue/device/positional_on_device.hpp"
@@ -62,6 +61,12 @@ class BodyOnDevice {
   void choose_stages(double h);
   /// The longest step that is stable with the most stages [s]; infinite of other methods.
   [[nodiscard]] double longest_step() const;
+  /// Appends an evaluation of the forces at (step.q, step.v), and what its move makes of them.
+  static void append_step(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
+    if (step.body.elements == PatchElements::of_pressures)
+      programs.push_back({VolumeShares<Real>{step, step.evaluation}});
+    programs.push_back({step});
+  }
   /// Appends the stages of a Runge-Kutta or stabilised method, as many evaluations as instants().
   /// @param known  the stage of an earlier step whose slope is that of the first one, which then is not
   ///               evaluated
@@ -94,6 +99,7 @@ class BodyOnDevice {
   }
   [[nodiscard]] std::size_t velocities() const { return sizeof(Real) * 3 * patches_.mass.size() * bodies(); }
   [[nodiscard]] std::size_t bodies() const { return static_cast<std::size_t>(step_.bodies); }
+  [[nodiscard]] bool is_of_ten_nodes() const { return step_.body.elements == PatchElements::of_ten_nodes; }
   Real* numbers(std::size_t bytes) { return memory_.template room<Real>(bytes / sizeof(Real)); }
   template <class T>
   const T* there(const std::vector<T>& values) {
@@ -101,6 +107,9 @@ class BodyOnDevice {
   }
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
+  [[nodiscard]] SharedPressures<Real> pressures();
+  /// Of an evaluation: volumes of tetrahedra and what patches read of them.
+  [[nodiscard]] double bytes_of_pressures() const;
   void place_loads();
   [[nodiscard]] double evaluations_of_a_step() const;
   /// Numbers of a load in the table: where programs push by themselves, its factor alone.

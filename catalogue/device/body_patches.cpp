@@ -7,6 +7,9 @@
 #include <utility>
 
 #include "core/errors.hpp"
+#include "problems/tissue/forces/fibres.hpp"
+#include "problems/tissue/forces/nodal_pressure.hpp"
+#include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
 
 namespace hmax {
@@ -33,12 +36,54 @@ void halve(const TissueBody& body, std::span<Index> points, std::size_t begin, s
   halve(body, points.subspan(left), begin + left, most, ends);
 }
 
-/// One tetrahedron of the blocks: corners in the mesh.
+/// The elements of a body in the order in which they are added up: lanes of blocks, or those of shared
+/// pressures, or of ten nodes.
 struct Tetrahedra {
+  explicit Tetrahedra(const ElementParts& parts) {
+    if (parts.tetrahedra) blocks = parts.tetrahedra->blocks();
+    if (parts.of_pressures) of_pressures = parts.of_pressures->elements();
+    if (parts.of_ten_nodes) of_ten_nodes = parts.of_ten_nodes->elements();
+  }
   std::span<const TetBlock> blocks;
-  [[nodiscard]] std::size_t size() const { return blocks.size() * TetBlock::lanes; }
-  [[nodiscard]] Index corner(std::size_t tet, std::size_t a) const {
-    return blocks[tet / TetBlock::lanes].rows[a][tet % TetBlock::lanes] / 4;
+  std::span<const NodalPressure::Element> of_pressures;
+  std::span<const QuadraticElements::Element> of_ten_nodes;
+
+  [[nodiscard]] std::size_t size() const {
+    return blocks.size() * TetBlock::lanes + of_pressures.size() + of_ten_nodes.size();
+  }
+  /// False of unused lanes, which have no forces.
+  [[nodiscard]] bool is_used(std::size_t n) const {
+    return blocks.empty() || blocks[n / TetBlock::lanes].mu[n % TetBlock::lanes] != 0;
+  }
+  /// Points of each.
+  [[nodiscard]] std::size_t corners() const { return of_ten_nodes.empty() ? 4 : 10; }
+  /// One of the mesh.
+  [[nodiscard]] Index corner(std::size_t n, std::size_t a) const {
+    if (!of_ten_nodes.empty()) return of_ten_nodes[n].points[a];
+    if (!of_pressures.empty()) return of_pressures[n].points[a];
+    return blocks[n / TetBlock::lanes].rows[a][n % TetBlock::lanes] / 4;
+  }
+  /// How many numbers BodyArrays::gradients has of each, and these, followed by half_lambda and mu.
+  [[nodiscard]] std::size_t gradients() const { return of_ten_nodes.empty() ? 9 : 124; }
+  [[nodiscard]] std::vector<double> numbers(std::size_t n) const {
+    std::vector<double> all;
+    if (!of_ten_nodes.empty()) {
+      const QuadraticElements::Element& e = of_ten_nodes[n];
+      for (int g = 0; g < 4; ++g)
+        for (Eigen::Index k = 0; k < 30; ++k) all.push_back(e.gradient(g, k / 3, k % 3));
+      for (int g = 0; g < 4; ++g) all.push_back(e.volume(g));
+      all.insert(all.end(), {e.half_lambda(), e.mu()});
+    } else if (!of_pressures.empty()) {
+      const NodalPressure::Element& e = of_pressures[n];
+      for (Eigen::Index k = 0; k < 9; ++k) all.push_back(e.rest.gradients(k / 3, k % 3));
+      all.insert(all.end(), {e.rest.volume * e.own.lambda / 2, e.rest.volume * e.own.mu});
+    } else {
+      const TetBlock& block = blocks[n / TetBlock::lanes];
+      const std::size_t lane = n % TetBlock::lanes;
+      for (const auto& gradients_of : block.gradients) all.push_back(gradients_of[lane]);
+      all.insert(all.end(), {block.half_lambda[lane], block.mu[lane]});
+    }
+    return all;
   }
 };
 
@@ -50,6 +95,8 @@ struct Springs {
   std::vector<double> cubic;     ///< likewise
 };
 
+using Fibres = std::span<const FibreElements::Element>;
+
 /// Their dampers, likewise.
 struct Dampers {
   std::vector<std::array<Index, 2>> points;
@@ -58,7 +105,7 @@ struct Dampers {
 
 /// What is added up at a point of the mesh, in this order: tetrahedra, then other parts.
 struct Terms {
-  enum Kind : std::size_t { spring, damper, triangle, kinds };
+  enum Kind : std::size_t { fibre, spring, damper, triangle, kinds };
   /// A force of part `number` of its kind, at its point `place`.
   struct Other {
     Kind kind;
@@ -117,13 +164,16 @@ void append_dampers(const SpringSet& set, std::vector<Terms>& terms, Dampers& da
 }
 
 /// Those of unused lanes, which have no forces, are left out.
-std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra, Springs& springs,
-                            Dampers& dampers) {
+std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra, Fibres fibres,
+                            Springs& springs, Dampers& dampers) {
   std::vector<Terms> terms(at(static_cast<Index>(body.mesh().point_count())));
   for (std::size_t tet = 0; tet < tetrahedra.size(); ++tet)
-    if (tetrahedra.blocks[tet / TetBlock::lanes].mu[tet % TetBlock::lanes] != 0)
-      for (std::size_t a = 0; a < 4; ++a)
+    if (tetrahedra.is_used(tet))
+      for (std::size_t a = 0; a < tetrahedra.corners(); ++a)
         terms[at(tetrahedra.corner(tet, a))].tetrahedra.push_back(static_cast<std::int32_t>(tet));
+  for (std::size_t n = 0; n < fibres.size(); ++n)
+    for (std::size_t a = 0; a < 4; ++a)
+      terms[at(fibres[n].points[a])].others.push_back({Terms::fibre, static_cast<std::int32_t>(n), a});
   for (const SpringSet& set : body.spring_sets()) {
     append_springs(*set.sliced(), terms, springs);  // NOLINT(bugprone-unchecked-optional-access): it suits
     append_dampers(set, terms, dampers);
@@ -157,11 +207,15 @@ class Cutter {
   Cutter(const TissueBody& body, std::vector<Index> points)
       : body_(body),
         points_(std::move(points)),
-        tetrahedra_{body.tet_blocks() ? body.tet_blocks()->blocks() : std::span<const TetBlock>{}},
-        terms_(terms_of(body, tetrahedra_, springs_, dampers_)),
+        parts_(body.element_parts()),
+        tetrahedra_(parts_),
+        fibres_{parts_.fibres ? parts_.fibres->fibres() : Fibres{}},
+        terms_(terms_of(body, tetrahedra_, fibres_, springs_, dampers_)),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
-        local_(terms_.size(), -1) {
+        local_(terms_.size(), -1),
+        place_(tetrahedra_.of_pressures.size(), -1),
+        local_average_(parts_.of_pressures ? parts_.of_pressures->averages().size() : 0, -1) {
     for (const Index p : points_) number_[at(p)] = count_++;
     for (std::size_t p = 0; p < number_.size(); ++p)
       if (number_[p] < 0) number_[p] = count_++;
@@ -174,6 +228,8 @@ class Cutter {
     const std::size_t slots = give_slots(own);
     std::vector<Index> used(own.begin(), own.end());
     for (const auto& [tet, slot] : of_tetrahedra_) add_tetrahedron(tet, slot, used);
+    for (const auto& [fibre, slot] : of_others_[Terms::fibre])
+      add_fibre(static_cast<std::size_t>(fibre), slot, used);
     add_springs(used);
     for (const auto& [damper, slot] : of_others_[Terms::damper]) {
       made_.damped.push_back(ends_of(dampers_.points[static_cast<std::size_t>(damper)], slot, used));
@@ -182,10 +238,14 @@ class Cutter {
     for (const auto& [number, slot] : of_others_[Terms::triangle]) add_triangle(number, slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
+    const std::size_t averages = made_.average.size() - static_cast<std::size_t>(made_.begin.back().average);
+    for (const std::int32_t average : std::span(made_.average).last(averages))
+      local_average_[at(average)] = -1;
     made_.shared =
         std::max(made_.shared, static_cast<std::size_t>(shared_numbers(static_cast<std::int64_t>(used.size()),
-                                                                       static_cast<std::int64_t>(slots))));
-    fits_ = fits_ && slots < PatchCorners::nowhere && used.size() < PatchCorners::nowhere;
+                                                                       static_cast<std::int64_t>(slots),
+                                                                       static_cast<std::int64_t>(averages))));
+    fits_ = fits_ && std::max({slots, used.size(), averages}) < PatchCorners::nowhere;
   }
 
   [[nodiscard]] bool fits() const { return fits_; }
@@ -195,15 +255,9 @@ class Cutter {
     made_.set_begin.push_back(static_cast<std::int32_t>(made_.ends.size()));
     made_.cubic = springs_.cubic;
     made_.points = count_;
-    made_.gradients.resize(9 * tets_.size());
-    for (std::size_t n = 0; n < tets_.size(); ++n) {
-      const TetBlock& block = tetrahedra_.blocks[tets_[n] / TetBlock::lanes];
-      const std::size_t lane = tets_[n] % TetBlock::lanes;
-      for (std::size_t k = 0; k < 9; ++k) made_.gradients[k * tets_.size() + n] = block.gradients[k][lane];
-      made_.half_lambda.push_back(block.half_lambda[lane]);
-      made_.mu.push_back(block.mu[lane]);
-    }
-    if (body_.tet_blocks()) made_.law = body_.tet_blocks()->law();
+    if (parts_.of_pressures) place_pressures();
+    place_numbers();
+    if (parts_.fibres) place_fibres();
     made_.weight.resize(3 * points_.size());
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const double mass = body_.point_mass()[points_[p]];
@@ -226,7 +280,20 @@ class Cutter {
   }
 
  private:
-  using Slots = std::array<std::uint16_t, 4>;
+  using Slots = std::array<std::uint16_t, 10>;
+
+  void place_numbers() {
+    if (parts_.tetrahedra) made_.law = parts_.tetrahedra->law();
+    if (parts_.of_ten_nodes) made_.elements = PatchElements::of_ten_nodes;
+    const std::size_t gradients = tetrahedra_.gradients();
+    made_.gradients.resize(gradients * tets_.size());
+    for (std::size_t n = 0; n < tets_.size(); ++n) {
+      const std::vector<double> numbers = tetrahedra_.numbers(tets_[n]);
+      for (std::size_t k = 0; k < gradients; ++k) made_.gradients[k * tets_.size() + n] = numbers[k];
+      made_.half_lambda.push_back(numbers[gradients]);
+      made_.mu.push_back(numbers[gradients + 1]);
+    }
+  }
 
   /// The columns of C = alpha M + beta K0, which are its rows, from those of the body.
   void place_damping() {
@@ -292,6 +359,44 @@ class Cutter {
     }
   }
 
+  /// What comes before the patches: volumes of all tetrahedra, and the averages that they are added to.
+  void place_pressures() {
+    made_.elements = PatchElements::of_pressures;
+    const std::span<const NodalPressure::Element> elements = tetrahedra_.of_pressures;
+    std::vector<std::vector<std::int32_t>> among(local_average_.size());
+    for (std::size_t tet = 0; tet < elements.size(); ++tet) {
+      if (place_[tet] < 0) {  // of points that stand still, in no patch
+        add_place(tet);
+        made_.corners.emplace_back(), made_.averages.emplace_back();
+      }
+      BodyTetrahedron& own = made_.tetrahedra.emplace_back();
+      own.place = place_[tet];
+      for (std::size_t a = 0; a < 4; ++a) own.point[a] = number_[at(elements[tet].points[a])];
+      for (const Index average : elements[tet].averages)
+        among[at(average)].push_back(static_cast<std::int32_t>(tet));
+    }
+    for (const std::vector<std::int32_t>& own : among) {
+      made_.among.insert(made_.among.end(), own.begin(), own.end());
+      made_.average_ends.push_back(static_cast<std::int32_t>(made_.among.size()));
+    }
+    for (const std::size_t tet : tets_) made_.volume.push_back(elements[tet].rest.volume);
+    for (const NodalPressure::Average& average : parts_.of_pressures->averages()) {
+      made_.average_lambda.push_back(average.lambda);
+      made_.average_volume.push_back(average.volume);
+    }
+  }
+
+  void place_fibres() {
+    made_.fibres_of_small_strain = parts_.fibres->is_of_small_strain();
+    made_.fibre.resize(9 * cut_fibres_.size());
+    for (std::size_t n = 0; n < cut_fibres_.size(); ++n) {
+      const FibreElements::Element& e = fibres_[cut_fibres_[n]];
+      const std::array numbers{e.slopes[0],    e.slopes[1],    e.slopes[2], e.slopes[3], e.direction[0],
+                               e.direction[1], e.direction[2], e.young,     e.volume};
+      for (std::size_t k = 0; k < numbers.size(); ++k) made_.fibre[k * cut_fibres_.size() + n] = numbers[k];
+    }
+  }
+
   void place_rest() {
     made_.rest.resize(3 * number_.size());
     for (std::size_t p = 0; p < number_.size(); ++p)
@@ -304,6 +409,8 @@ class Cutter {
     return {static_cast<std::int32_t>(own),
             static_cast<std::int32_t>(made_.rim.size()),
             static_cast<std::int32_t>(tets_.size()),
+            static_cast<std::int32_t>(made_.average.size()),
+            static_cast<std::int32_t>(cut_fibres_.size()),
             static_cast<std::int32_t>(made_.push_slot.size()),
             static_cast<std::int32_t>(made_.damper.size()),
             static_cast<std::int32_t>(triangles_.size())};
@@ -320,7 +427,7 @@ class Cutter {
     for (const Index p : own) {
       const Terms& terms = terms_[at(p)];
       for (const std::int32_t tet : terms.tetrahedra)
-        for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t a = 0; a < tetrahedra_.corners(); ++a)
           if (tetrahedra_.corner(static_cast<std::size_t>(tet), a) == p) give(of_tetrahedra_, tet, a);
       for (const auto& [begin, end] : terms.groups)
         made_.groups.push_back(
@@ -348,12 +455,44 @@ class Cutter {
   }
 
   void add_tetrahedron(std::int32_t tet, const Slots& slot, std::vector<Index>& used) {
-    PatchCorners& corners = made_.corners.emplace_back();
+    const auto place = [&](auto& corners) {
+      for (std::size_t a = 0; a < tetrahedra_.corners(); ++a) {
+        corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
+        corners.slot[a] = slot[a];
+      }
+    };
+    if (parts_.of_ten_nodes)
+      place(made_.ten_nodes.emplace_back());
+    else
+      place(made_.corners.emplace_back());
+    add_place(static_cast<std::size_t>(tet));
+    if (!tetrahedra_.of_pressures.empty()) add_averages(tetrahedra_.of_pressures[tets_.back()]);
+  }
+
+  void add_place(std::size_t tet) {
+    if (!place_.empty() && place_[tet] < 0) place_[tet] = static_cast<std::int32_t>(tets_.size());
+    tets_.push_back(tet);
+  }
+
+  void add_averages(const NodalPressure::Element& element) {
+    PatchAverages& averages = made_.averages.emplace_back();
     for (std::size_t a = 0; a < 4; ++a) {
-      corners.point[a] = local(tetrahedra_.corner(static_cast<std::size_t>(tet), a), used);
+      std::int32_t& number = local_average_[at(element.averages[a])];
+      if (number < 0) {
+        number = static_cast<std::int32_t>(made_.average.size()) - made_.begin.back().average;
+        made_.average.push_back(element.averages[a]);
+      }
+      averages.of[a] = static_cast<std::uint16_t>(number);
+    }
+  }
+
+  void add_fibre(std::size_t fibre, const Slots& slot, std::vector<Index>& used) {
+    PatchCorners& corners = made_.fibre_corners.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a) {
+      corners.point[a] = local(fibres_[fibre].points[a], used);
       corners.slot[a] = slot[a];
     }
-    tets_.push_back(static_cast<std::size_t>(tet));
+    cut_fibres_.push_back(fibre);
   }
 
   /// Their numbers rise from set to set.
@@ -385,21 +524,27 @@ class Cutter {
     triangles_.push_back(n);
   }
 
-  static constexpr Slots nowhere() {
-    return {PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere, PatchCorners::nowhere};
+  static Slots nowhere() {
+    Slots slots;
+    slots.fill(PatchCorners::nowhere);
+    return slots;
   }
 
   const TissueBody& body_;
   std::vector<Index> points_;  ///< the free ones, patch by patch
+  ElementParts parts_;
   Tetrahedra tetrahedra_;
+  Fibres fibres_;
   Springs springs_;
   Dampers dampers_;
   std::vector<Terms> terms_;
   std::vector<std::vector<Push>> pushes_;
   std::vector<std::int32_t> number_, local_;     ///< of each point of the mesh: here, and in the patch
+  std::vector<std::int32_t> place_;              ///< of tetrahedra of pressures: the first among `tets_`
+  std::vector<std::int32_t> local_average_;      ///< in the patch
   std::map<std::int32_t, Slots> of_tetrahedra_;  ///< of a patch
   std::array<std::map<std::int32_t, Slots>, Terms::kinds> of_others_;  ///< likewise
-  std::vector<std::size_t> tets_, triangles_;
+  std::vector<std::size_t> tets_, cut_fibres_, triangles_;  ///< of all patches, one after the other
   std::int32_t count_ = 0;
   bool fits_ = true;
   BodyPatches made_;
@@ -410,8 +555,9 @@ class Cutter {
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
   const std::vector<SpringSet>& springs = body.spring_sets();
-  if (!body.tet_blocks() && body.element_pieces() > 0)
-    return "has other elements than those of fem_green, fem_cauchy, fem_corotational and fem_neo_hookean without fibres";
+  const ElementParts parts = body.element_parts();
+  if (!parts.tetrahedra && !parts.of_pressures && !parts.of_ten_nodes && body.element_pieces() > 0)
+    return "has other elements than those of the models of hmax";
   if (!std::ranges::all_of(springs, [](const SpringSet& set) { return set.sliced().has_value(); }))
     return "has springs that are neither linear nor cubic";
   if (!settings.tools.empty()) return "meets a tool";

@@ -23,6 +23,16 @@ struct BodyPatches {
   std::vector<PatchCorners> corners;
   std::vector<double> gradients, half_lambda, mu;
   TetLaw law = TetLaw::green;
+  PatchElements elements = PatchElements::tetrahedra;
+  std::vector<PatchTenNodes> ten_nodes;
+  std::vector<BodyTetrahedron> tetrahedra;  ///< of the body, where they share pressures; else empty
+  std::vector<double> volume;
+  std::vector<PatchAverages> averages;
+  std::vector<std::int32_t> average, average_ends, among;
+  std::vector<double> average_lambda, average_volume;
+  std::vector<PatchCorners> fibre_corners;
+  std::vector<double> fibre;
+  bool fibres_of_small_strain = false;
   std::vector<PatchSpring> ends;
   std::vector<double> per_length, tension, cubic, rest;
   std::vector<std::int32_t> set_begin;

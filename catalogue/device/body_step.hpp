@@ -1,13 +1,14 @@
 /// One explicit step of bodies in patches of points: the one source of devices and of the processor.
 ///
-/// A patch owns some free points. A block of threads computes all tetrahedra and springs at them, in memory
-/// that its threads share, and adds up the forces at each point in the order in which the processor does: no
-/// atomics, no second order, the same bits. Those at the rim are computed by several patches.
+/// A patch owns some free points. A block of threads computes all tetrahedra, fibres and springs at them, in
+/// memory that its threads share, and adds up the forces at each point in the order in which the processor
+/// does: no atomics, no second order, the same bits. Those at the rim are computed by several patches.
 #pragma once
 
 #include <cstdint>
 #include <type_traits>
 
+#include "catalogue/device/patch_arrays.hpp"
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/piece_sums.hpp"
 #include "integrators/error_norm.hpp"
@@ -16,93 +17,6 @@
 #include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
-
-template <TetLaw law>
-using LawConstant = std::integral_constant<TetLaw, law>;
-
-/// What is known of a body when its steps are compiled. @tparam more  whether it has dampers or triangles,
-/// whose forces need more registers
-template <TetLaw the_law, bool more>
-struct BodyKind {
-  static constexpr TetLaw law = the_law;
-  static constexpr bool has_more = more;
-};
-
-/// Corners of a tetrahedron in a patch.
-struct PatchCorners {
-  static constexpr std::uint16_t nowhere = 0xffff;
-  std::uint16_t point[4];  ///< among the points of the patch
-  std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
-};
-
-/// The ends of a spring in a patch, likewise: the near one and the far one.
-struct PatchSpring {
-  std::uint16_t point[2], slot[2];
-};
-
-/// A triangle of a skin in a patch, likewise.
-struct PatchTriangle {
-  std::uint16_t point[3], slot[3];
-};
-
-/// Slots from `begin` to `end` whose sum is added as one: those of springs of a set that begin at a point.
-struct SlotGroup {
-  std::uint16_t begin, end;
-};
-
-/// Where the groups and the slots of a free point end.
-struct PointSlots {
-  std::int32_t groups;
-  std::uint16_t end;
-};
-
-/// Where a patch begins in the arrays below; those of the patch after it are its ends.
-struct PatchBegin {
-  std::int32_t own, rim, tet, push, damper, triangle;
-};
-
-/// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
-/// x, y, z one array after the other; the points of a patch are neighbours, and those that stand still follow
-/// the free ones.
-template <class Real>
-struct BodyArrays {
-  std::int32_t patches, points, free, tets, springs, sets, dampers, triangles;
-  const PatchBegin* begin;  ///< shape (patches + 1)
-  const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
-  TetLaw law;
-  const PatchCorners* corners;       ///< shape (tets)
-  const Real* gradients;             ///< Bm [1/m], row after row, shape (9, tets)
-  const Real *half_lambda, *mu;      ///< V lambda / 2, V mu [J], shape (tets)
-  const PatchSpring* ends;           ///< of springs, shape (springs)
-  const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
-  const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
-  const Real* cubic;                 ///< b of phi = s + b s^3, of each set
-  const PatchSpring* damped;         ///< ends of dampers
-  const Real* damper;                ///< c [N s/m] of each
-  const PatchTriangle* skin;         ///< shape (triangles)
-  const Real *skin_gradients, *skin_volume;  ///< Bm [1/m], row after row, shape (4, triangles); [m^3]
-  Real skin_modulus, skin_poisson;           ///< Y / (1 - nu^2) [Pa], nu
-  const Real* rest;                    ///< positions [m], shape (3, points); of springs and triangles alone
-  const PointSlots* slots;             ///< of each free point; they follow one another in a patch
-  const SlotGroup* groups;             ///< of one point after the other, in the order of their slots
-  const std::uint16_t* push_slot;      ///< slots of loads
-  const std::int32_t* push_load;       ///< which load pushes there
-  const Real* push_share;              ///< the share of it that does
-  const Real *weight, *drag, *mass;    ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
-  const Real* anchor;                  ///< k [N/m] of the spring that holds each free point, or 0; null: none
-  std::int32_t motions, first_motion;  ///< of supports; where they begin among the numbers of an evaluation
-  const std::int32_t* moved_by;        ///< which motion each point that is not free has, or -1
-  std::int32_t rates, first_rate;      ///< of supports that drag free points, likewise
-  const Real* support_drag;            ///< what each does at a rate of 1/s [N], shape (rates, 3, free)
-  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
-  const Real* damping;                 ///< of its three dofs [kg/s], shape (3, damps)
-  const std::int32_t* damp_end;        ///< the end of these, of each free point
-  std::int32_t damps;
-  Real watch;           ///< a larger displacement [m] is told
-  std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
-  [[nodiscard]] bool has_more() const { return dampers > 0 || triangles > 0; }  ///< see BodyKind
-  bool operator==(const BodyArrays&) const = default;
-};
 
 /// A velocity beyond it is told [m/s].
 template <class Real>
@@ -177,29 +91,113 @@ HMAX_DEVICE inline const Real* loads_of(const BodyStep<Real>& step, std::int64_t
   return step.loads + (*step.evaluated + evaluation) * step.next_loads;
 }
 
-/// Numbers that the threads of a block share: positions of `points`, forces of `slots`.
-HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots) {
-  return 3 * (points + slots);
+/// Numbers that the threads of a block share: positions of `points`, forces of `slots`, pressures of
+/// averages.
+HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots,
+                                                  std::int64_t averages) {
+  return 3 * (points + slots) + averages;
+}
+
+/// U = (u1 - u0, u2 - u0, u3 - u0) of four of these points, column a at U[a].
+template <class Place, class Real>
+HMAX_DEVICE inline void edges(const Place* point, std::int32_t points, const Real* u, Real (*U)[3]) {
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) U[a][i] = u[i * points + point[a + 1]] - u[i * points + point[0]];
+}
+
+/// Bm, row a at g[a].
+template <class Real>
+HMAX_DEVICE inline void rows_of_gradients(const BodyArrays<Real>& body, std::int32_t tet, Real (*g)[3]) {
+  for (int k = 0; k < 9; ++k)
+    g[k / 3][k % 3] = body.gradients[static_cast<std::int64_t>(k) * body.tets + tet];
+}
+
+/// The pressure lambda (J_a - 1) of an average, from the shares of its body.
+template <class Real>
+HMAX_DEVICE inline Real shared_pressure(const SharedPressures<Real>& own, std::int32_t average,
+                                        const Real* shares) {
+  Real sum = 0;
+  for (std::int32_t n = average == 0 ? 0 : own.ends[average - 1]; n < own.ends[average]; ++n)
+    sum = sum + shares[own.among[n]];
+  return own.lambda[average] * (sum / own.around[average]);
 }
 
 /// -pull at the corners 1 to 3 and their sum at corner 0, each at its slot.
-template <TetLaw law, class Real>
+/// @param pressures  of the averages of the patch
+template <class Kind, class Real>
 HMAX_DEVICE inline void tetrahedron_forces(const BodyArrays<Real>& body, std::int32_t tet,
-                                           std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
+                                           std::int32_t points, std::int32_t slots, const Real* u,
+                                           const Real* pressures, Real* f) {
+  using Lanes = OneElement<Real>;
   const PatchCorners corners = body.corners[tet];
   Real U[3][3], g[3][3], pull[3][3];
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) {
-      U[a][i] = u[i * points + corners.point[a + 1]] - u[i * points + corners.point[0]];
-      g[a][i] = body.gradients[static_cast<std::int64_t>(3 * a + i) * body.tets + tet];
-    }
-  kernel_loops::tet_pull<OneElement<Real>, law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  edges(corners.point, points, u, U);
+  rows_of_gradients(body, tet, g);
+  if constexpr (Kind::elements == PatchElements::of_pressures) {
+    const PatchAverages at = body.pressures.corners[tet];
+    Real H[3][3], P[3][3], sum = 0;
+    for (const std::uint16_t average : at.of) sum = sum + pressures[average];
+    kernel_loops::displacement_gradient<Lanes, Real>(U, g, H);
+    kernel_loops::neo_hookean_stress<Lanes, Real>(H, body.half_lambda[tet], body.mu[tet], P,
+                                                  body.pressures.volume[tet] * (sum / 4));
+    kernel_loops::corner_pull<Lanes, Real>(P, g, pull);
+  } else {
+    kernel_loops::tet_pull<Lanes, Kind::law>(U, g, body.half_lambda + tet, body.mu + tet, pull);
+  }
   for (int i = 0; i < 3; ++i) {
     if (corners.slot[0] != PatchCorners::nowhere)
       f[i * slots + corners.slot[0]] = (pull[0][i] + pull[1][i]) + pull[2][i];
     for (int a = 0; a < 3; ++a)
       if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
   }
+}
+
+/// The rule of an element of ten nodes, for ten_node_pull(): 30 gradients of each point of the rule, then
+/// volumes.
+template <class Real>
+struct TenNodeRule {
+  const BodyArrays<Real>& body;
+  std::int64_t element;
+  [[nodiscard]] HMAX_DEVICE Real number(std::int64_t k) const {
+    return body.gradients[k * body.tets + element];
+  }
+  [[nodiscard]] HMAX_DEVICE Real gradient(int g, int a, int j) const { return number(30 * g + 3 * a + j); }
+  [[nodiscard]] HMAX_DEVICE Real volume(int g) const { return number(120 + g); }
+  [[nodiscard]] HMAX_DEVICE Real half_lambda() const { return body.half_lambda[element]; }
+  [[nodiscard]] HMAX_DEVICE Real mu() const { return body.mu[element]; }
+};
+
+/// -pull at the ten points, each at its slot.
+template <class Real>
+HMAX_DEVICE inline void ten_node_forces(const BodyArrays<Real>& body, std::int32_t element,
+                                        std::int32_t points, std::int32_t slots, const Real* u, Real* f) {
+  const PatchTenNodes own = body.ten_nodes[element];
+  Real U[10][3];
+  for (int a = 0; a < 10; ++a)
+    for (int i = 0; i < 3; ++i) U[a][i] = u[i * points + own.point[a]] - u[i * points + own.point[0]];
+  kernel_loops::ten_node_pull<OneElement<Real>, Real>(U, TenNodeRule<Real>{body, element},
+                                                      [&](int a, const Real* pull) {
+                                                        if (own.slot[a] != PatchCorners::nowhere)
+                                                          for (int i = 0; i < 3; ++i)
+                                                            f[i * slots + own.slot[a]] = -pull[i];
+                                                      });
+}
+
+/// Those of fibres: slopes g_a.a [1/m] of the corners, a, E_f [Pa] and V [m^3].
+template <class Real>
+HMAX_DEVICE inline void fibre_forces(const BodyArrays<Real>& body, std::int32_t fibre, std::int32_t points,
+                                     std::int32_t slots, const Real* u, Real* f) {
+  const PatchCorners corners = body.fibre_corners[fibre];
+  const bool small_strain = body.fibres_of_small_strain;
+  Real U[3][3], own[9];
+  edges(corners.point, points, u, U);
+  for (int k = 0; k < 9; ++k) own[k] = body.fibre[static_cast<std::int64_t>(k) * body.fibres + fibre];
+  const auto now = kernel_loops::stretch_of_fibre<OneElement<Real>>(U, own + 1, own + 4, small_strain);
+  const Real stress = kernel_loops::fibre_tension(now, own[7], small_strain);
+  for (int a = 0; a < 4; ++a)
+    if (corners.slot[a] != PatchCorners::nowhere)
+      for (int i = 0; i < 3; ++i)
+        f[i * slots + corners.slot[a]] = stress == 0 ? 0 : -(own[8] * stress * own[a] * now.along[i]);
 }
 
 /// d pull at the near end and -d pull at the far one, each at its slot.
@@ -269,6 +267,35 @@ HMAX_DEVICE inline Real held_motion(const BodyArrays<Real>& body, const Real* lo
                                     std::int32_t k) {
   const std::int32_t motion = body.motions > 0 ? body.moved_by[point - body.free] : -1;
   return motion < 0 ? static_cast<Real>(0) : loads[body.first_motion + 6 * motion + k];
+}
+
+/// Component i of the displacement of a point of body `number`.
+/// @param loads  of the evaluation
+template <class Real>
+HMAX_DEVICE inline Real displacement_of(const BodyStep<Real>& step, std::int32_t number, const Real* loads,
+                                        std::int32_t point, std::int32_t i) {
+  return point < step.body.free
+             ? step.q[(3 * static_cast<std::int64_t>(number) + i) * step.body.points + point]
+             : held_motion(step.body, loads, point, i);
+}
+
+/// What tetrahedron `tet` of body `number` adds to the averages at its corners.
+/// @param loads  of the evaluation
+template <class Real>
+HMAX_DEVICE inline void share_volume(const BodyStep<Real>& step, std::int32_t tet, std::int32_t number,
+                                     const Real* loads) {
+  const BodyArrays<Real>& body = step.body;
+  const SharedPressures<Real>& own = body.pressures;
+  const BodyTetrahedron corners = own.tet[tet];
+  Real U[3][3], g[3][3], H[3][3];
+  for (int i = 0; i < 3; ++i) {
+    const Real u0 = displacement_of(step, number, loads, corners.point[0], i);
+    for (int a = 0; a < 3; ++a) U[a][i] = displacement_of(step, number, loads, corners.point[a + 1], i) - u0;
+  }
+  rows_of_gradients(body, corners.place, g);
+  kernel_loops::displacement_gradient<OneElement<Real>, Real>(U, g, H);
+  own.shares[static_cast<std::int64_t>(number) * own.tets + tet] =
+      own.volume[corners.place] / 4 * kernel_loops::volume_change<OneElement<Real>, Real>(H);
 }
 
 /// The sum at free point p in the order of the processor.
@@ -422,21 +449,32 @@ HMAX_DEVICE void body_step(Kind, const Block& block, const BodyStep<Real>& step,
   Real* const f = shared + 3 * points;
   const auto of_body = [&](std::int32_t p) { return p < own ? from.own + p : body.rim[from.rim + p - own]; };
   const Real* const loads = loads_of(step, step.evaluation + later);
+  Real* const pressures = f + 3 * slots;
   block.each(points, [&](std::int32_t p) {
     const std::int32_t point = of_body(p);
-    for (int i = 0; i < 3; ++i)
-      u[i * points + p] = point < body.free
-                              ? step.q[(3 * static_cast<std::int64_t>(number) + i) * body.points + point]
-                              : held_motion(body, loads, point, i);
+    for (int i = 0; i < 3; ++i) u[i * points + p] = displacement_of(step, number, loads, point, i);
   });
   block.each(to.push - from.push, [&](std::int32_t n) {
     const std::int32_t push = from.push + n;
     for (int i = 0; i < 3; ++i)
       f[i * slots + body.push_slot[push]] = body.push_share[push] * loads[3 * body.push_load[push] + i];
   });
+  if constexpr (Kind::elements == PatchElements::of_pressures) {
+    const SharedPressures<Real>& own_pressures = body.pressures;
+    const Real* const shares = own_pressures.shares + static_cast<std::int64_t>(number) * own_pressures.tets;
+    block.each(to.average - from.average, [&](std::int32_t n) {
+      pressures[n] = shared_pressure(own_pressures, own_pressures.average[from.average + n], shares);
+    });
+  }
   block.barrier();
-  block.each(to.tet - from.tet,
-             [&](std::int32_t n) { tetrahedron_forces<Kind::law>(body, from.tet + n, points, slots, u, f); });
+  block.each(to.tet - from.tet, [&](std::int32_t n) {
+    if constexpr (Kind::elements == PatchElements::of_ten_nodes)
+      ten_node_forces(body, from.tet + n, points, slots, u, f);
+    else
+      tetrahedron_forces<Kind>(body, from.tet + n, points, slots, u, pressures, f);
+  });
+  block.each(to.fibre - from.fibre,
+             [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
   const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
   if (of_set[body.sets] > of_set[0] ||
       (Kind::has_more && (to.damper > from.damper || to.triangle > from.triangle))) {
@@ -483,15 +521,43 @@ struct BodySteps {
   std::int32_t bodies, shared;
   TetLaw law;
   bool has_more;  ///< see BodyKind
+  PatchElements elements;
 };
 template <class Kind, class Block, class Real>
 HMAX_DEVICE void body_steps(Kind kind, const Block& block, const BodySteps<Real>& all, std::int32_t number,
                             Real* shared) {
   for (std::int64_t done = 0; done < all.times; ++done)
     for (std::int32_t n = 0; n < all.count; ++n) {
-      body_step(kind, block, all.steps[n], 0, number, done * all.count, shared);
+      const BodyStep<Real>& step = all.steps[n];
+      if constexpr (Kind::elements == PatchElements::of_pressures) {
+        const Real* const loads = loads_of(step, step.evaluation + done * all.count);
+        block.each(step.body.pressures.tets,
+                   [&](std::int32_t tet) { share_volume(step, tet, number, loads); });
+        block.barrier();
+      }
+      body_step(kind, block, step, 0, number, done * all.count, shared);
       block.barrier();
     }
+}
+
+/// The volumes that BodyStep reads of PatchElements::of_pressures, where its body is not one of BodySteps.
+template <class Real>
+struct VolumeShares {
+  static constexpr std::int32_t threads = 256;
+  BodyStep<Real> step;
+  std::int32_t evaluation;  ///< of BodyStep
+  bool operator==(const VolumeShares&) const = default;
+};
+template <class Real>
+HMAX_DEVICE std::int64_t count_of(const VolumeShares<Real>& shares) {
+  return static_cast<std::int64_t>(shares.step.body.pressures.tets) * shares.step.bodies;
+}
+/// Of one tetrahedron of one body.
+template <class Real>
+HMAX_DEVICE inline void run_thread(std::true_type, const VolumeShares<Real>& shares, std::int64_t n) {
+  const std::int32_t tets = shares.step.body.pressures.tets;
+  share_volume(shares.step, static_cast<std::int32_t>(n % tets), static_cast<std::int32_t>(n / tets),
+               loads_of(shares.step, shares.evaluation));
 }
 
 /// The first kick and drift of a run of steps, from accelerations that are known.

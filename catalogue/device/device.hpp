@@ -1,11 +1,13 @@
 /// A device that runs block programs beside the processor, such as a GPU: a module opens it.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace hmax {
 
@@ -53,6 +55,38 @@ class Device {
   inline void run(const DeviceProgram& program);
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
+};
+
+/// Memory of a device that is released with its owner, also where there is too little for all that the owner
+/// needs.
+class DeviceMemory {
+ public:
+  /// @param device  outlives this
+  explicit DeviceMemory(Device& device) : device_(device) {}
+  DeviceMemory(const DeviceMemory&) = delete;
+  DeviceMemory& operator=(const DeviceMemory&) = delete;
+  ~DeviceMemory() {
+    for (void* const place : places_) device_.release(place);
+  }
+
+  [[nodiscard]] Device& device() const { return device_; }
+  /// Room for so many of T.
+  template <class T>
+  [[nodiscard]] T* room(std::size_t count) {
+    return static_cast<T*>(
+        places_.emplace_back(device_.allocate(std::max<std::size_t>(1, count) * sizeof(T))));
+  }
+  /// A copy of these.
+  template <class T>
+  [[nodiscard]] const T* copy(const std::vector<T>& values) {
+    T* const to = room<T>(values.size());
+    if (!values.empty()) device_.write(to, values.data(), values.size() * sizeof(T));
+    return to;
+  }
+
+ private:
+  Device& device_;
+  std::vector<void*> places_;
 };
 
 /// Whether this build has the module.

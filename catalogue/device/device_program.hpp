@@ -46,17 +46,26 @@ void with_law(TetLaw law, const F& f) {
   }
 }
 template <class F>
-void with_body_kind(TetLaw law, bool has_more, const F& f) {
-  with_law(law, [&]<TetLaw known>(LawConstant<known>) {
-    has_more ? f(BodyKind<known, true>{}) : f(BodyKind<known, false>{});
-  });
+void with_body_kind(PatchElements elements, TetLaw law, bool has_more, const F& f) {
+  constexpr TetLaw own = TetLaw::neo_hookean;
+  switch (elements) {
+    case PatchElements::tetrahedra:
+      return with_law(law, [&]<TetLaw known>(LawConstant<known>) {
+        has_more ? f(BodyKind<known, PatchElements::tetrahedra, true>{})
+                 : f(BodyKind<known, PatchElements::tetrahedra, false>{});
+      });
+    case PatchElements::of_pressures:
+      return f(BodyKind<own, PatchElements::of_pressures, true>{});
+    case PatchElements::of_ten_nodes:
+      return f(BodyKind<own, PatchElements::of_ten_nodes, true>{});
+  }
 }
 template <class Real, class F>
 void with_kind(const BodyStep<Real>& step, const F& f) {
-  with_body_kind(step.body.law, step.body.has_more(), f);
+  with_body_kind(step.body.elements, step.body.law, step.body.has_more(), f);
 }
-template <TetLaw law, bool more, class Block, class Real>
-HMAX_DEVICE void run_block(BodyKind<law, more> kind, const Block& block, const BodyStep<Real>& step,
+template <TetLaw law, PatchElements elements, bool more, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, elements, more> kind, const Block& block, const BodyStep<Real>& step,
                            std::int32_t number, void* shared) {
   body_step(kind, block, step, number % step.body.patches, number / step.body.patches, 0,
             static_cast<Real*>(shared));
@@ -72,10 +81,10 @@ std::size_t shared_bytes_of(const BodySteps<Real>& all) {
 }
 template <class Real, class F>
 void with_kind(const BodySteps<Real>& all, const F& f) {
-  with_body_kind(all.law, all.has_more, f);
+  with_body_kind(all.elements, all.law, all.has_more, f);
 }
-template <TetLaw law, bool more, class Block, class Real>
-HMAX_DEVICE void run_block(BodyKind<law, more> kind, const Block& block, const BodySteps<Real>& all,
+template <TetLaw law, PatchElements elements, bool more, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, elements, more> kind, const Block& block, const BodySteps<Real>& all,
                            std::int32_t number, void* shared) {
   body_steps(kind, block, all, number, static_cast<Real*>(shared));
 }
@@ -127,6 +136,7 @@ void with_kind(const MatrixBlocks& blocks, const F& f) {
 template <class P, class F>
 requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> ||
     std::same_as<P, BoundPieces> || std::same_as<P, FirstKick<double>> || std::same_as<P, FirstKick<float>> ||
+    std::same_as<P, VolumeShares<double>> || std::same_as<P, VolumeShares<float>> ||
     std::same_as<P, KnownStage<double>> || std::same_as<P, KnownStage<float>> ||
     std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> || std::same_as<P, PointIteration> ||
     std::same_as<P, SubstepEnd>
@@ -144,11 +154,11 @@ void with_kind(const Motions& motions, const F& f) {
 
 /// Any of them.
 struct DeviceProgram {
-  std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, FirstKick<double>,
-               FirstKick<float>, KnownStage<double>, KnownStage<float>, ErrorPieces, AdaptiveMotions,
-               SharedMotions, OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin,
-               GradientProduct, GradientUpdate, NewtonEnd, BoundPieces, SubstepBegin, MeetColours,
-               PointIteration, MovePoints, SubstepEnd>
+  std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, VolumeShares<double>,
+               VolumeShares<float>, FirstKick<double>, FirstKick<float>, KnownStage<double>,
+               KnownStage<float>, ErrorPieces, AdaptiveMotions, SharedMotions, OwnMotions, NewtonBegin,
+               TetStiffness, MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate, NewtonEnd,
+               BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints, SubstepEnd>
       of;
 
   template <class F>

@@ -143,21 +143,23 @@ DeviceRun run_with(Device& device, const Problem& problem, const Method& method,
 
 std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (!problem.body) return "runs on a GPU for bodies on meshes alone";
+  const TissueBody& body = *problem.body;
   const std::optional<DeviceMethod> known = device_method(method);
   if (!known) return "runs on no GPU";
-  std::string why = unsuited_for_patches(*problem.body);
   using Kind = DeviceMethod::Kind;
+  std::string why = unsuited_for_patches(body);
   if (known->is_positional()) {
-    std::string never =
-        PositionalBody::why_not(*problem.body, known->kind == Kind::constraints ? PositionalVerbs::constraints
-                                                                                : PositionalVerbs::points);
+    std::string never = PositionalBody::why_not(
+        body, known->kind == Kind::constraints ? PositionalVerbs::constraints : PositionalVerbs::points);
     if (!never.empty()) return never;
-    if (!problem.body->anchors().empty()) why = "lies on springs";
+    if (!body.anchors().empty()) why = "lies on springs";
   }
-  if (known->kind == Kind::stabilised && why.empty()) why = unsuited_for_radius(*problem.body);
   if (known->kind == Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
+  if (why.empty() && (known->kind == Kind::newton || known->kind == Kind::stabilised))
+    why = unsuited_for_matrix(body);
+  if (why.empty() && known->kind == Kind::stabilised) why = unsuited_for_radius(body);
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }
 

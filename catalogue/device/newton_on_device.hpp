@@ -6,7 +6,7 @@
 
 #include "catalogue/device/body_matrix.hpp"
 #include "catalogue/device/body_patches.hpp"
-#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/device_program.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "catalogue/device/body_patches.hpp"
-#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/device_program.hpp"
 #include "core/errors.hpp"

@@ -11,7 +11,7 @@
 
 #include "catalogue/device/body_matrix.hpp"
 #include "catalogue/device/body_patches.hpp"
-#include "catalogue/device/device_memory.hpp"
+#include "catalogue/device/device.hpp"
 #include "catalogue/device/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -36,7 +36,8 @@ class RadiusOnDevice {
   RadiusOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches) : memory_(memory) {
     const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
     TissueBody::DofMatrix matrix;
-    if (body.spring_sets().empty() && !body.membrane() && body.tet_blocks()->law() == TetLaw::small_strain) {
+    if (body.spring_sets().empty() && !body.membrane() &&
+        body.element_parts().tetrahedra->law() == TetLaw::small_strain) {
       body.stiffness(0, still, still, matrix);
       stiffness_ = body.bound_of(matrix);
     } else {

@@ -77,13 +77,20 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
                          const Method& method) const {
   check(beside);
   if (!is_gpu()) return;
-  if (const std::string why = unsuited_for_device(problem, method); !why.empty())
-    throw InputError(fmt::format(
-        "{} {}; leave --device out{}", method.id, why,
-        unsuited_for_device(problem, find_method("rk4")).empty()
-            ? ", or take symplectic_euler, velocity_verlet, stormer_verlet, central_difference, "
-              "rkc_2, rkl_2, newton_truncated, vbd, xpbd, pbd or an explicit Runge-Kutta method of hmax such as rk4"
-            : ""));
+  const std::string why = unsuited_for_device(problem, method);
+  if (why.empty()) return;
+  std::string others;
+  for (const char* id : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                         "rkc_2", "rkl_2", "newton_truncated", "vbd", "xpbd", "pbd"}) {
+    const Method other = find_method(id);
+    if ((!other.unsuited || other.unsuited(problem).empty()) && unsuited_for_device(problem, other).empty())
+      others += std::string(others.empty() ? "" : ", ") + id;
+  }
+  throw InputError(fmt::format(
+      "{} {}; leave --device out{}", method.id, why,
+      others.empty()
+          ? ""
+          : fmt::format(", or take {} or an explicit Runge-Kutta method of hmax such as rk4", others)));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {

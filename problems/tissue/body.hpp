@@ -149,8 +149,8 @@ class TissueBody {
   /// How many of these come from finite elements: first the elements of the mesh, then what acts on several
   /// of them.
   [[nodiscard]] std::size_t element_pieces() const { return elements_ ? elements_->pieces() : 0; }
-  /// Elements::blocks() of the model; null where it has none.
-  [[nodiscard]] const TetBlocks* tet_blocks() const { return elements_ ? elements_->blocks() : nullptr; }
+  /// Elements::parts() of the model.
+  [[nodiscard]] ElementParts element_parts() const { return elements_ ? elements_->parts() : ElementParts{}; }
   /// The springs of a model of springs, then those of a skin of springs.
   [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
   /// The skin of triangles; null where there is none.

@@ -13,7 +13,19 @@
 
 namespace hmax {
 
-class TetBlocks;  // problems/tissue/forces/tet_blocks.hpp
+class TetBlocks;          // problems/tissue/forces/tet_blocks.hpp
+class NodalPressure;      // problems/tissue/forces/nodal_pressure.hpp
+class QuadraticElements;  // problems/tissue/forces/quadratic_elements.hpp
+class FibreElements;      // problems/tissue/forces/fibres.hpp
+
+/// What Elements::add_force() adds, one after the other; null what there is none of. None but fibres: more
+/// than these.
+struct ElementParts {
+  const TetBlocks* tetrahedra = nullptr;
+  const NodalPressure* of_pressures = nullptr;
+  const QuadraticElements* of_ten_nodes = nullptr;
+  const FibreElements* fibres = nullptr;
+};
 
 /// Takes the points of a piece of an elastic body and its symmetric K = -dF/du [N/m], points after one
 /// another, shape (3 points, 3 points).
@@ -47,8 +59,8 @@ class Elements {
   virtual void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const = 0;
   /// The number of these pieces.
   [[nodiscard]] virtual std::size_t pieces() const = 0;
-  /// The elements whose forces are all that add_force() adds, in their order; null where there are others.
-  [[nodiscard]] virtual const TetBlocks* blocks() const { return nullptr; }
+  /// Of elements that other rooms compute too.
+  [[nodiscard]] virtual ElementParts parts() const { return {}; }
 };
 
 }  // namespace hmax

@@ -7,6 +7,7 @@
 
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
 namespace hmax {
@@ -31,8 +32,8 @@ void check(const Fibre& fibre) {
 }  // namespace
 
 FibreElements::FibreElements(std::shared_ptr<const Elements> matrix, const TetMesh& mesh,
-                             std::span<const Fibre> fibres, bool linear, const BlockPattern& pattern)
-    : matrix_(std::move(matrix)), linear_(linear) {
+                             std::span<const Fibre> fibres, bool small_strain, const BlockPattern& pattern)
+    : matrix_(std::move(matrix)), small_strain_(small_strain) {
   for (const Fibre& fibre : fibres) check(fibre);
   for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t) {
     const Fibre& fibre = fibres[at(mesh.region(t))];
@@ -54,31 +55,33 @@ FibreElements::FibreElements(std::shared_ptr<const Elements> matrix, const TetMe
   }
 }
 
-FibreElements::Stretched FibreElements::stretched(const NodeRows& u, const Element& e) const {
-  // F a = a + d; from d rather than F, so that small strains keep their digits.
-  const Vector3d d = edge_vectors(u, e.points) * e.slopes.tail<3>();
-  if (linear_) return {.strain = e.direction.dot(d), .along = e.direction, .taut = true};
-  // A fibre at rest is taut however it was turned.
-  constexpr double rounding = 1e-12;
-  const double square = 2 * e.direction.dot(d) + d.squaredNorm();  // l^2 - 1
-  const double length = std::sqrt(std::max(0.0, 1 + square));
-  return {.strain = square / (1 + length), .along = (e.direction + d) / length, .taut = square >= -rounding};
+FibreElements::Stretch FibreElements::stretch(const NodeRows& u, const Element& e) const {
+  double U[3][3];
+  edge_vectors(u, e.points, U);
+  return kernel_loops::stretch_of_fibre<OneElement<double>>(U, e.slopes.data() + 1, e.direction.data(),
+                                                            small_strain_);
 }
 
-double FibreElements::tension(const Stretched& now, const Element& e) const {
-  return linear_ || now.strain > 0 ? e.young * now.strain : 0;
+double FibreElements::tension(const Stretch& now, const Element& e) const {
+  return kernel_loops::fibre_tension(now, e.young, small_strain_);
 }
 
-Matrix3d FibreElements::resistance(const Stretched& now, const Element& e) const {
-  const Matrix3d along = now.along * now.along.transpose();
-  const double across = linear_ ? 0 : std::max(0.0, now.strain) / (1 + now.strain);
+bool FibreElements::is_taut(const Stretch& now) const {
+  constexpr double rounding = 1e-12;  // a fibre at rest is taut however it was turned
+  return small_strain_ || now.square >= -rounding;
+}
+
+Matrix3d FibreElements::resistance(const Stretch& now, const Element& e) const {
+  const Eigen::Map<const Vector3d> n(now.along);
+  const Matrix3d along = n * n.transpose();
+  const double across = small_strain_ ? 0 : std::max(0.0, now.strain) / (1 + now.strain);
   return e.volume * e.young * (along + across * (Matrix3d::Identity() - along));
 }
 
 double FibreElements::energy(const NodeRows& u) const {
   double sum = matrix_->energy(u);
   for (const Element& e : elements_) {
-    const Stretched now = stretched(u, e);
+    const Stretch now = stretch(u, e);
     sum += e.volume * tension(now, e) * now.strain / 2;
   }
   return sum;
@@ -87,7 +90,7 @@ double FibreElements::energy(const NodeRows& u) const {
 void FibreElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const {
   matrix_->write_energy_densities(u, W);
   for (const Element& e : elements_) {
-    const Stretched now = stretched(u, e);
+    const Stretch now = stretch(u, e);
     W[e.tetrahedron] += tension(now, e) * now.strain / 2;
   }
 }
@@ -95,20 +98,27 @@ void FibreElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::
 void FibreElements::add_force(const NodeRows& u, NodeRows& f) const {
   matrix_->add_force(u, f);
   for (const Element& e : elements_) {
-    const Stretched now = stretched(u, e);
+    const Stretch now = stretch(u, e);
     const double stress = tension(now, e);
     if (stress == 0) continue;
+    const Eigen::Map<const Vector3d> along(now.along);
     for (std::size_t a = 0; a < 4; ++a)
-      as_vector(f[at(e.points[a])]) -= e.volume * stress * e.slopes[static_cast<Eigen::Index>(a)] * now.along;
+      as_vector(f[at(e.points[a])]) -= e.volume * stress * e.slopes[static_cast<Eigen::Index>(a)] * along;
   }
+}
+
+ElementParts FibreElements::parts() const {
+  ElementParts parts = matrix_->parts();
+  parts.fibres = this;
+  return parts;
 }
 
 void FibreElements::write_stiffness(const NodeRows& u, const BlockPattern& pattern, double* values) const {
   matrix_->write_stiffness(u, pattern, values);
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const Element& e = elements_[t];
-    const Stretched now = stretched(u, e);
-    if (!now.taut) continue;
+    const Stretch now = stretch(u, e);
+    if (!is_taut(now)) continue;
     const Matrix3d B = resistance(now, e);
     for (Eigen::Index a = 0; a < 4; ++a)
       for (Eigen::Index b = 0; b < 4; ++b)
@@ -126,8 +136,8 @@ void FibreElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& v
     if (next == elements_.end() || next->piece != piece) return visit(points, K);
     sum = K;
     for (; next != elements_.end() && next->piece == piece; ++next) {
-      const Stretched now = stretched(u, *next);
-      if (!now.taut) continue;
+      const Stretch now = stretch(u, *next);
+      if (!is_taut(now)) continue;
       const Matrix3d B = resistance(now, *next);
       std::array<Eigen::Index, 4> place;
       for (std::size_t a = 0; a < 4; ++a)
@@ -141,10 +151,10 @@ void FibreElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& v
 }
 
 std::shared_ptr<const Elements> with_fibres(std::shared_ptr<const Elements> matrix, const TetMesh& mesh,
-                                            std::span<const Fibre> fibres, bool linear,
+                                            std::span<const Fibre> fibres, bool small_strain,
                                             const BlockPattern& pattern) {
   if (std::ranges::all_of(fibres, [](const Fibre& fibre) { return fibre.young == 0; })) return matrix;
-  return std::make_shared<const FibreElements>(std::move(matrix), mesh, fibres, linear, pattern);
+  return std::make_shared<const FibreElements>(std::move(matrix), mesh, fibres, small_strain, pattern);
 }
 
 }  // namespace hmax

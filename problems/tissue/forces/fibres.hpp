@@ -11,6 +11,7 @@
 #include "problems/mesh/tet_mesh.hpp"
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elements.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
 
 namespace hmax {
 
@@ -32,13 +33,13 @@ struct Fibre {
 /// Pieces are those of the elements: the stiffness of the fibre is a part of its tetrahedron's.
 class FibreElements final : public Elements {
  public:
-  /// @param matrix    what the fibres lie in, of the same mesh
-  /// @param fibres    of each region of the mesh
-  /// @param linear    of a model of small strain
-  /// @param pattern   holds the pairs of points of every tetrahedron
+  /// @param matrix        what the fibres lie in, of the same mesh
+  /// @param fibres        of each region of the mesh
+  /// @param small_strain  of a model of small strain
+  /// @param pattern       holds the pairs of points of every tetrahedron
   /// @throws std::invalid_argument  for a negative or infinite E_f, and for fibres without a direction
   FibreElements(std::shared_ptr<const Elements> matrix, const TetMesh& mesh, std::span<const Fibre> fibres,
-                bool linear, const BlockPattern& pattern);
+                bool small_strain, const BlockPattern& pattern);
 
   [[nodiscard]] double energy(const NodeRows& u) const override;
   void add_force(const NodeRows& u, NodeRows& f) const override;
@@ -48,7 +49,10 @@ class FibreElements final : public Elements {
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return matrix_->pieces(); }
 
- private:
+  /// Those of the matrix, then these.
+  [[nodiscard]] ElementParts parts() const override;
+
+  /// The fibres of a tetrahedron.
   struct Element {
     Eigen::Index tetrahedron, piece;  ///< of the mesh, and of `matrix`
     std::array<Index, 4> points;
@@ -56,19 +60,22 @@ class FibreElements final : public Elements {
     Eigen::Vector3d direction;  ///< a
     double young, volume;       ///< [Pa], [m^3]
   };
-  struct Stretched {
-    double strain;          ///< l - 1
-    Eigen::Vector3d along;  ///< n
-    bool taut;              ///< resists more stretch
-  };
-  [[nodiscard]] Stretched stretched(const NodeRows& u, const Element& e) const;
+  /// In the order in which their forces are added.
+  [[nodiscard]] std::span<const Element> fibres() const { return elements_; }
+  [[nodiscard]] bool is_of_small_strain() const { return small_strain_; }
+
+ private:
+  using Stretch = kernel_loops::FibreStretch<double>;
+  [[nodiscard]] Stretch stretch(const NodeRows& u, const Element& e) const;
   /// E_f (l - 1) [Pa].
-  [[nodiscard]] double tension(const Stretched& now, const Element& e) const;
+  [[nodiscard]] double tension(const Stretch& now, const Element& e) const;
+  /// Whether it resists more stretch.
+  [[nodiscard]] bool is_taut(const Stretch& now) const;
   /// V E_f (n n^T + (1 - 1/l) (I - n n^T)) [N m]: the block of points i and j is g_i.a g_j.a times it.
-  [[nodiscard]] Eigen::Matrix3d resistance(const Stretched& now, const Element& e) const;
+  [[nodiscard]] Eigen::Matrix3d resistance(const Stretch& now, const Element& e) const;
 
   std::shared_ptr<const Elements> matrix_;
-  bool linear_;
+  bool small_strain_;
   std::vector<Element> elements_;  ///< in the order of the mesh
   std::vector<std::array<Index, 16>> slots_;
 };
@@ -76,7 +83,7 @@ class FibreElements final : public Elements {
 /// The elements with their fibres; the elements themselves where no region has any.
 /// @throws std::invalid_argument  as FibreElements
 std::shared_ptr<const Elements> with_fibres(std::shared_ptr<const Elements> matrix, const TetMesh& mesh,
-                                            std::span<const Fibre> fibres, bool linear,
+                                            std::span<const Fibre> fibres, bool small_strain,
                                             const BlockPattern& pattern);
 
 }  // namespace hmax

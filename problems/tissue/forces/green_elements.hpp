@@ -33,7 +33,7 @@ class GreenElements final : public Elements {
   /// Corners of a tetrahedron come in ascending order.
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return blocks_.places().size(); }
-  [[nodiscard]] const TetBlocks* blocks() const override { return &blocks_; }
+  [[nodiscard]] ElementParts parts() const override { return {.tetrahedra = &blocks_}; }
 
  private:
   /// One tetrahedron taken out of its block.

@@ -8,6 +8,8 @@
 #include <Eigen/Dense>
 
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
 
@@ -94,12 +96,16 @@ NodalPressure::Scratch& NodalPressure::scratch() {
 }
 
 void NodalPressure::average(const NodeRows& u, Scratch& now) const {
+  using Lanes = OneElement<double>;
   now.H.resize(elements_.size());
   now.change.assign(averages_.size(), 0);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
-    now.H[i] = edge_vectors(u, e.points) * e.rest.gradients;
-    const double share = e.rest.volume / 4 * volume_change(now.H[i]);
+    double U[3][3], g[3][3];
+    edge_vectors(u, e.points, U);
+    e.rest.write_rows(g);
+    kernel_loops::displacement_gradient<Lanes, double>(U, g, now.H[i].rows);
+    const double share = e.rest.volume / 4 * kernel_loops::volume_change<Lanes, double>(now.H[i].rows);
     for (const Index a : e.averages) now.change[at(a)] += share;
   }
   for (std::size_t a = 0; a < averages_.size(); ++a) now.change[a] /= averages_[a].volume;
@@ -118,7 +124,7 @@ double NodalPressure::energy_density(std::size_t element, const Scratch& now) co
     const double change = now.change[at(a)];
     shared += averages_[at(a)].lambda / 2 * change * change;
   }
-  return StableNeoHookean(now.H[element], e.own).energy() + shared / 4;
+  return StableNeoHookean(now.H[element].matrix(), e.own).energy() + shared / 4;
 }
 
 double NodalPressure::energy(const NodeRows& u) const {
@@ -136,20 +142,25 @@ void NodalPressure::write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::
 }
 
 void NodalPressure::add_force(const NodeRows& u, NodeRows& f) const {
+  using Lanes = OneElement<double>;
   Scratch& now = scratch();
   average(u, now);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
-    const Matrix3d F = Matrix3d::Identity() + now.H[i];
-    subtract_pull(e.rest, e.points,
-                  StableNeoHookean(now.H[i], e.own).stress() + pressure(e, now) * cofactors(F), f);
+    const double V = e.rest.volume;
+    double g[3][3], P[3][3], pull[3][3];
+    e.rest.write_rows(g);
+    kernel_loops::neo_hookean_stress<Lanes, double>(now.H[i].rows, V * e.own.lambda / 2, V * e.own.mu, P,
+                                                    V * pressure(e, now));
+    kernel_loops::corner_pull<Lanes, double>(P, g, pull);
+    subtract_pull(e.points, pull, f);
   }
 }
 
 ElementStiffness NodalPressure::stiffness(std::size_t element, const Scratch& now) const {
   const Element& e = elements_[element];
-  const StableNeoHookean law(now.H[element], e.own);
-  const Matrix3d F = Matrix3d::Identity() + now.H[element];
+  const Matrix3d H = now.H[element].matrix(), F = Matrix3d::Identity() + H;
+  const StableNeoHookean law(H, e.own);
   const double p = pressure(e, now);
   return element_stiffness(e.rest, [&](const Matrix3d& dF) -> Matrix3d {
     return law.differential(dF) + p * cofactor_differential(F, dF);
@@ -161,7 +172,7 @@ void NodalPressure::gather_gradients(Scratch& now) const {
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
     // dJ/du of point b is C g_b.
-    const Matrix3d inner = e.rest.volume / 4 * cofactors(Matrix3d(Matrix3d::Identity() + now.H[i])) *
+    const Matrix3d inner = e.rest.volume / 4 * cofactors(Matrix3d(Matrix3d::Identity() + now.H[i].matrix())) *
                            e.rest.gradients.transpose();
     for (std::size_t a = 0; a < 4; ++a) {
       Vector3d* const G = now.G.data() + averages_[at(e.averages[a])].first;

@@ -26,9 +26,9 @@ namespace hmax {
 /// An element thus keeps its volume with the stiffness of nu = 0 alone, which also damps the modes of
 /// alternating volumes that averages do not see and restores inverted elements [puso2006stabilized]. A
 /// negative lambda stays with the elements.
-/// Averages are taken within each region: materials do not mix. The forces are those of elements with the
-/// stress P(F_e; 0, mu) + p_e C_e, C = dJ/dF, where p_e is the mean over the corners of p_a = lambda (J_a -
-/// 1); with G_a = V_a dJ_a/du
+/// Forces come from the kernels. Averages are taken within each region: materials do not mix. The forces are
+/// those of elements with the stress P(F_e; 0, mu) + p_e C_e, C = dJ/dF, where p_e is the mean over the
+/// corners of p_a = lambda (J_a - 1); with G_a = V_a dJ_a/du
 ///   K = sum_e (V_e dP_e + p_e V_e dC_e) + sum_a lambda/V_a G_a G_a^T.
 /// Sums are made in the order of the mesh, on one thread.
 class NodalPressure final : public Elements {
@@ -44,8 +44,8 @@ class NodalPressure final : public Elements {
   /// Tetrahedra, then the averages: the first point of each is that at which it is taken.
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return elements_.size() + averages_.size(); }
+  [[nodiscard]] ElementParts parts() const override { return {.of_pressures = this}; }
 
- private:
   struct Element {
     std::array<Index, 4> points;
     RestShape rest;
@@ -59,9 +59,20 @@ class NodalPressure final : public Elements {
     std::size_t first = 0, last = 0;  ///< of its points among all of them
     std::size_t first_slot = 0;
   };
+  /// In the order in which volumes and forces are added up.
+  [[nodiscard]] std::span<const Element> elements() const { return elements_; }
+  [[nodiscard]] std::span<const Average> averages() const { return averages_; }
+
+ private:
   /// What a state comes to, kept from call to call.
   struct Scratch {
-    std::vector<Eigen::Matrix3d> H;  ///< of each element
+    struct Gradient {
+      double rows[3][3];
+      [[nodiscard]] Eigen::Matrix3d matrix() const {
+        return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows[0]);
+      }
+    };
+    std::vector<Gradient> H;         ///< of each element
     std::vector<double> change;      ///< of each average: J_a - 1
     std::vector<Eigen::Vector3d> G;  ///< of each point of each average: (lambda/V_a)^(1/2) G_a [N/m]^(1/2)
   };

@@ -7,6 +7,8 @@
 #include <Eigen/Dense>
 
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
 
@@ -88,13 +90,16 @@ void QuadraticElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eig
 
 void QuadraticElements::add_force(const NodeRows& u, NodeRows& f) const {
   for (const Element& e : elements_) {
-    const TenPlaces own = moves(u, e);
-    TenPlaces pull = TenPlaces::Zero();
-    for (const Point& point : e.rule)
-      pull.noalias() += point.volume * StableNeoHookean(own * point.gradients, e.lame).stress() *
-                        point.gradients.transpose();
-    for (std::size_t a = 0; a < 10; ++a)
-      as_vector(f[at(e.points[a])]) -= pull.col(static_cast<Eigen::Index>(a));
+    const NodeRow& first = u[at(e.points[0])];
+    double U[10][3];
+    for (std::size_t a = 0; a < 10; ++a) {
+      const NodeRow& row = u[at(e.points[a])];
+      U[a][0] = row.x - first.x, U[a][1] = row.y - first.y, U[a][2] = row.z - first.z;
+    }
+    kernel_loops::ten_node_pull<OneElement<double>, double>(U, e, [&](int a, const double* pull) {
+      NodeRow& row = f[at(e.points[at(a)])];
+      row.x -= pull[0], row.y -= pull[1], row.z -= pull[2];
+    });
   }
 }
 

@@ -23,7 +23,7 @@ namespace hmax {
 /// V_g the volume: a constant stress is then balanced at inner points (as in [hillman2015variationally]).
 /// Bending and linear strain are carried exactly. Forces are finite for every F and restore what is flat. An
 /// inverted element may stay so: what lies between the four points is not seen.
-/// Sums are made in the order of the mesh, on one thread.
+/// Forces come from the kernels; sums are made in the order of the mesh, on one thread.
 class QuadraticElements final : public Elements {
  public:
   /// @param lame     of each region of the mesh
@@ -38,8 +38,8 @@ class QuadraticElements final : public Elements {
   void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return elements_.size(); }
+  [[nodiscard]] ElementParts parts() const override { return {.of_ten_nodes = this}; }
 
- private:
   /// A point of the rule.
   struct Point {
     Eigen::Matrix<double, 10, 3> gradients;  ///< G [1/m]
@@ -49,7 +49,18 @@ class QuadraticElements final : public Elements {
     std::array<Index, 10> points;
     std::array<Point, 4> rule;
     Lame lame;
+    /// The rule as kernels take it.
+    [[nodiscard]] double gradient(int g, Eigen::Index a, Eigen::Index j) const {
+      return rule[static_cast<std::size_t>(g)].gradients(a, j);
+    }
+    [[nodiscard]] double volume(int g) const { return rule[static_cast<std::size_t>(g)].volume; }
+    [[nodiscard]] double half_lambda() const { return lame.lambda / 2; }
+    [[nodiscard]] double mu() const { return lame.mu; }
   };
+  /// In the order in which forces are added up.
+  [[nodiscard]] std::span<const Element> elements() const { return elements_; }
+
+ private:
   using Stiffness = Eigen::Matrix<double, 30, 30>;
 
   static std::array<Point, 4> rule_of(const TenPlaces& X, Eigen::Index element);

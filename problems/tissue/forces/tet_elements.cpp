@@ -20,14 +20,10 @@ template <class Parts, class MakeParts, class BlockOf>
 ElementStiffness stiffness_of(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
                               const RestShape& rest, const Lame& lame, const MakeParts& make_parts,
                               const BlockOf& block_of) {
-  const Eigen::Matrix3d edges = edge_vectors(u, points);
   double U[3][3], block[3][3];
+  edge_vectors(u, points, U);
   Parts parts;
-  for (Eigen::Index a = 0; a < 3; ++a)
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      U[a][i] = edges(i, a);
-      parts.g[a + 1][i] = rest.gradients(a, i);
-    }
+  rest.write_rows(parts.g + 1);
   make_parts(U, rest.volume * lame.lambda / 2, rest.volume * lame.mu, parts);
   ElementStiffness K;
   for (int a = 0; a < 4; ++a)

@@ -23,10 +23,28 @@ namespace hmax {
 
 /// Ds = (u1 - u0, u2 - u0, u3 - u0).
 [[nodiscard]] Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points);
+/// The same as kernels take it, column a at U[a].
+inline void edge_vectors(const NodeRows& u, const std::array<TetMesh::Index, 4>& points, double (*U)[3]) {
+  const NodeRow& first = u[static_cast<std::size_t>(points[0])];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const NodeRow& row = u[static_cast<std::size_t>(points[a + 1])];
+    U[a][0] = row.x - first.x, U[a][1] = row.y - first.y, U[a][2] = row.z - first.z;
+  }
+}
 
 /// f -= V P g_a at the points of an element of stress P.
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,
                    const Eigen::Matrix3d& stress, NodeRows& f);
+
+/// The same of a pull of the kernels.
+inline void subtract_pull(const std::array<TetMesh::Index, 4>& points, const double (*pull)[3], NodeRows& f) {
+  const auto row = [&](std::size_t a) -> NodeRow& { return f[static_cast<std::size_t>(points[a])]; };
+  for (std::size_t a = 0; a < 3; ++a)
+    row(a + 1).x -= pull[a][0], row(a + 1).y -= pull[a][1], row(a + 1).z -= pull[a][2];
+  row(0).x += (pull[0][0] + pull[1][0]) + pull[2][0];
+  row(0).y += (pull[0][1] + pull[1][1]) + pull[2][1];
+  row(0).z += (pull[0][2] + pull[1][2]) + pull[2][2];
+}
 
 /// -dF/du of one element, points after one another.
 using ElementStiffness = Eigen::Matrix<double, 12, 12>;
@@ -79,7 +97,7 @@ class TetElements final : public Elements {
   void write_energy_densities(const NodeRows& u, Eigen::Ref<Eigen::VectorXd> W) const override;
   void visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const override;
   [[nodiscard]] std::size_t pieces() const override { return elements_.size(); }
-  [[nodiscard]] const TetBlocks* blocks() const override { return blocks_ ? &*blocks_ : nullptr; }
+  [[nodiscard]] ElementParts parts() const override { return {.tetrahedra = blocks_ ? &*blocks_ : nullptr}; }
 
  private:
   struct Element {

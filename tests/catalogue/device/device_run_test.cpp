@@ -19,6 +19,7 @@
 #include "catalogue/device/point_step.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/positional_body.hpp"
 #include "tests/catalogue/device/device_runs.hpp"
 #include "tests/catalogue/device/gpu.hpp"
@@ -89,6 +90,54 @@ void expect_same_on_bodies(Device& device) {
   for (const Eigen::Vector3d& F : pressed)
     for (const char* method : {"symplectic_euler", "rk4"})
       expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
+}
+
+/// A model and the parameters that give it parts beside its tetrahedra.
+struct Parts {
+  const char* model;
+  Parameters parameters{};
+  [[nodiscard]] Problem on(const std::string& mesh, Parameters more = {{"g", 9.81}}) const {
+    more.insert(more.end(), parameters.begin(), parameters.end());
+    return make_problem(model + mesh, {.parameters = more});
+  }
+};
+const Parts of_pressures{"fem_nodal_pressure"};
+const Parts of_ten_nodes{"fem_quadratic"};
+const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
+
+/// Shared pressures of a body that is held at many points, some tetrahedra at all of theirs, of a material
+/// that becomes thicker as it is pulled.
+Problem held_body() {
+  const Problem body = uneven_body(2.5, "fem_nodal_pressure");
+  TissueSettings settings = body.body->settings();
+  settings.materials[0].poisson = -0.2;
+  settings.supports = {{points_in_box(body.body->mesh(), {-1, -1, -1}, {0.06, 1, 1})}};
+  return body_of(body.body->mesh(), settings);
+}
+
+/// Elements whose forces are not those of tetrahedra alone: fibres in them, shared pressures, ten nodes.
+void expect_same_on_other_elements(Device& device) {
+  const RunSpec spec{.t_end = 0.0042, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
+  for (const Parts& parts : {fibrous, of_pressures, of_ten_nodes}) {
+    for (const char* mesh : {"@liver", "@beam", "@ball", "@phantom", "@cube:n=6"})
+      expect_same(device, parts.on(mesh), "symplectic_euler", spec);
+    expect_same(device, parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
+                {.t_end = 0.00434, .h = 1e-4});
+    for (const char* method :
+         {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4"})
+      expect_same(device, parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
+  }
+  constexpr auto skin = SkinSettings::Kind::springs;
+  for (const Problem& body :
+       {fibrous_body(uneven_body(2.5), true), fibrous_body(uneven_body(2.5, "fem_green", skin)),
+        fibrous_body(uneven_body(2.5, "fem_cauchy")), fibrous_body(uneven_body(2.5, "fem_corotational")),
+        fibrous_body(uneven_body(2.5, "fem_neo_hookean")), fibrous_body(driven_body(), true),
+        uneven_body(2.5, "fem_nodal_pressure"), uneven_body(0, "fem_nodal_pressure", skin), held_body(),
+        fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure"))), uneven_body(2.5, "fem_quadratic"),
+        uneven_body(0, "fem_quadratic", skin), fibrous_body(driven_body(uneven_body(2.5, "fem_quadratic")))})
+    for (const char* method :
+         {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
+      expect_same(device, body, method, uneven);
 }
 
 void expect_same_under_driven_loads(Device& device) {
@@ -172,6 +221,10 @@ void expect_same_choices(Device& device) {
         each(uneven_body(2.5, model), method, spec);
       each(driven_body(), method, spec);
       each(moving_body(1e-5, "mass_spring", SkinSettings::Kind::membrane), method, spec);
+      each(fibrous_body(driven_body()), method, spec);
+      each(uneven_body(2.5, "fem_nodal_pressure"), method, spec);
+      each(of_pressures.on("@liver"), method, spec);
+      each(uneven_body(2.5, "fem_quadratic"), method, spec);
       each(make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-5}}}),
            method, spec);
       each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}}}), method, spec);
@@ -268,8 +321,11 @@ void expect_same_divergence(Device& device) {
       expect_same(device, body, method, {.t_end = 40, .h = 0.02});
     }
   }
-  const Problem problem = make_problem("fem_neo_hookean@beam", {.parameters = {{"g", 9.81}}});
-  expect_same(device, problem, "symplectic_euler", {.t_end = 40, .h = 0.02});
+  for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous, of_pressures, of_ten_nodes}) {
+    const RunRecord run =
+        expect_same(device, parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
+    EXPECT_EQ(run.outcome, Outcome::diverged) << parts.model;
+  }
   const RunRecord flat =
       expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
@@ -293,6 +349,13 @@ TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
     expect_same_under_driven_loads(device);
     expect_same_on_bodies(device);
     expect_same_stages(device);
+  }
+}
+
+TEST(HostDevice, StepsOtherElementsWithTheBitsOfTheProcessor) {
+  for (const bool backwards : {false, true}) {
+    HostDevice device(backwards);
+    expect_same_on_other_elements(device);
   }
 }
 
@@ -362,11 +425,16 @@ void expect_same_at_a_time(Device& device) {
   const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
-    for (const Problem& body : {driven_body(), damped, moving_body(1e-5, "mass_spring")})
+    for (const Problem& body :
+         {driven_body(), damped, moving_body(1e-5, "mass_spring"), fibrous_body(driven_body()),
+          driven_body(uneven_body(2.5, "fem_nodal_pressure")),
+          driven_body(uneven_body(2.5, "fem_quadratic"))})
       expect_same_at_a_time(device, body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
-  for (const char* method : {"velocity_verlet", "rk4"}) expect_same_at_a_time(device, large, method, 2);
+  for (const char* method : {"velocity_verlet", "rk4"})
+    for (const Problem& body : {large, of_pressures.on("@cube:n=10")})
+      expect_same_at_a_time(device, body, method, 2);
   expect_same_at_a_time<float>(device, driven_body(), "rk4", 3);
 }
 
@@ -438,19 +506,20 @@ double error_of_single(const Problem& problem, const char* method, const RunSpec
 }
 
 TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
-  const Parameters heavy{{"g", 9.81}, {"alpha", 1}};
-  const auto expect_between = [&](const char* id, const char* method, const RunSpec& spec, double least,
+  const auto expect_between = [&](const Parts& parts, const char* method, const RunSpec& spec, double least,
                                   double most) {
-    const double error = error_of_single(make_problem(id, {.parameters = heavy}), method, spec);
+    const char* const id = parts.model;
+    const double error = error_of_single(parts.on("@liver", {{"g", 9.81}, {"alpha", 1}}), method, spec);
     EXPECT_LT(error, most) << id << ", " << method;
     EXPECT_GT(error, least) << id << ", " << method;
   };
-  for (const char* id : {"fem_green@liver", "fem_cauchy@liver", "fem_neo_hookean@liver",
-                         "fem_corotational@liver", "mass_spring@liver"})
+  for (const Parts& parts : {Parts{"fem_green"}, Parts{"fem_cauchy"}, Parts{"fem_neo_hookean"},
+                             Parts{"fem_corotational"}, Parts{"mass_spring"}, fibrous, of_pressures})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"})
-      expect_between(id, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
+      expect_between(parts, method, {.t_end = 0.2, .h = 2e-4}, 1e-8, 1e-5);
+  expect_between(of_ten_nodes, "symplectic_euler", {.t_end = 0.05, .h = 2e-4}, 1e-8, 1e-5);
   // Of many short steps each rounds a displacement that it hardly changes.
-  expect_between("fem_green@liver", "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
+  expect_between({"fem_green"}, "symplectic_euler", {.t_end = 0.02, .h = 1e-6}, 1e-6, 1e-4);
 }
 
 TEST(BodyPatches, OwnEachFreePointOnceWithAllItsTetrahedra) {
@@ -487,6 +556,15 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
   EXPECT_EQ(why(body, "rkc_2"), "");
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
+  EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
+  EXPECT_TRUE(has(why(of_pressures.on("@cube:n=2"), "newton_truncated"), "shared pressures"));
+  EXPECT_TRUE(has(why(of_ten_nodes.on("@cube:n=2"), "newton_truncated"), "ten nodes"));
+  TissueSettings others = body.body->settings();
+  others.model.make_elements = [](const TetMesh& mesh, std::span<const Lame> lame,
+                                  const BlockPattern& pattern) -> std::shared_ptr<const Elements> {
+    return std::make_shared<const TetElements<GreenStrain>>(mesh, lame, pattern);
+  };
+  EXPECT_TRUE(has(why(body_of(body.body->mesh(), others), "rk4"), "other elements"));
   const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
   EXPECT_EQ(why(solid, "xpbd"), "");
   EXPECT_TRUE(has(why(body, "xpbd"), "has the constraints of"));
@@ -534,8 +612,6 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_THROW(run_many(Precision::single_precision, 1), InputError);
   EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
   for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"fem_nodal_pressure@cube:n=2", {}, "other elements"},
-           {"fem_green@cube:n=2", {{"fibre_E", 1000}, {"fibre_x", 1}}, "without fibres"},
            {"mass_spring@cube:n=2", {{"exponential", 3}}, "neither linear nor cubic"},
            {"fem_green/tool@cube:n=2", {}, "tool"}})
     EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler"), part)) << id;
@@ -544,12 +620,14 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
   expect_same_under_driven_loads(*device);
   expect_same_on_bodies(*device);
+  expect_same_on_other_elements(*device);
   expect_same_stages(*device);
 }
 TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
   HostDevice host;
   const RunSpec spec{.t_end = 0.0203, .h = 3e-4};
-  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
+  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring",
+                            "fem_nodal_pressure", "fem_quadratic"})
     for (const char* method : {"symplectic_euler", "central_difference", "rk4"}) {
       const Problem problem = uneven_body(2.5, model);
       const auto on = [&](Device& where) {

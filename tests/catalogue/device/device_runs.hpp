@@ -102,9 +102,10 @@ inline TetMesh shuffled(const TetMesh& mesh) {
 /// Two regions, a held end, gravity, damping by mass and two loads on some of the same points.
 inline Problem uneven_body(double alpha, const char* model = "fem_green",
                            SkinSettings::Kind skin = SkinSettings::Kind::none) {
-  const TetMesh mesh = shuffled(tissue_tests::uneven_box());
   TissueSettings settings;
   settings.model = tissue_model(model);
+  TetMesh mesh = tissue_tests::mesh_for(settings.model, shuffled(tissue_tests::uneven_box()));
+  if (settings.model.has_ten_nodes) tissue_tests::bend_sides(mesh, 0.002);
   settings.springs.law = CubicSpring{4};
   settings.skin.kind = skin;
   settings.skin.young = 1e5;
@@ -116,6 +117,18 @@ inline Problem uneven_body(double alpha, const char* model = "fem_green",
                                     pulled = points_in_box(mesh, {0.13, -1, -1}, {1, 1, 1});
   settings.forces = {{pressed, {0.1, -0.2, 0.05}}, {pulled, {-0.03, 0.3, 0.4}}};
   return body_of(mesh, settings);
+}
+
+/// The same with fibres in one of its regions, or in both.
+inline Problem fibrous_body(const Problem& body, bool both = false) {
+  TissueSettings settings = body.body->settings();
+  const TissueMaterial fibres{.fibre_young = 2e4, .fibre_x = 1, .fibre_y = 0.5, .fibre_z = -0.3};
+  for (std::size_t n = both ? 0 : 1; n < settings.materials.size(); ++n) {
+    TissueMaterial& material = settings.materials[n];
+    material.fibre_young = fibres.fibre_young * static_cast<double>(n + 1);
+    material.fibre_x = fibres.fibre_x, material.fibre_y = fibres.fibre_y, material.fibre_z = fibres.fibre_z;
+  }
+  return body_of(body.body->mesh(), settings);
 }
 
 /// Springs with dampers, and another set of springs on the surface, which begin to move.
@@ -165,8 +178,7 @@ inline const std::array<Eigen::Vector3d, 4> pressed{Eigen::Vector3d{1.1, 0.9, -0
                                                     Eigen::Vector3d{0, 0, 0}};
 
 /// Loads that come, go and oscillate.
-inline Problem driven_body() {
-  const Problem steady = uneven_body(2.5);
+inline Problem driven_body(const Problem& steady = uneven_body(2.5)) {
   TissueSettings settings = steady.body->settings();
   using Kind = TimeProfile::Kind;
   settings.forces[0].profile = {.kind = Kind::ramp, .start = 0.002, .rise = 0.01};

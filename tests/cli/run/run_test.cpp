@@ -56,9 +56,13 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
                  "bodies on meshes");
   expect_refused(
-      shell.hmax(
-          "run --mesh cube:n=3 --model fem_nodal_pressure --method symplectic_euler --h 1e-4 --device gpu"),
-      "other elements");
+      shell.hmax("run --mesh cube:n=3 --load tool --method symplectic_euler --h 1e-4 --device gpu"), "tool");
+  const Told told = shell.hmax(
+      "run --mesh cube:n=3 --set fibre_E=1000 --set fibre_x=1 --method newton_truncated --h 1e-2 --device "
+      "gpu");
+  expect_refused(told, "fibres");
+  EXPECT_TRUE(says(told.err, "central_difference or an explicit Runge-Kutta method"))
+      << told.err << ": neither newton_truncated nor xpbd has fibres";
 }
 
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {

@@ -1,4 +1,5 @@
-/// The forces of tetrahedra, springs, dampers and triangles: the one source of processors and devices.
+/// The forces of tetrahedra, fibres, springs, dampers and triangles: the one source of processors and
+/// devices.
 ///
 /// Stresses are first Piola-Kirchhoff ones of displacement gradients H = F - I times the volume V of the
 /// element, whose coefficients are V lambda / 2 and V mu [J]; elasticity.hpp has the laws. `Lanes` has `V`, a
@@ -56,16 +57,18 @@ HMAX_DEVICE inline void small_stress(const V (*H)[3], V half_lambda, V mu, V (*P
   for (int i = 0; i < 3; ++i) P[i][i] += pressure;
 }
 
-/// V (mu (F - C) + mu' s / (4 (s + 4)) F + lambda' (J - 1) C) of the stable neo-Hookean solid, mu' = 4/3 mu,
-/// lambda' = lambda + 5/6 mu, s = |F|^2 - 3, C = dJ/dF = I + D with D = tr(H) I - H^T + K and the cofactors K
-/// of H, so that no number is the difference of larger ones.
-template <class Lanes, class V>
-HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3]) {
+/// V (mu (F - C) + mu' s / (4 (s + 4)) F + (lambda' (J - 1) + p) C) of the stable neo-Hookean solid, mu' =
+/// 4/3 mu, lambda' = lambda + 5/6 mu, s = |F|^2 - 3, C = dJ/dF = I + D with D = tr(H) I - H^T + K and the
+/// cofactors K of H, so that no number is the difference of larger ones.
+/// @param pressure  V p [J], where there is one
+template <class Lanes, class V, class... Pressure>
+HMAX_DEVICE inline void neo_hookean_stress(const V (*H)[3], V half_lambda, V mu, V (*P)[3],
+                                           Pressure... pressure) {
   V K[3][3];
   const V trace = H[0][0] + H[1][1] + H[2][2];
   const V square = square_change<Lanes, V>(H, trace), volume = volume_change<Lanes, V>(H, trace, K);
   const V stretched = Lanes::splat(1.0 / 3) * mu * square / (square + Lanes::splat(4));
-  const V squeezed = ((half_lambda + half_lambda) + Lanes::splat(5.0 / 6) * mu) * volume;
+  const V squeezed = ((((half_lambda + half_lambda) + Lanes::splat(5.0 / 6) * mu) * volume) + ... + pressure);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const V D = (i == j ? trace - H[j][i] : -H[j][i]) + K[i][j], one = Lanes::splat(i == j ? 1 : 0);
@@ -91,6 +94,13 @@ HMAX_DEVICE inline void corotational_stress(const V (*H)[3], V half_lambda, V mu
 
 /// V P Bm^T: what the corners 1, 2 and 3 are pulled back with, that of corner a + 1 at pull[a]. The force
 /// at corner 0 is their sum, (1 + 2) + 3.
+template <class Lanes, class V>
+HMAX_DEVICE inline void corner_pull(const V (*P)[3], const V (*g)[3], V (*pull)[3]) {
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+}
+
+/// The same of a law.
 /// @param half_lambda, mu  where V lambda / 2 and V mu [J] stand, for Lanes::load()
 template <class Lanes, TetLaw law, class V, class Number>
 HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number* half_lambda,
@@ -103,8 +113,66 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
     neo_hookean_stress<Lanes, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
   if constexpr (law == TetLaw::corotational)
     corotational_stress<Lanes, Number, V>(H, Lanes::load(half_lambda), Lanes::load(mu), P);
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) pull[a][i] = dot<Lanes>(P[i], g[a]);
+  corner_pull<Lanes, V>(P, g, pull);
+}
+
+/// sum_g V_g P_g G_g^T of a stable neo-Hookean tetrahedron of ten nodes, what its points are pulled back
+/// with: calls take(a, pull) for each of them.
+/// @param U     displacements relative to those of point 0, that of point a at U[a]
+/// @param rule  of four points g: gradient(g, a, j) of G [1/m], volume(g) V_g [m^3], half_lambda() and mu()
+///              [Pa]
+template <class Lanes, class V, class Rule, class Take>
+HMAX_DEVICE inline void ten_node_pull(const V (*U)[3], const Rule& rule, const Take& take) {
+  V P[4][3][3];
+  for (int g = 0; g < 4; ++g) {
+    V H[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        H[i][j] = U[1][i] * rule.gradient(g, 1, j);
+        for (int a = 2; a < 10; ++a) H[i][j] += U[a][i] * rule.gradient(g, a, j);
+      }
+    const V volume = rule.volume(g);
+    neo_hookean_stress<Lanes, V>(H, volume * rule.half_lambda(), volume * rule.mu(), P[g]);
+  }
+  for (int a = 0; a < 10; ++a) {
+    V pull[3] = {0, 0, 0};
+    for (int g = 0; g < 4; ++g) {
+      const V G[3] = {rule.gradient(g, a, 0), rule.gradient(g, a, 1), rule.gradient(g, a, 2)};
+      for (int i = 0; i < 3; ++i) pull[i] += dot<Lanes>(P[g][i], G);
+    }
+    take(a, pull);
+  }
+}
+
+/// A fibre that is stretched from the unit vector a to l n = F a.
+template <class V>
+struct FibreStretch {
+  V strain;    ///< l - 1; of small strain a.H a
+  V square;    ///< l^2 - 1; not set of small strain
+  V along[3];  ///< n; of small strain a
+};
+
+/// From H a rather than F, so that small strains keep their digits.
+/// @param U       the edges of its tetrahedron, as displacement_gradient() has them
+/// @param slopes  Bm a: of the corners 1, 2 and 3
+template <class Lanes, class V>
+HMAX_DEVICE inline FibreStretch<V> stretch_of_fibre(const V (*U)[3], const V* slopes, const V* a,
+                                                    bool small_strain) {
+  V d[3];
+  for (int i = 0; i < 3; ++i) d[i] = U[0][i] * slopes[0] + U[1][i] * slopes[1] + U[2][i] * slopes[2];
+  const V turned = dot<Lanes>(a, d);
+  if (small_strain) return {turned, 0, {a[0], a[1], a[2]}};
+  const V square = (turned + turned) + dot<Lanes>(d, d), all = 1 + square,
+          length = Lanes::root(all > 0 ? all : 0);
+  return {square / (1 + length),
+          square,
+          {(a[0] + d[0]) / length, (a[1] + d[1]) / length, (a[2] + d[2]) / length}};
+}
+
+/// E_f (l - 1) [Pa]; pressed fibres buckle, those of small strain push.
+template <class V>
+HMAX_DEVICE inline V fibre_tension(const FibreStretch<V>& now, V young, bool small_strain) {
+  return small_strain || now.strain > 0 ? young * now.strain : 0;
 }
 
 /// T / l = k L (s + b s^3) / l as k L (1 / L - 1 / l) (1 + b s^2) with s = l / L - 1, where d leads from the

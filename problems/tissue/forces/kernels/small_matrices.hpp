@@ -40,6 +40,13 @@ HMAX_DEVICE inline V volume_change(const V (*H)[3], V trace, V (*K)[3]) {
   return trace + (K[0][0] + K[1][1] + K[2][2]) + dot<Lanes>(H[0], K[0]);
 }
 
+/// det(I + H) - 1
+template <class Lanes, class V>
+HMAX_DEVICE inline V volume_change(const V (*H)[3]) {
+  V K[3][3];
+  return volume_change<Lanes, V>(H, H[0][0] + H[1][1] + H[2][2], K);
+}
+
 /// |I + H|^2 - 3
 template <class Lanes, class V>
 HMAX_DEVICE inline V square_change(const V (*H)[3], V trace) {

@@ -1,0 +1,145 @@
+/// What a body in patches of points is made of, in the memory of a device.
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/kernels/tet_law.hpp"
+
+namespace hmax {
+
+template <TetLaw law>
+using LawConstant = std::integral_constant<TetLaw, law>;
+
+/// What the elements of a body are, beside their fibres.
+enum class PatchElements : std::uint8_t {
+  tetrahedra,    ///< of any law
+  of_pressures,  ///< those of NodalPressure
+  of_ten_nodes   ///< those of QuadraticElements
+};
+
+/// What is known of a body when its steps are compiled.
+/// @tparam more  whether it may have dampers or triangles, whose forces need more registers
+template <TetLaw law_of, PatchElements elements_of, bool more>
+struct BodyKind {
+  static constexpr TetLaw law = law_of;
+  static constexpr PatchElements elements = elements_of;
+  static constexpr bool has_more = more;
+};
+
+/// Corners of a tetrahedron in a patch.
+struct PatchCorners {
+  static constexpr std::uint16_t nowhere = 0xffff;
+  std::uint16_t point[4];  ///< among the points of the patch
+  std::uint16_t slot[4];   ///< where the force at the corner goes; nowhere: another patch owns the point
+};
+
+/// The points of a tetrahedron of ten nodes in a patch, likewise.
+struct PatchTenNodes {
+  std::uint16_t point[10], slot[10];
+};
+
+/// The averages at the corners of a tetrahedron, among those of the patch.
+struct PatchAverages {
+  std::uint16_t of[4];
+};
+
+/// A tetrahedron of the whole body.
+struct BodyTetrahedron {
+  std::int32_t point[4];
+  std::int32_t place;  ///< the first one in the arrays of patches
+};
+
+/// The ends of a spring in a patch, likewise: the near one and the far one.
+struct PatchSpring {
+  std::uint16_t point[2], slot[2];
+};
+
+/// A triangle of a skin in a patch, likewise.
+struct PatchTriangle {
+  std::uint16_t point[3], slot[3];
+};
+
+/// Slots from `begin` to `end` whose sum is added as one: those of springs of a set that begin at a point.
+struct SlotGroup {
+  std::uint16_t begin, end;
+};
+
+/// Where the groups and the slots of a free point end.
+struct PointSlots {
+  std::int32_t groups;
+  std::uint16_t end;
+};
+
+/// Where a patch begins in the arrays below; those of the patch after it are its ends.
+struct PatchBegin {
+  std::int32_t own, rim, tet, average, fibre, push, damper, triangle;
+};
+
+/// Pressures that tetrahedra share at their points, as NodalPressure has them.
+template <class Real>
+struct SharedPressures {
+  std::int32_t tets;                 ///< of the body
+  const BodyTetrahedron* tet;        ///< shape (tets)
+  const Real* volume;                ///< V [m^3], shape (BodyArrays::tets)
+  const PatchAverages* corners;      ///< likewise
+  const std::int32_t* average;       ///< which averages a patch reads
+  const std::int32_t *ends, *among;  ///< where the tetrahedra of an average end, and which they are, in order
+  const Real *lambda, *around;       ///< of averages: lambda [Pa], V_a [m^3]
+  Real* shares;                      ///< V/4 (J - 1) [m^3], shape (bodies, tets)
+  bool operator==(const SharedPressures&) const = default;
+};
+
+/// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
+/// x, y, z one array after the other; the points of a patch are neighbours, and those that stand still follow
+/// the free ones.
+template <class Real>
+struct BodyArrays {
+  std::int32_t patches, points, free, tets, fibres, springs, sets, dampers, triangles;
+  const PatchBegin* begin;  ///< shape (patches + 1)
+  const std::int32_t* rim;  ///< points of others that the tetrahedra of a patch have
+  TetLaw law;
+  PatchElements elements;
+  const PatchCorners* corners;        ///< shape (tets)
+  const Real* gradients;              ///< Bm [1/m], row after row, shape (9, tets)
+  const Real *half_lambda, *mu;       ///< V lambda / 2, V mu [J], shape (tets)
+  const PatchCorners* fibre_corners;  ///< shape (fibres)
+  const Real* fibre;                  ///< numbers of fibre_forces(), shape (9, fibres)
+  bool fibres_of_small_strain;
+  SharedPressures<Real> pressures;
+  /// Of ten nodes: `gradients` are numbers of TenNodeRule, shape (124, tets), `half_lambda` and `mu` are
+  /// lambda / 2 and mu [Pa].
+  const PatchTenNodes* ten_nodes;
+  const PatchSpring* ends;           ///< of springs, shape (springs)
+  const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
+  const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
+  const Real* cubic;                 ///< b of phi = s + b s^3, of each set
+  const PatchSpring* damped;         ///< ends of dampers
+  const Real* damper;                ///< c [N s/m] of each
+  const PatchTriangle* skin;         ///< shape (triangles)
+  const Real *skin_gradients, *skin_volume;  ///< Bm [1/m], row after row, shape (4, triangles); [m^3]
+  Real skin_modulus, skin_poisson;           ///< Y / (1 - nu^2) [Pa], nu
+  const Real* rest;                    ///< positions [m], shape (3, points); of springs and triangles alone
+  const PointSlots* slots;             ///< of each free point; they follow one another in a patch
+  const SlotGroup* groups;             ///< of one point after the other, in the order of their slots
+  const std::uint16_t* push_slot;      ///< slots of loads
+  const std::int32_t* push_load;       ///< which load pushes there
+  const Real* push_share;              ///< the share of it that does
+  const Real *weight, *drag, *mass;    ///< m g [N], shape (3, free); alpha m [kg/s]; m [kg]
+  const Real* anchor;                  ///< k [N/m] of the spring that holds each free point, or 0; null: none
+  std::int32_t motions, first_motion;  ///< of supports; where they begin among the numbers of an evaluation
+  const std::int32_t* moved_by;        ///< which motion each point that is not free has, or -1
+  std::int32_t rates, first_rate;      ///< of supports that drag free points, likewise
+  const Real* support_drag;            ///< what each does at a rate of 1/s [N], shape (rates, 3, free)
+  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
+  const Real* damping;                 ///< of its three dofs [kg/s], shape (3, damps)
+  const std::int32_t* damp_end;        ///< the end of these, of each free point
+  std::int32_t damps;
+  Real watch;           ///< a larger displacement [m] is told
+  std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
+  [[nodiscard]] bool has_more() const { return dampers > 0 || triangles > 0; }  ///< see BodyKind
+  bool operator==(const BodyArrays&) const = default;
+};
+
+}  // namespace hmax
