@@ -252,10 +252,12 @@ std::string unsuited_for_matrix(const TissueBody& body) {
   return {};
 }
 
-MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches)
-    : terms_(static_cast<double>(made.terms.of.size())),
-      spring_terms_(static_cast<double>(made.spring_terms.of.size() + made.damper_terms.of.size() +
-                                        made.triangle_terms.of.size())) {
+MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches) {
+  const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
+  terms_ =
+      count(made.terms) + count(made.spring_terms) + count(made.damper_terms) + count(made.triangle_terms);
+  flops_of_terms_ = 260 * count(made.terms) + 60 * count(made.spring_terms) + 135 * count(made.damper_terms) +
+                    390 * count(made.triangle_terms);
   const auto lists = [&](const MatrixArrays::Lists& from) {
     return TermLists{memory.copy(from.first), memory.copy(from.of)};
   };
@@ -296,17 +298,14 @@ void MatrixOnDevice::append(const NewtonArrays& arrays, const BodyStep<double>& 
   programs.push_back({MatrixBlocks{arrays, step, step.evaluation}});
 }
 
-double MatrixOnDevice::flops() const {
-  return 260 * terms_ + 60 * spring_terms_ + 20.0 * arrays_.matrix.blocks;
-}
+double MatrixOnDevice::flops() const { return flops_of_terms_ + 20.0 * arrays_.matrix.blocks; }
 
 double MatrixOnDevice::bytes() const {
   constexpr double number = sizeof(double), place = sizeof(std::int32_t);
   const BodyMatrix& matrix = arrays_.matrix;
   const double constant =
       (matrix.sum && matrix.sums == 0 ? 9 * number : 0) + (matrix.damping ? 9 * number : 0);
-  return place * (terms_ + spring_terms_) + 2 * 9 * number * matrix.sums +
-         (9 * number + constant + 3 * place) * matrix.blocks;
+  return place * terms_ + 2 * 9 * number * matrix.sums + (9 * number + constant + 3 * place) * matrix.blocks;
 }
 
 }  // namespace hmax

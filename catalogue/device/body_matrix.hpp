@@ -60,7 +60,7 @@ class MatrixOnDevice {
 
  private:
   NewtonArrays arrays_{};
-  double terms_, spring_terms_;  ///< of tetrahedra; of springs, dampers and triangles
+  double terms_, flops_of_terms_;  ///< of the lists
 };
 
 }  // namespace hmax

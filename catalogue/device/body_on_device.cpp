@@ -520,7 +520,7 @@ double BodyOnDevice<Real>::flops() const {
              ((is_of_ten_nodes() ? 2020 : of_tetrahedron[static_cast<std::size_t>(step_.body.law)]) *
                   step_.body.tets +
               79.0 * step_.body.pressures.tets + 57.0 * step_.body.fibres + 31.0 * step_.body.springs +
-              29.0 * step_.body.dampers + 98.0 * step_.body.triangles + 10.0 * 3 * step_.body.free +
+              24.0 * step_.body.dampers + 101.0 * step_.body.triangles + 10.0 * 3 * step_.body.free +
               6.0 * step_.body.damps);
 }
 
@@ -549,7 +549,7 @@ double BodyOnDevice<Real>::bytes() const {
               bytes_of_pressures() +
               static_cast<double>(sizeof(PatchCorners) + 9 * sizeof(Real)) * step_.body.fibres +
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
-              static_cast<double>(sizeof(PatchSpring) + 7 * sizeof(Real)) * step_.body.dampers +
+              static_cast<double>(sizeof(PatchSpring) + sizeof(Real)) * step_.body.dampers +
               static_cast<double>(sizeof(PatchTriangle) + 5 * sizeof(Real)) * step_.body.triangles +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +

@@ -433,13 +433,43 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, const Real* loads
   step.v_next[dof] = v;
 }
 
+/// Springs, dampers and triangles of a patch, each at its slots.
+/// @param loads    of the evaluation
+/// @param of_body  of_body(p) is the number of point p of the patch in the body
+/// @param x        positions
+template <class Kind, class Block, class Real, class OfBody>
+HMAX_DEVICE inline void position_forces(Kind, const Block& block, const BodyStep<Real>& step,
+                                        std::int32_t patch, std::int32_t number, const Real* loads,
+                                        const OfBody& of_body, std::int32_t points, std::int32_t slots,
+                                        const Real* x, Real* f) {
+  const BodyArrays<Real>& body = step.body;
+  const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
+  for (std::int32_t set = 0; set < body.sets; ++set) {
+    const Real b = body.cubic[set];
+    block.each(of_set[set + 1] - of_set[set],
+               [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, x, f); });
+  }
+  if constexpr (Kind::has_more) {
+    const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
+    const auto velocity = [&](std::int32_t p, std::int32_t i) {
+      const std::int32_t point = of_body(p);
+      return point < body.free ? step.v[(3 * static_cast<std::int64_t>(number) + i) * body.free + point]
+                               : held_motion(body, loads, point, 3 + i);
+    };
+    block.each(to.damper - from.damper,
+               [&](std::int32_t n) { damper_forces(body, from.damper + n, points, slots, x, velocity, f); });
+    block.each(to.triangle - from.triangle,
+               [&](std::int32_t n) { triangle_forces(body, from.triangle + n, points, slots, x, f); });
+  }
+}
+
 /// The step of one patch of body `number`.
 /// @tparam Kind   BodyKind of the body
 /// @tparam Block  see device_program.hpp
 /// @param later   evaluations of loads between BodyStep::evaluation and this one
 /// @param shared  shared_numbers() of them
 template <class Kind, class Block, class Real>
-HMAX_DEVICE void body_step(Kind, const Block& block, const BodyStep<Real>& step, std::int32_t patch,
+HMAX_DEVICE void body_step(Kind kind, const Block& block, const BodyStep<Real>& step, std::int32_t patch,
                            std::int32_t number, std::int64_t later, Real* shared) {
   const BodyArrays<Real>& body = step.body;
   const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
@@ -485,23 +515,7 @@ HMAX_DEVICE void body_step(Kind, const Block& block, const BodyStep<Real>& step,
         u[i * points + p] = body.rest[static_cast<std::int64_t>(i) * body.points + point] + u[i * points + p];
     });
     block.barrier();
-    for (std::int32_t set = 0; set < body.sets; ++set) {
-      const Real b = body.cubic[set];
-      block.each(of_set[set + 1] - of_set[set],
-                 [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, u, f); });
-    }
-    if constexpr (Kind::has_more) {
-      const auto velocity = [&](std::int32_t p, std::int32_t i) {
-        const std::int32_t point = of_body(p);
-        return point < body.free ? step.v[(3 * static_cast<std::int64_t>(number) + i) * body.free + point]
-                                 : held_motion(body, loads, point, 3 + i);
-      };
-      block.each(to.damper - from.damper, [&](std::int32_t n) {
-        damper_forces(body, from.damper + n, points, slots, u, velocity, f);
-      });
-      block.each(to.triangle - from.triangle,
-                 [&](std::int32_t n) { triangle_forces(body, from.triangle + n, points, slots, u, f); });
-    }
+    position_forces(kind, block, step, patch, number, loads, of_body, points, slots, u, f);
   }
   block.barrier();
   block.each(3 * own, [&](std::int32_t n) {
