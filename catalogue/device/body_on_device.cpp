@@ -59,6 +59,12 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .evaluation = 0,
            .sum = {},
            .recurrence = {}};
+  if (const char* const what = method_.steps_alone()) {
+    if (sizeof(Real) != sizeof(double))
+      throw InputError(std::string(what) + " run on a GPU in double precision; leave --precision out");
+    if (bodies > 1)
+      throw InputError(std::string(what) + " step one body at a time on a GPU; leave --bodies out");
+  }
   if (method_.kind == DeviceMethod::Kind::stabilised) radius_.emplace(memory_, body, patches_);
   place_loads();
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
@@ -66,12 +72,6 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
   if (method_.damping != KickDamping::half_step && is_damped(body)) step_.half_v = numbers(velocities());
   if (method_.damping == KickDamping::lumped && is_damped(body))
     step_.lumped = lumped_ = numbers(velocities());
-  if (const char* const what = method_.steps_alone()) {
-    if (sizeof(Real) != sizeof(double))
-      throw InputError(std::string(what) + " run on a GPU in double precision; leave --precision out");
-    if (bodies > 1)
-      throw InputError(std::string(what) + " step one body at a time on a GPU; leave --bodies out");
-  }
   if (method_.is_iterated())
     for (Real*& q : stage_q_) q = numbers(displacements());
   if (method_.kind == DeviceMethod::Kind::newton) newton_.emplace(memory_, body, patches_, method_.iterated);

@@ -85,9 +85,9 @@ struct DeviceMethod {
     if (kind == Kind::stabilised) return static_cast<std::int64_t>(nodes.size());
     return kind == Kind::runge_kutta ? static_cast<std::int64_t>(rows.size()) : 1;
   }
-  /// The most of them in a step, with that of a last slope.
+  /// The most of them in a step, with that of a last slope; numbers of stages may be rounded up to odd ones.
   [[nodiscard]] std::int64_t most_instants() const {
-    return kind == Kind::stabilised ? most_stabilized_stages<double>() + 1 : instants();
+    return kind == Kind::stabilised ? most_stabilized_stages<double>() + 2 : instants();
   }
   [[nodiscard]] std::int64_t first_evaluations() const {
     return kind == Kind::kicks || first_same_as_last ? 1 : 0;

@@ -1,5 +1,5 @@
-/// Newton iterations of a body, each of a few conjugate gradients, as TruncatedNewton has them: the programs
-/// of devices.
+/// Newton iterations of a body, each of a few conjugate gradients, as TruncatedNewton has them, and bounds of
+/// its stiffness: the programs of devices.
 ///
 /// Vectors of degrees of freedom are in the order of the body, x, y, z of one free point after the other;
 /// displacements and velocities are stored as those of BodyStep. Whether conjugate gradients have ended is

@@ -179,7 +179,8 @@ void make_stages(int s, std::vector<StabilizedStage<Real>>& stages) {
 }
 
 /// Makes the stages of a step of length h, computed again only when their number changes: reach(s) >=
-/// |h| radius, at most most_stabilized_stages(); a radius that is NaN gives the fewest.
+/// |h| radius, at most most_stabilized_stages() or the odd number behind it; a radius that is NaN gives the
+/// fewest.
 template <class Polynomials, class Real>
 void choose_stages(Real h, Real radius, std::vector<StabilizedStage<Real>>& stages) {
   const Real x = std::abs(h) * radius,

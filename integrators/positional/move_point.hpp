@@ -62,7 +62,7 @@ HMAX_DEVICE inline void solve_by_amounts(const double* H, const double* r, doubl
 
 /// The step of Newton's method for the equations of one point, see VertexBlockDescent.
 /// @param mass     m_i [kg]
-/// @param f, K, C  of PointForce, which are overwritten
+/// @param f, K, C  of PointForce; f and K are overwritten
 /// @param away     q_i - q_0i - h v_0i
 HMAX_DEVICE inline void move_of_point(double mass, double h, double* f, double* K, const double* C,
                                       const double* away, double* move) {

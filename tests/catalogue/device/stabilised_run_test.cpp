@@ -60,6 +60,8 @@ void expect_same_radius(Device& device) {
     for (const double beta : {0.0, 0.01})
       expect_it(make_problem(std::string(model) + "@liver", {.parameters = {{"beta", beta}}}));
     if (model != std::string("mass_spring")) expect_it(uneven_body(0, model, SkinSettings::Kind::springs));
+    expect_it(uneven_body(0, model, SkinSettings::Kind::membrane));
+    expect_it(make_problem(std::string(model) + "@cube:n=3", {.parameters = {{"support_stiffness", 1e4}}}));
   }
 }
 
