@@ -129,6 +129,13 @@ void expect_same_on_other_elements(Device& device) {
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4"})
       expect_same(device, parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
   }
+  for (const Eigen::Vector3d& F : pressed)
+    for (const char* method : {"symplectic_euler", "rk4"})
+      expect_same(device, pressed_body(F, fibrous_body(uneven_body(2.5, "fem_corotational"))), method,
+                  {.t_end = 0.00103, .h = 1e-5});
+  // Fibres of no length have no direction.
+  const Parts along_x{"fem_corotational", {{"fibre_E", 2e4}, {"fibre_x", 1}}};
+  expect_same(device, pressed_body({0, 1, 1}, along_x.on("@cube:n=2")), "rk4", {.t_end = 0.00103, .h = 1e-5});
   constexpr auto skin = SkinSettings::Kind::springs;
   for (const Problem& body :
        {fibrous_body(uneven_body(2.5), true), fibrous_body(uneven_body(2.5, "fem_green", skin)),
@@ -553,6 +560,24 @@ TEST(BodyPatches, OwnEachFreePointOnceWithAllItsTetrahedra) {
   for (const TetMesh::Index p : problem.body->mesh().tetrahedra.reshaped())
     expected += free[static_cast<std::size_t>(p)];
   EXPECT_EQ(corners, expected);
+}
+
+TEST(BodyPatches, PlaceTheVolumesOfTetrahedraInNoPatch) {
+  const Problem problem = held_body();
+  const BodyPatches patches = body_patches(*problem.body);
+  const std::size_t places = patches.mu.size(),
+                    in_patches = static_cast<std::size_t>(patches.begin.back().tet);
+  EXPECT_LT(in_patches, places) << "there are some";
+  EXPECT_EQ(patches.volume.size(), places);
+  EXPECT_EQ(patches.averages.size(), places);
+  std::vector<bool> has_place(places, false);
+  for (const BodyTetrahedron& each : patches.tetrahedra) {
+    ASSERT_GE(each.place, 0);
+    ASSERT_LT(each.place, static_cast<std::int32_t>(places));
+    EXPECT_FALSE(has_place[static_cast<std::size_t>(each.place)]);
+    has_place[static_cast<std::size_t>(each.place)] = true;
+  }
+  EXPECT_EQ(patches.tetrahedra.size(), static_cast<std::size_t>(problem.body->mesh().tetrahedron_count()));
 }
 
 TEST(BodyPatches, BecomeSmallerUntilTheyFit) {

@@ -162,15 +162,18 @@ inline Problem moving_body(double beta, const char* model = "fem_green",
   return body_of(still.body->mesh(), settings);
 }
 
-/// An uneven body whose points begin at F X: turned inside out, flat, or at one place.
+/// A body whose points begin at F X: turned inside out, flat, or at one place.
 /// @param F  its diagonal
-inline Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {
-  Problem problem = uneven_body(2.5, model);
+inline Problem pressed_body(const Eigen::Vector3d& F, Problem problem) {
   const std::vector<TetMesh::Index>& free = problem.body->free_points();
   for (std::size_t i = 0; i < free.size(); ++i)
     problem.y0.segment<3>(3 * static_cast<Eigen::Index>(i)) =
         (F.array() - 1).matrix().cwiseProduct(problem.body->mesh().points.col(free[i]));
   return problem;
+}
+
+inline Problem pressed_body(const Eigen::Vector3d& F, const char* model = "fem_corotational") {
+  return pressed_body(F, uneven_body(2.5, model));
 }
 
 inline const std::array<Eigen::Vector3d, 4> pressed{Eigen::Vector3d{1.1, 0.9, -0.5},

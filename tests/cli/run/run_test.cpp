@@ -57,12 +57,12 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
                  "bodies on meshes");
   expect_refused(
       shell.hmax("run --mesh cube:n=3 --load tool --method symplectic_euler --h 1e-4 --device gpu"), "tool");
-  const Told told = shell.hmax(
+  const Told fibres = shell.hmax(
       "run --mesh cube:n=3 --set fibre_E=1000 --set fibre_x=1 --method newton_truncated --h 1e-2 --device "
       "gpu");
-  expect_refused(told, "fibres");
-  EXPECT_TRUE(says(told.err, "central_difference or an explicit Runge-Kutta method"))
-      << told.err << ": neither newton_truncated nor xpbd has fibres";
+  expect_refused(fibres, "fibres");
+  EXPECT_TRUE(says(fibres.err, "central_difference or an explicit Runge-Kutta method"))
+      << fibres.err << ": neither newton_truncated nor xpbd has fibres";
 }
 
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
