@@ -149,7 +149,6 @@ std::vector<Real> BodyOnDevice<Real>::lumped_damping(std::span<const Eigen::Vect
 template <class Real>
 BodyArrays<Real> BodyOnDevice<Real>::arrays() {
   const BodyPatches& p = patches_;
-  const auto first_motion = static_cast<std::int32_t>(numbers_of_a_load() * loads_.size());
   return {.patches = static_cast<std::int32_t>(p.begin.size()) - 1,
           .points = p.points,
           .free = p.free(),
@@ -195,10 +194,10 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .mass = there(p.mass),
           .anchor = p.anchor.empty() ? nullptr : there(p.anchor),
           .motions = static_cast<std::int32_t>(p.motions.size()),
-          .first_motion = first_motion,
+          .first_motion = static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()),
           .moved_by = there(p.moved_by),
           .rates = static_cast<std::int32_t>(p.rates.size()),
-          .first_rate = first_motion + 6 * static_cast<std::int32_t>(p.motions.size()),
+          .first_rate = static_cast<std::int32_t>(numbers_of_an_evaluation() - p.rates.size()),
           .support_drag = there(p.support_drag),
           .damped_by = there(p.damped_by),
           .damping = there(p.damping),

@@ -58,6 +58,14 @@ void set_times(BodyOnDevice<Real>& body, Steps& steps, std::int64_t first, std::
   body.set_times(times);
 }
 
+template <class Real>
+void begin(BodyOnDevice<Real>& body, const Eigen::VectorXd& y0) {
+  const double start = 0;
+  body.set({&y0, 1});
+  if (body.is_driven()) body.set_times({&start, 1});
+  body.start();
+}
+
 /// @param sink  may be empty
 template <class Real>
 RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSpec& spec, const Sink& sink) {
@@ -71,10 +79,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     record.outcome = Outcome::diverged;
     return record;
   }
-  const double start = 0;
-  body.set({&problem.y0, 1});
-  if (body.is_driven()) body.set_times({&start, 1});
-  body.start();
+  begin(body, problem.y0);
   Steps steps(spec, system, problem.y0);
   std::int64_t done = 0, most = at_once;
   const auto take_counts = [&] {
