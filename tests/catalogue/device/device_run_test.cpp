@@ -19,7 +19,6 @@
 #include "catalogue/device/point_step.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
-#include "problems/tissue/forces/tet_elements.hpp"
 #include "problems/tissue/positional_body.hpp"
 #include "tests/catalogue/device/device_runs.hpp"
 #include "tests/catalogue/device/gpu.hpp"
@@ -93,19 +92,6 @@ void expect_same_parts(Device& device) {
           uneven_body(2.5, "fem_neo_hookean", SkinSettings::Kind::membrane)})
       expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
 }
-
-/// A model and the parameters that give it parts beside its tetrahedra.
-struct Parts {
-  const char* model;
-  Parameters parameters{};
-  [[nodiscard]] Problem on(const std::string& mesh, Parameters more = {{"g", 9.81}}) const {
-    more.insert(more.end(), parameters.begin(), parameters.end());
-    return make_problem(model + mesh, {.parameters = more});
-  }
-};
-const Parts of_pressures{"fem_nodal_pressure"};
-const Parts of_ten_nodes{"fem_quadratic"};
-const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
 
 /// Shared pressures of a body that is held at many points, some tetrahedra at all of theirs, of a material
 /// that becomes thicker as it is pulled.
@@ -321,7 +307,9 @@ void expect_same_points(Device& device) {
     constexpr auto most = static_cast<std::size_t>(MovePoints::points);
     const Colours colours = PositionalBody::pieces_of(*large.body).colours;
     EXPECT_GT(colours[1].size(), most);
-    if (id == std::string("fem_cauchy@cube:n=7")) EXPECT_LE(colours[0].size(), most);
+    if (id == std::string("fem_cauchy@cube:n=7")) {
+      EXPECT_LE(colours[0].size(), most);
+    }
     expect_same(device, large, "vbd:iterations=2,rho=0.3", {.t_end = 0.02, .h = 0.01}, 3);
   }
 }
@@ -584,88 +572,6 @@ TEST(BodyPatches, BecomeSmallerUntilTheyFit) {
   const Problem problem = make_problem("fem_green@liver");
   EXPECT_LE(body_patches(*problem.body, 128, 1000).shared, 1000U);
   EXPECT_THROW(static_cast<void>(body_patches(*problem.body, 128, 20)), InputError);
-}
-
-TEST(DeviceRun, SaysWhatNoDeviceRuns) {
-  const Problem body = make_problem("fem_green@cube:n=2");
-  const auto why = [&](const Problem& problem, const char* method) {
-    return unsuited_for_device(problem, find_method(method));
-  };
-  const auto has = [](const std::string& text, const char* part) {
-    return text.find(part) != std::string::npos;
-  };
-  EXPECT_TRUE(has(why(make_problem("liver_forced"), "rk4"), "bodies on meshes"));
-  EXPECT_EQ(why(body, "rkc_2"), "");
-  EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
-  EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
-  EXPECT_TRUE(has(why(of_pressures.on("@cube:n=2"), "newton_truncated"), "shared pressures"));
-  EXPECT_TRUE(has(why(of_ten_nodes.on("@cube:n=2"), "newton_truncated"), "ten nodes"));
-  for (const char* method : {"rkc_2", "rkl_2"}) {
-    EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), method), "fibres"));
-    EXPECT_TRUE(has(why(damped_body(0, 0), method), "dampers"));
-    EXPECT_TRUE(has(why(moving_body(0), method), "supports that move"));
-    EXPECT_EQ(why(uneven_body(0, "fem_cauchy", SkinSettings::Kind::membrane), method), "");
-  }
-  TissueSettings others = body.body->settings();
-  others.model.make_elements = [](const TetMesh& mesh, std::span<const Lame> lame,
-                                  const BlockPattern& pattern) -> std::shared_ptr<const Elements> {
-    return std::make_shared<const TetElements<GreenStrain>>(mesh, lame, pattern);
-  };
-  EXPECT_TRUE(has(why(body_of(body.body->mesh(), others), "rk4"), "other elements"));
-  const Problem solid = make_problem("fem_neo_hookean@cube:n=2");
-  EXPECT_EQ(why(solid, "xpbd"), "");
-  EXPECT_TRUE(has(why(body, "xpbd"), "has the constraints of"));
-  EXPECT_EQ(why(body, "vbd"), "");
-  EXPECT_TRUE(has(why(body, "projective_dynamics"), "runs on no GPU"));
-  const Parameters on_springs{{"support_stiffness", 1e5}};
-  for (const char* method : {"xpbd", "vbd"})
-    EXPECT_TRUE(
-        has(why(make_problem("fem_neo_hookean@cube:n=2", {.parameters = on_springs}), method), "springs"));
-  for (const auto& [id, parameters, part] : std::vector<std::tuple<std::string, Parameters, const char*>>{
-           {"mass_spring@cube:n=2", {{"exponential", 3}}, "neither linear nor cubic"},
-           {"fem_green/tool@cube:n=2", {}, "tool"}})
-    EXPECT_TRUE(has(why(make_problem(id, {.parameters = parameters}), "symplectic_euler"), part)) << id;
-}
-
-TEST(DeviceRun, RefusesWhatMethodsDoNotDoThere) {
-  const Problem body = make_problem("fem_green@cube:n=2"), solid = make_problem("fem_neo_hookean@cube:n=2");
-  HostDevice device;
-  for (const char* method : {"xpbd", "vbd"}) {
-    EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method(method), {.t_end = 1, .h = 0.1},
-                                                 Precision::double_precision, 2)),
-                 InputError);
-    EXPECT_THROW(static_cast<void>(run_on_device(device, solid, find_method(method), {.t_end = 1, .h = 0.1},
-                                                 Precision::single_precision)),
-                 InputError);
-    const Method much = find_method(std::string(method) + ":substeps=30000");
-    EXPECT_THROW(static_cast<void>(on_device(much, std::make_shared<HostDevice>()).bind(solid)), InputError);
-  }
-  const Problem skinned = uneven_body(1, "fem_green", SkinSettings::Kind::springs);
-  EXPECT_THROW(static_cast<void>(on_device(find_method("vbd"), std::make_shared<HostDevice>()).bind(skinned)),
-               InputError)
-      << "points do not have the forces of a skin";
-  EXPECT_THROW(static_cast<void>(on_device(find_method("xpbd"), std::make_shared<HostDevice>()).bind(body)),
-               InputError)
-      << "Green's strain has no constraints";
-  EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("newton_truncated"),
-                                               {.t_end = 1, .h = 0.1}, Precision::single_precision)),
-               InputError);
-  EXPECT_THROW(static_cast<void>(run_on_device(device, body, find_method("rkc_2"), {.t_end = 1, .h = 0.1},
-                                               Precision::single_precision)),
-               InputError);
-  const RunSpec chosen{.t_end = 1e-3, .adaptive = true, .rtol = 1e-3, .atol = 1e-3};
-  const auto run = [&](const char* id, const RunSpec& spec, const Sink& sink) {
-    on_device(find_method(id), std::make_shared<HostDevice>()).bind(body).run(spec, sink);
-  };
-  EXPECT_NO_THROW(run("ode45", chosen, {}));
-  EXPECT_THROW(run("ode45", chosen, [](double, const auto&) {}), InputError);
-  EXPECT_THROW(run("rk4", chosen, {}), InputError);
-  EXPECT_THROW(run("rk4", {.t_end = 1e-3, .h = 1e-4, .every = 1e-3}, {}), InputError);
-  const auto run_many = [&](Precision precision, std::int32_t bodies) {
-    static_cast<void>(run_on_device(device, body, find_method("ode45"), chosen, precision, bodies));
-  };
-  EXPECT_THROW(run_many(Precision::single_precision, 1), InputError);
-  EXPECT_THROW(run_many(Precision::double_precision, 2), InputError);
 }
 
 TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {

@@ -131,6 +131,19 @@ inline Problem fibrous_body(const Problem& body, bool both = false) {
   return body_of(body.body->mesh(), settings);
 }
 
+/// A model and the parameters that give it parts beside its tetrahedra.
+struct Parts {
+  const char* model;
+  Parameters parameters{};
+  [[nodiscard]] Problem on(const std::string& mesh, Parameters more = {{"g", 9.81}}) const {
+    more.insert(more.end(), parameters.begin(), parameters.end());
+    return make_problem(model + mesh, {.parameters = more});
+  }
+};
+inline const Parts of_pressures{"fem_nodal_pressure"};
+inline const Parts of_ten_nodes{"fem_quadratic"};
+inline const Parts fibrous{"fem_green", {{"fibre_E", 2e4}, {"fibre_x", 1}, {"fibre_z", 0.4}}};
+
 /// Springs with dampers, and another set of springs on the surface, which begin to move.
 inline Problem damped_body(double alpha, double beta) {
   const Problem still = uneven_body(alpha, "mass_spring", SkinSettings::Kind::springs);
