@@ -115,9 +115,9 @@ Method pbd(const Parameters& values) {
         return CompliantConstraints::stiff(CompliantConstraints::share_of(stiffness, p[0].second));
       });
   method.unsuited = [of_constraints = method.unsuited](const Problem& problem) -> std::string {
+    if (problem.body && !problem.body->settings().model.is_of_springs())
+      return "keeps the lengths of springs, and a tetrahedron has none; take mass_spring, or of fem_neo_hookean the method xpbd";
     if (std::string why = of_constraints(problem); !why.empty()) return why;
-    if (!problem.body->settings().model.is_of_springs())
-      return "keeps the lengths of springs, and a tetrahedron has none; take mass_spring, or the method xpbd";
     if (problem.body->settings().beta != 0)
       return "has no damping of stiffness; leave beta out, or take the method xpbd";
     return {};

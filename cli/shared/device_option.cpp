@@ -47,16 +47,19 @@ std::shared_ptr<Device> DeviceChoice::place(const std::vector<Problem>& problems
   std::vector<Method*> run;
   for (Method& method : methods) {
     std::string why;
-    for (const Problem& problem : problems)
+    for (const Problem& problem : problems) {
+      if (why.empty() && method.unsuited) why = method.unsuited(problem);
       if (why.empty()) why = unsuited_for_device(problem, method);
+    }
     if (why.empty())
       run.push_back(&method);
     else
       left_out.push_back({method.id, std::move(why)});
   }
   if (run.empty())
-    throw InputError(fmt::format("--device gpu runs none of these methods: {} {}", left_out.front().id,
-                                 left_out.front().why));
+    throw InputError(
+        fmt::format("--device gpu runs none of these methods: {} {}; leave --device out, or name others",
+                    left_out.front().id, left_out.front().why));
   const std::shared_ptr<Device> device = open_gpu();
   for (Method* const method : run) *method = on_device(std::move(*method), device);
   return device;

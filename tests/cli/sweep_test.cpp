@@ -86,7 +86,8 @@ TEST(SweepCommand, MeasuresOnAGpuOrSaysWhyNot) {
   }
   expect_refused(shell.hmax(cube + "--device tpu"), "--device");
   expect_refused(shell.hmax(cube + "--methods newmark --device gpu"),
-                 "runs none of these methods: newmark runs on no GPU");
+                 "runs none of these methods: newmark runs on no GPU; leave --device out");
+  expect_refused(shell.hmax(cube + "--methods pbd --device gpu"), "pbd keeps the lengths of springs");
   expect_refused(shell.hmax("sweep --methods rk4 --device gpu"), "bodies on meshes alone");
   for (const std::string option : {"--sampled", "--explore", "--rtol 1e-3"})
     expect_refused(shell.hmax(ask + option),
