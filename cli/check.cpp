@@ -99,7 +99,8 @@ void check_accuracy(const CheckOptions& options, Console& console) {
   check_choices(options);
   const std::filesystem::path file = baseline_file(options.baseline);
   std::vector<AccuracyRow> baseline, others;
-  if (!options.update || std::filesystem::exists(file)) baseline = read_baseline(file);
+  std::error_code ignored;
+  if (!options.update || std::filesystem::exists(file, ignored)) baseline = read_baseline(file);
 
   const AccuracyPlan plan = plan_of(options, console);
   if (options.chooses()) {

@@ -113,7 +113,8 @@ RunCheckpoint::RunCheckpoint(CheckpointOptions options) : options_(std::move(opt
 
 void RunCheckpoint::read() try {
   const std::filesystem::path& file = options_.file;
-  if (!std::filesystem::is_regular_file(file))
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored))
     throw InputError(fmt::format("checkpoint {} is no regular file; give another name", file.string()));
   Checkpoint found = read_checkpoint(file);
   if (const auto difference = first_difference(found.facts, options_.facts))

@@ -122,7 +122,8 @@ void seek_beside(const std::string& sweep_file, std::vector<std::string>& names)
     if (kind != ProblemKind::body) continue;
     // A mesh that is no file has a name.
     const std::size_t mesh = name.find('@') + 1;
-    if (std::filesystem::is_regular_file(beside(name.substr(mesh))))
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(beside(name.substr(mesh)), ignored))
       name = name.substr(0, mesh) + beside(name.substr(mesh));
   }
 }

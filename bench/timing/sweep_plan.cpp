@@ -347,7 +347,8 @@ SweepPlan plan_sweep(const SweepSpec& spec) {
 }
 
 bool can_resume(const SweepPlan& plan, const fs::path& file) {
-  if (!fs::exists(file)) return true;
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return true;
   const Store store = Store::open_existing(file);
   const auto notes = store.notes();
   const auto made_by = notes.find(sweep_note);

@@ -195,8 +195,9 @@ std::string words_of_left_out(const AdviseOptions& options, const Problem& probl
 
 /// @throws InputError  for a store or a page that cannot have its name, and for a file that is no store
 void check_names(const AdviseOptions& options) {
+  std::error_code ignored;
   if (!options.out.empty())
-    if (const std::filesystem::path store = store_path(options.out); std::filesystem::exists(store))
+    if (const std::filesystem::path store = store_path(options.out); std::filesystem::exists(store, ignored))
       (void)Store::open_existing(store);
   if (!options.output.empty() && !writes_scene(options)) check_page_name(options.output, "advice.html");
 }

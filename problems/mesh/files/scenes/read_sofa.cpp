@@ -78,7 +78,8 @@ class SofaMeshReader {
     if (lower(name).ends_with(".scn"))
       file_.fail(loader, "a scene is no mesh of another one; name a .msh or .vtk");
     const std::filesystem::path path = std::filesystem::path(file_.name()).parent_path() / name;
-    if (!std::filesystem::exists(path))
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored))
       file_.fail(loader, "there is no file " + in_quotes(path.string()) +
                              "; SOFA also looks into its own folders, so copy it there");
     return read_mesh_file(path);

@@ -28,6 +28,16 @@ TEST(SofaFiles, TellTheSameMeshAsOtherFormats) {
   EXPECT_EQ(file.groups[0].corners, (std::vector<TetMesh::Index>{0, 1, 2, 4}));
 }
 
+TEST(SofaFiles, SayThatTheFileOfTheirMeshIsMissing) {
+  for (const std::string& name : {std::string("none"), std::string(300, 'n')}) {
+    const std::string text = "<Node name=\"root\">\n<MeshGmshLoader name=\"file\" filename=\"" + name +
+                             ".msh\"/>\n<TetrahedronSetTopologyContainer src=\"@file\"/>\n"
+                             "<MechanicalObject/>\n</Node>\n";
+    EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.scn", text)); }),
+                     "there is no file"));
+  }
+}
+
 /// Whatever a damaged file says, it is refused in one sentence or is a mesh.
 TEST(SofaFiles, SurviveDamage) {
   std::size_t refused = 0;
