@@ -91,6 +91,19 @@ HMAX_DEVICE inline const Real* loads_of(const BodyStep<Real>& step, std::int64_t
   return step.loads + (*step.evaluated + evaluation) * step.next_loads;
 }
 
+/// Where the displacement of a degree of freedom stands, all bodies counted.
+template <class Real>
+HMAX_DEVICE inline std::int64_t place_of(const BodyStep<Real>& step, std::int64_t dof) {
+  return dof / step.body.free * step.body.points + dof % step.body.free;
+}
+
+/// Tells whether a new displacement or velocity is too large, or no number.
+template <class Real>
+HMAX_DEVICE inline void watch(const BodyStep<Real>& step, Real q, Real v) {
+  const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
+  if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
+}
+
 /// Numbers that the threads of a block share: positions of `points`, forces of `slots`, pressures of
 /// averages.
 HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots,
@@ -427,8 +440,7 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, const Real* loads
   if (step.move == Move::stage) sum_slopes(step, at, dof, q, v);
   if constexpr (std::is_same_v<Real, double>)
     if (step.move == Move::recurrence) next_stage(step, at, dof, a, q, v);
-  const Real distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
-  if (!(distance <= step.body.watch && speed <= immense<Real>)) *step.left = 1;
+  watch(step, q, v);
   step.q_next[at] = q;
   step.v_next[dof] = v;
 }
@@ -589,10 +601,9 @@ HMAX_DEVICE std::int64_t count_of(const FirstKick<Real>& first) {
 template <class Real>
 HMAX_DEVICE inline void run_thread(std::true_type, const FirstKick<Real>& first, std::int64_t dof) {
   const BodyStep<Real>& step = first.step;
-  const std::int64_t at = dof / step.body.free * step.body.points + dof % step.body.free;
+  const std::int64_t at = place_of(step, dof);
   const Real v = step.v[dof] + step.half * step.a[dof], q = step.q[at] + step.h * v;
-  const Real distance = q < 0 ? -q : q;
-  if (!(distance <= step.body.watch)) *step.left = 1;
+  watch(step, q, v);
   step.q_next[at] = q;
   if (step.half_v) step.half_v[dof] = v;
   step.v[dof] = step.half_v ? v + step.half * step.a[dof] : v;
@@ -614,8 +625,7 @@ HMAX_DEVICE std::int64_t count_of(const KnownStage<Real>& known) {
 template <class Real>
 HMAX_DEVICE inline void run_thread(std::true_type, const KnownStage<Real>& known, std::int64_t dof) {
   const BodyStep<Real>& step = known.step;
-  const std::int64_t at = dof / step.body.free * step.body.points + dof % step.body.free,
-                     size = slope_size(step);
+  const std::int64_t at = place_of(step, dof), size = slope_size(step);
   const Real* const k = step.sum.slopes + 2 * known.stage * size + dof;
   keep_slope(step, dof, k[0], k[size]);
   sum_slopes(step, at, dof, step.q_next[at], step.v_next[dof]);

@@ -152,8 +152,7 @@ HMAX_DEVICE inline void run_thread(std::true_type, const NewtonEnd& end, std::in
   const DofPlace place(end.newton, end.step, n);
   const double q = end.step.q_next[place.at] + end.newton.dq[n];
   const double v = (q - end.step.q[place.at]) / end.newton.h;
-  const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
-  if (!(distance <= end.step.body.watch && speed <= immense<double>)) *end.step.left = 1;
+  watch(end.step, q, v);
   end.step.q_next[place.at] = q;
   end.step.v_next[place.dof] = v;
 }

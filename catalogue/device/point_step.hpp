@@ -33,7 +33,7 @@ HMAX_DEVICE inline std::int64_t count_of(const PointIteration& iteration) {
 }
 HMAX_DEVICE inline void run_thread(std::true_type, const PointIteration& iteration, std::int64_t n) {
   const BodyStep<double>& step = iteration.step;
-  const std::int64_t at = n / step.body.free * step.body.points + n % step.body.free;
+  const std::int64_t at = place_of(step, n);
   double q = step.q_next[at];
   if (iteration.before) {
     const double before = iteration.before[n];

@@ -177,10 +177,9 @@ HMAX_DEVICE inline std::int64_t count_of(const SubstepEnd& end) {
 }
 HMAX_DEVICE inline void run_thread(std::true_type, const SubstepEnd& end, std::int64_t n) {
   const BodyStep<double>& step = end.step;
-  const std::int64_t at = n / step.body.free * step.body.points + n % step.body.free;
+  const std::int64_t at = place_of(step, n);
   const double q = step.q_next[at], v = (q - step.q[at]) / end.h;
-  const double distance = q < 0 ? -q : q, speed = v < 0 ? -v : v;
-  if (!(distance <= step.body.watch && speed <= immense<double>)) *step.left = 1;
+  watch(step, q, v);
   step.v_next[n] = v;
 }
 
