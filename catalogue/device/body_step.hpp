@@ -515,8 +515,9 @@ HMAX_DEVICE void body_step(Kind kind, const Block& block, const BodyStep<Real>& 
     else
       tetrahedron_forces<Kind>(body, from.tet + n, points, slots, u, pressures, f);
   });
-  block.each(to.fibre - from.fibre,
-             [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
+  if constexpr (Kind::has_more)
+    block.each(to.fibre - from.fibre,
+               [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
   const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
   if (of_set[body.sets] > of_set[0] ||
       (Kind::has_more && (to.damper > from.damper || to.triangle > from.triangle))) {

@@ -75,7 +75,7 @@ struct BodyMatrix {
   double alpha;            ///< [1/s]
   double* values;          ///< A, shape (blocks, 9)
   double* diagonal;        ///< shape (dofs)
-  [[nodiscard]] bool has_more() const { return dampers || triangles; }  ///< as BodyArrays
+  [[nodiscard]] bool has_more() const { return dampers || triangles; }  ///< as BodyArrays, but fibres
   bool operator==(const BodyMatrix&) const = default;
 };
 

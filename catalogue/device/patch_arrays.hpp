@@ -20,7 +20,7 @@ enum class PatchElements : std::uint8_t {
 };
 
 /// What is known of a body when its steps are compiled.
-/// @tparam more  whether it may have dampers or triangles, whose forces need more registers
+/// @tparam more  whether it may have fibres, dampers or triangles, whose forces need more registers
 template <TetLaw law_of, PatchElements elements_of, bool more>
 struct BodyKind {
   static constexpr TetLaw law = law_of;
@@ -138,7 +138,7 @@ struct BodyArrays {
   std::int32_t damps;
   Real watch;           ///< a larger displacement [m] is told
   std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
-  [[nodiscard]] bool has_more() const { return dampers > 0 || triangles > 0; }  ///< see BodyKind
+  [[nodiscard]] bool has_more() const { return fibres + dampers + triangles > 0; }  ///< see BodyKind
   bool operator==(const BodyArrays&) const = default;
 };
 
