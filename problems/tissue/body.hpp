@@ -86,8 +86,8 @@ class TissueBody {
   [[nodiscard]] double kinetic_energy(const Dofs& v) const;
 
   /// A bound of the absolute values of the eigenvalues of the Jacobian [1/s]. For an eigenvector with
-  /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by c and k of
-  /// bound_of(), so that
+  /// positions x, |x| = 1 in the norm of M, l^2 + l x*Cx + x*Kx = 0; the two products are bounded by c and k
+  /// of bound_of(), so that
   ///   |l| <= (c + sqrt(c^2 + 4 k)) / 2.
   /// Allocates K and C one after the other.
   [[nodiscard]] double spectral_radius(double t, const State& y) const;
