@@ -99,7 +99,7 @@ class SystemOnDevice {
     step.q = y.q, step.v = y.v;
     step.sum.slopes = slope.q, step.sum.stage = 0;
     step.evaluation = static_cast<std::int32_t>(attempt_.times.size());
-    attempt_.body.append_step(step, attempt_.programs);
+    append_step(step, attempt_.programs);
     attempt_.times.push_back(processor_.inside(t));
   }
   /// The stages of a step, later. @param known  as BodyOnDevice::append_stages()
@@ -137,7 +137,7 @@ class RungeKuttaOnDevice {
     y_new = y.q == there.q ? StateOnDevice{there.q_next, there.v_next} : StateOnDevice{there.q, there.v};
     if (radius_is_due_) attempt_.body.find_radius(y.q);
     radius_is_due_ = false;
-    attempt_.body.choose_stages(h);
+    attempt_.body.prepare(h);
     attempt_.body.count_steps(1);
     step_.h = h;
     step_.sum.q = step_.q = y.q, step_.sum.v = step_.v = y.v;

@@ -27,14 +27,13 @@ MatrixArrays::Lists lists_of(const BlockTerms& terms) {
 class MatrixMaker {
  public:
   MatrixMaker(const TissueBody& body, std::span<const std::int32_t> number)
-      : body_(body), number_(number), free_(at(static_cast<Index>(body.mesh().point_count())), -1) {
+      : body_(body),
+        number_(number),
+        free_(at(static_cast<Index>(body.mesh().point_count())), -1),
+        made_(pattern_arrays(body)) {
     for (std::size_t i = 0; i < body.free_points().size(); ++i)
       free_[at(body.free_points()[i])] = static_cast<std::int32_t>(i);
-    const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
-    TissueBody::DofMatrix C;
-    body.damping(0, still, still, C);
-    take_pattern(C);
-    if (body.settings().beta != 0) take_damping(body.rayleigh());
+    if (body.settings().beta != 0) made_.damping = made_.entries_of(body.rayleigh());
     made_.alpha = body.settings().alpha;
   }
 
@@ -51,29 +50,7 @@ class MatrixMaker {
   }
 
  private:
-  /// Rows of blocks are columns: the pattern is symmetric.
-  void take_pattern(const TissueBody::DofMatrix& C) {
-    made_.first.push_back(0);
-    for (std::int32_t j = 0; j < static_cast<std::int32_t>(C.cols() / 3); ++j) {
-      for (TissueBody::DofMatrix::InnerIterator entry(C, 3 * j); entry; ++entry)
-        if (entry.row() % 3 == 0) {
-          made_.row.push_back(j);
-          made_.column.push_back(static_cast<std::int32_t>(entry.row() / 3));
-        }
-      made_.first.push_back(static_cast<std::int32_t>(made_.column.size()));
-    }
-  }
-
   [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const { return made_.block(i, j); }
-
-  void take_damping(const TissueBody::DofMatrix& C) {
-    made_.damping.resize(9 * made_.blocks());
-    for (Eigen::Index j = 0; j < C.cols(); ++j)
-      for (TissueBody::DofMatrix::InnerIterator entry(C, j); entry; ++entry)
-        made_
-            .damping[9 * block(static_cast<std::int32_t>(entry.row() / 3), static_cast<std::int32_t>(j / 3)) +
-                     at(3 * (entry.row() % 3) + j % 3)] = entry.value();
-  }
 
   /// The pairs of GreenElements: free points, then a free and a supported one in the order of both.
   void make_pairs(std::span<const TetBlock> blocks) {
@@ -238,6 +215,35 @@ class MatrixMaker {
 std::size_t MatrixArrays::block(std::int32_t i, std::int32_t j) const {
   const auto from = column.begin() + first[at(i)], to = column.begin() + first[at(i) + 1];
   return static_cast<std::size_t>(std::lower_bound(from, to, j) - column.begin());
+}
+
+std::vector<double> MatrixArrays::entries_of(const TissueBody::DofMatrix& matrix) const {
+  std::vector<double> entries(9 * blocks());
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+    for (TissueBody::DofMatrix::InnerIterator entry(matrix, j); entry; ++entry) {
+      const std::size_t number =
+          block(static_cast<std::int32_t>(entry.row() / 3), static_cast<std::int32_t>(j / 3));
+      entries[9 * number + at(3 * (entry.row() % 3) + j % 3)] = entry.value();
+    }
+  return entries;
+}
+
+MatrixArrays pattern_arrays(const TissueBody& body) {
+  // That of damping is the one of the stiffness; rows of blocks are columns, as it is symmetric.
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
+  TissueBody::DofMatrix C;
+  body.damping(0, still, still, C);
+  MatrixArrays made;
+  made.first.push_back(0);
+  for (std::int32_t j = 0; j < static_cast<std::int32_t>(C.cols() / 3); ++j) {
+    for (TissueBody::DofMatrix::InnerIterator entry(C, 3 * j); entry; ++entry)
+      if (entry.row() % 3 == 0) {
+        made.row.push_back(j);
+        made.column.push_back(static_cast<std::int32_t>(entry.row() / 3));
+      }
+    made.first.push_back(static_cast<std::int32_t>(made.column.size()));
+  }
+  return made;
 }
 
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number) {

@@ -32,12 +32,17 @@ struct MatrixArrays {
   [[nodiscard]] std::size_t blocks() const { return column.size(); }
   /// The number of a block of the pattern.
   [[nodiscard]] std::size_t block(std::int32_t i, std::int32_t j) const;
+  /// The entries of a matrix of this pattern, shape (blocks, 9).
+  [[nodiscard]] std::vector<double> entries_of(const TissueBody::DofMatrix& matrix) const;
   [[nodiscard]] std::size_t sums() const { return terms.first.empty() ? 0 : terms.first.size() - 1; }
 };
 
 /// @param body    one that unsuited_for_patches() has nothing against
 /// @param number  of each point of the mesh among those of BodyArrays
 MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t> number);
+
+/// Its pattern alone.
+MatrixArrays pattern_arrays(const TissueBody& body);
 
 /// Why the stiffness of a body that has patches is not found there, "has ..."; empty where it is.
 std::string unsuited_for_matrix(const TissueBody& body);

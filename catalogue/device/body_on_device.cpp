@@ -253,7 +253,7 @@ void BodyOnDevice<Real>::set(std::span<const Eigen::VectorXd> y) {
     if (to) device_.write(to, q.data(), displacements());
   device_.write(step_.v, v.data(), velocities());
   if (lumped_) device_.write(lumped_, lumped_damping(y).data(), velocities());
-  if (newton_) newton_->reset();
+  if (newton_) newton_->start(y[0]);
   counted_ = {};
   static_cast<void>(left());
 }
@@ -404,7 +404,8 @@ void BodyOnDevice<Real>::find_radius(Real* q) {
 }
 
 template <class Real>
-void BodyOnDevice<Real>::choose_stages(double h) {
+void BodyOnDevice<Real>::prepare(double h) {
+  if (newton_) newton_->prepare(h / method_.iterated.substeps);
   if (!radius_) return;
   std::vector<StabilizedStage<double>>& stages = method_.by_radius.stages;
   method_.by_radius.choose(h, found_radius_, stages);

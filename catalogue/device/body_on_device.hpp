@@ -55,18 +55,13 @@ class BodyOnDevice {
   void advance(double h, std::int64_t count);
   /// How many steps advance() may take at a time.
   [[nodiscard]] std::int64_t steps_at_once() const;
-  /// Of methods whose stages follow the spectral radius: finds that at displacements q, as of BodyStep, and
-  /// the stages of a step of h by the last one that was found. Nothing of others.
+  /// Of methods whose stages follow the spectral radius: finds that at displacements q, as of BodyStep.
+  /// Nothing of others.
   void find_radius(Real* q);
-  void choose_stages(double h);
+  /// What steps of h have in common: stages by the last radius that was found, a frozen matrix.
+  void prepare(double h);
   /// The longest step that is stable with the most stages [s]; infinite of other methods.
   [[nodiscard]] double longest_step() const;
-  /// Appends an evaluation of the forces at (step.q, step.v), and what its move makes of them.
-  static void append_step(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
-    if (step.body.elements == PatchElements::of_pressures)
-      programs.push_back({VolumeShares<Real>{step, step.evaluation}});
-    programs.push_back({step});
-  }
   /// Appends the stages of a Runge-Kutta or stabilised method, as many evaluations as instants().
   /// @param known  the stage of an earlier step whose slope is that of the first one, which then is not
   ///               evaluated

@@ -54,7 +54,10 @@ std::optional<DeviceMethod> iterated_method(const Method& method) {
   else if (family != "xpbd" && family != "pbd")
     return {};
   made.iterated = {.iterations = count("iterations"), .substeps = count("substeps")};
-  if (family == "newton_truncated") made.iterated.gradients = count("cg");
+  if (family == "newton_truncated") {
+    made.iterated.gradients = count("cg");
+    made.iterated.frozen = value("frozen") == 1;
+  }
   if (family == "vbd") made.iterated.rho = value("rho");
   if (family == "xpbd") made.iterated.resets = value("reset") == 1;
   if (family == "pbd")

@@ -15,13 +15,16 @@ namespace hmax {
 struct IteratedSteps {
   std::int32_t iterations = 0, substeps = 0;
   std::int32_t gradients = 0;     ///< of truncated Newton: conjugate gradients of an iteration
+  bool frozen = false;            ///< of truncated Newton: K and C are those of the start
   bool resets = false;            ///< of constraints, as CompliantConstraints: multipliers begin at 0
   std::optional<double> share{};  ///< of constraints without compliance
   double rho = 0;                 ///< of points, as VertexBlockDescent
   /// Iterations of a step.
   [[nodiscard]] std::int64_t all() const { return std::int64_t{iterations} * substeps; }
   /// Programs of a step of truncated Newton, and those that a list may have.
-  [[nodiscard]] std::int64_t programs() const { return substeps + all() * (5 + 2 * std::int64_t{gradients}); }
+  [[nodiscard]] std::int64_t programs() const {
+    return substeps + all() * ((frozen ? 3 : 5) + 2 * std::int64_t{gradients});
+  }
   static constexpr std::int64_t most_programs = 4096;
 };
 
@@ -68,6 +71,15 @@ struct DeviceMethod {
   [[nodiscard]] const char* steps_alone() const {
     if (kind == Kind::stabilised) return "stabilised methods";
     return is_iterated() ? "methods of iterations" : nullptr;
+  }
+  /// Whether the device adds up the stiffness of the body.
+  [[nodiscard]] bool assembles() const {
+    return kind == Kind::stabilised || (kind == Kind::newton && !iterated.frozen);
+  }
+  /// Of truncated Newton: Jacobians of so many steps.
+  [[nodiscard]] std::int64_t jacobians(std::int64_t steps) const {
+    if (kind != Kind::newton) return 0;
+    return iterated.frozen ? 1 : iterated.all() * steps;
   }
   /// Slopes that are kept, and the last one of them.
   [[nodiscard]] std::int32_t slopes() const {

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 #include "catalogue/device/body_step.hpp"
 #include "catalogue/device/device.hpp"
@@ -184,6 +185,14 @@ struct DeviceProgram {
     });
   }
 };
+
+/// Appends an evaluation of the forces at (step.q, step.v), and what its move makes of them.
+template <class Real>
+void append_step(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
+  if (step.body.elements == PatchElements::of_pressures)
+    programs.push_back({VolumeShares<Real>{step, step.evaluation}});
+  programs.push_back({step});
+}
 
 inline void Device::run(const DeviceProgram& program) { run({&program, 1}, 1, {}); }
 

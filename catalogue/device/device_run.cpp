@@ -96,7 +96,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
         next.last ? 1 : std::min({most, steps.count() - 1 - done, seen_every - done % seen_every});
     body.keep();
     body.find_radius(body.step().q);
-    body.choose_stages(next.h);
+    body.prepare(next.h);
     set_times(body, steps, done, count);
     body.advance(next.h, count);
     if (!body.left()) {
@@ -123,7 +123,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   const DeviceMethod& method = body.method();
   const std::int64_t taken = done + (diverged ? 1 : 0);
   record.stats.newton = method.iterated.all() * taken;
-  if (method.kind == DeviceMethod::Kind::newton) record.stats.jacobian = record.stats.newton;
+  record.stats.jacobian = method.jacobians(taken);
   if (!diverged) take_counts();
   return record;
 }
@@ -162,8 +162,10 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (known->kind == Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
-  if (why.empty() && (known->kind == Kind::newton || known->kind == Kind::stabilised))
+  if (why.empty() && known->assembles()) {
     why = unsuited_for_matrix(body);
+    if (!why.empty() && known->kind == Kind::newton) why += "; add frozen=1, which keeps that of the start";
+  }
   if (why.empty() && known->kind == Kind::stabilised) why = unsuited_for_radius(body);
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }

@@ -1,12 +1,16 @@
 #include "catalogue/device/newton_on_device.hpp"
 
+#include "integrators/positional/truncated_newton.hpp"
+
 namespace hmax {
 
 NewtonOnDevice::NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches,
                                const IteratedSteps& steps)
     : memory_(memory),
+      body_(body),
       steps_(steps),
-      matrix_(memory, matrix_arrays(body, patches.number), patches),
+      pattern_(steps.frozen ? pattern_arrays(body) : MatrixArrays{}),
+      matrix_(memory, steps.frozen ? pattern_ : matrix_arrays(body, patches.number), patches),
       arrays_(matrix_.arrays()),
       kept_(memory.room<std::int64_t>(1)) {
   const auto dofs = static_cast<std::size_t>(arrays_.dofs()),
@@ -17,7 +21,6 @@ NewtonOnDevice::NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, con
   for (double** const each : {&arrays_.rr, &arrays_.rz, &arrays_.pAp}) *each = memory.room<double>(pieces);
   arrays_.states = memory.room<GradientState>(static_cast<std::size_t>(steps.gradients));
   arrays_.iterations = memory.room<std::int64_t>(1);
-  reset();
 }
 
 void NewtonOnDevice::append(const BodyStep<double>& step, double h,
@@ -30,8 +33,8 @@ void NewtonOnDevice::append(const BodyStep<double>& step, double h,
   force.q = step.q_next;
   force.v = step.v_next;
   for (std::int32_t i = 0; i < steps_.iterations; ++i) {
-    programs.push_back({force});
-    MatrixOnDevice::append(newton, step, programs);
+    append_step(force, programs);
+    if (!steps_.frozen) MatrixOnDevice::append(newton, step, programs);
     programs.push_back({GradientBegin{{newton, 0}, step}});
     for (std::int32_t k = 0; k < steps_.gradients; ++k) {
       programs.push_back({GradientProduct{{newton, k}}});
@@ -47,9 +50,26 @@ std::int64_t NewtonOnDevice::iterations() {
   return count;
 }
 
-void NewtonOnDevice::reset() {
+void NewtonOnDevice::start(const Eigen::VectorXd& y) {
   const std::int64_t none = 0;
   memory_.device().write(arrays_.iterations, &none, sizeof none);
+  if (!steps_.frozen) return;
+  body_.stiffness(0, y.head(body_.dofs()), y.tail(body_.dofs()), K_);
+  body_.damping(0, y.head(body_.dofs()), y.tail(body_.dofs()), C_);
+  h_ = 0;
+}
+
+void NewtonOnDevice::prepare(double h) {
+  if (!steps_.frozen || h == h_) return;
+  TissueBody::DofMatrix A = K_;
+  TruncatedNewton::complete(A, C_, body_.mass(), h);
+  const std::vector<double> entries = pattern_.entries_of(A);
+  const Eigen::VectorXd diagonal = A.diagonal();
+  Device& device = memory_.device();
+  device.write(arrays_.matrix.values, entries.data(), sizeof(double) * entries.size());
+  device.write(arrays_.matrix.diagonal, diagonal.data(),
+               static_cast<std::size_t>(arrays_.dofs()) * sizeof(double));
+  h_ = h;
 }
 
 void NewtonOnDevice::keep() { memory_.device().copy(kept_, arrays_.iterations, sizeof *kept_); }
@@ -58,7 +78,7 @@ void NewtonOnDevice::go_back() { memory_.device().copy(arrays_.iterations, kept_
 double NewtonOnDevice::flops() const {
   const double blocks = arrays_.matrix.blocks, dofs = arrays_.dofs();
   const double gradients = static_cast<double>(steps_.gradients) * (18 * blocks + 13 * dofs);
-  return static_cast<double>(steps_.all()) * (matrix_.flops() + gradients + 12 * dofs);
+  return static_cast<double>(steps_.all()) * ((steps_.frozen ? 0 : matrix_.flops()) + gradients + 12 * dofs);
 }
 
 double NewtonOnDevice::bytes() const {
@@ -66,7 +86,8 @@ double NewtonOnDevice::bytes() const {
   const double blocks = arrays_.matrix.blocks, dofs = arrays_.dofs();
   const double gradients =
       static_cast<double>(steps_.gradients) * ((9 * number + place) * blocks + 13 * number * dofs);
-  return static_cast<double>(steps_.all()) * (matrix_.bytes() + gradients + 14 * number * dofs);
+  return static_cast<double>(steps_.all()) *
+         ((steps_.frozen ? 0 : matrix_.bytes()) + gradients + 14 * number * dofs);
 }
 
 }  // namespace hmax

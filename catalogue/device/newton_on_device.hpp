@@ -15,16 +15,20 @@ namespace hmax {
 /// What truncated Newton has beside BodyStep.
 class NewtonOnDevice {
  public:
-  /// @param memory  outlives this
+  /// @param memory, body  outlive this
   NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches,
                  const IteratedSteps& steps);
 
   /// The programs of a substep of h from step.q to step.q_next.
   void append(const BodyStep<double>& step, double h, std::vector<DeviceProgram>& programs) const;
 
-  /// Conjugate gradients since reset().
+  /// A run from y begins.
+  void start(const Eigen::VectorXd& y);
+  /// Substeps of h follow: a frozen matrix is that of h.
+  void prepare(double h);
+
+  /// Conjugate gradients since start().
   [[nodiscard]] std::int64_t iterations();
-  void reset();
   void keep();
   void go_back();
 
@@ -34,7 +38,11 @@ class NewtonOnDevice {
 
  private:
   DeviceMemory& memory_;
+  const TissueBody& body_;
   IteratedSteps steps_;
+  MatrixArrays pattern_;         ///< of a frozen matrix
+  TissueBody::DofMatrix K_, C_;  ///< of its start
+  double h_ = 0;                 ///< its own; 0: there is none
   MatrixOnDevice matrix_;
   NewtonArrays arrays_;
   std::int64_t* kept_;

@@ -36,6 +36,16 @@ int count_of(std::string_view method, const Parameters& values, std::size_t whic
   return static_cast<int>(value);
 }
 
+/// 0 or 1.
+/// @throws InputError  where a parameter is neither
+bool is_chosen(std::string_view method, const Parameters& values, std::size_t which, const char* meaning) {
+  const auto& [name, value] = values[which];
+  if (value != 0 && value != 1)
+    throw InputError(
+        fmt::format("{} of {} is {} but must be 0 or 1: {}", name, method, to_text(value), meaning));
+  return value == 1;
+}
+
 /// The last body that was asked for, with its verbs: maps of one step bind the method in every step.
 class LastBody {
  public:
@@ -91,13 +101,8 @@ Method vbd(const Parameters& values) {
 Method xpbd(const Parameters& values) {
   Method method =
       positional("xpbd", "macklin2016xpbd", PositionalVerbs::constraints, values, [](const Parameters& p) {
-        const double reset = p[2].second;
-        if (reset != 0 && reset != 1)
-          throw InputError(
-              fmt::format("reset of xpbd is {} but must be 0 or 1: 1 forgets the multipliers in "
-                          "every iteration, as some engines do",
-                          to_text(reset)));
-        return CompliantConstraints(reset == 1);
+        return CompliantConstraints(
+            is_chosen("xpbd", p, 2, "1 forgets the multipliers in every iteration, as some engines do"));
       });
   method.note = "meets one compliant constraint after the other";
   return method;
@@ -134,10 +139,14 @@ Method projective_dynamics(const Parameters& values) {
 }
 
 Method newton_truncated(const Parameters& values) {
-  Method method =
-      positional("newton_truncated", "baraff1998large", PositionalVerbs::forces, values,
-                 [](const Parameters& p) { return TruncatedNewton(count_of("newton_truncated", p, 2)); });
-  method.note = "iterations of Newton's method, each of a few conjugate gradients (cg)";
+  Method method = positional(
+      "newton_truncated", "baraff1998large", PositionalVerbs::forces, values, [](const Parameters& p) {
+        return TruncatedNewton(
+            count_of("newton_truncated", p, 2),
+            is_chosen("newton_truncated", p, 3, "1 keeps the stiffness and damping of the start of the run"));
+      });
+  method.note =
+      "iterations of Newton's method, each of a few conjugate gradients (cg); frozen=1 keeps the matrix of the start";
   return method;
 }
 
@@ -148,7 +157,8 @@ void add_positional(std::vector<Method>& all) {
   all.push_back(with_defaults(xpbd, {{"iterations", 10}, {"substeps", 1}, {"reset", 0}}));
   all.push_back(with_defaults(pbd, {{"iterations", 10}, {"substeps", 1}, {"stiffness", 1}}));
   all.push_back(with_defaults(projective_dynamics, {{"iterations", 10}, {"substeps", 1}}));
-  all.push_back(with_defaults(newton_truncated, {{"iterations", 1}, {"substeps", 1}, {"cg", 10}}));
+  all.push_back(
+      with_defaults(newton_truncated, {{"iterations", 1}, {"substeps", 1}, {"cg", 10}, {"frozen", 0}}));
 }
 
 }  // namespace hmax

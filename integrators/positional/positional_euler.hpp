@@ -14,10 +14,10 @@ namespace hmax {
 ///   q_new ~ the root of  F(t + h', q_new, (q_new - q) / h') = M (q_new - q - h' v) / h'^2,
 ///   v_new = (q_new - q) / h',
 /// by `iterations` iterations from a first guess that the iteration chooses. Before they have converged the
-/// body looks softer, or more damped, than its material. Nothing is carried from step to step.
+/// body looks softer, or more damped, than its material.
 /// @tparam Iteration  init(system) sizes what it needs; begin(system, t, h, q, v, guess) makes the first
-/// guess;
-///                    improve(system, t, h, q_new, work) improves it once
+///                    guess; improve(system, t, h, q_new, work) improves it once. One that carries more than
+///                    (q, v) from step to step has start(system, t, q, v), of each step, and visit_state
 /// @source [macklin2019small] for substeps
 template <class Iteration>
 class PositionalEuler {
@@ -48,6 +48,7 @@ class PositionalEuler {
     const Real part = h / substeps_;
     q_ = y.head(n);
     v_ = y.tail(n);
+    if constexpr (requires { iteration_.start(system, t, q_, v_); }) iteration_.start(system, t, q_, v_);
     for (int s = 1; s <= substeps_; ++s) {
       const Real end = s == substeps_ ? t + h : t + s * part;
       start_ = q_;
@@ -76,8 +77,11 @@ class PositionalEuler {
 
   /// Iterations since init().
   [[nodiscard]] const ImplicitWork& work() const { return work_; }
-  /// It carries its counts alone, see saved_state.hpp.
-  void visit_state(auto& visit) { visit_work(visit, work_); }
+  /// See saved_state.hpp.
+  void visit_state(auto& visit) {
+    visit_work(visit, work_);
+    if constexpr (requires { iteration_.visit_state(visit); }) iteration_.visit_state(visit);
+  }
 
  private:
   Iteration iteration_;

@@ -16,19 +16,32 @@ namespace hmax {
 ///   (M / h^2 + C / h + K) dq = F(t, q, (q - q_0) / h) - M (q - q_0 - h v_0) / h^2,
 /// with at most `most` conjugate gradients from dq = 0, preconditioned by the diagonal. They end early where
 /// the residual is that of rounding, or a direction has no curvature. It begins at q_0 + h v_0. Products of
-/// vectors are sums of pieces: a device that takes these steps has the same bits.
+/// vectors are sums of pieces: a device that takes these steps has the same bits. K and C are those of the
+/// iterate, or, frozen, those where the run began, for all of its steps.
 /// @source [baraff1998large], [nocedal2006numerical] 7.1
 class TruncatedNewton {
  public:
   using Matrix = Eigen::SparseMatrix<double>;
 
-  /// @param most  1 at least
-  explicit TruncatedNewton(int most) : most_(most) {}
+  /// @param most    1 at least
+  /// @param frozen  K and C
+  explicit TruncatedNewton(int most, bool frozen = false) : most_(most), frozen_(frozen) {}
 
   template <SecondOrderSystem Sys>
   void init(const Sys& system) {
     for (Eigen::VectorXd* each : {&start_, &inertial_, &velocity_, &residual_, &dq_, &z_, &p_, &Ap_})
       each->setZero(system.dofs());
+    h_ = 0;
+    linearised_ = false;
+  }
+
+  /// Before the first substep of a step from (t, q, v).
+  template <SecondOrderSystem Sys>
+  void start(const Sys& system, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    if (!frozen_ || linearised_) return;
+    system.stiffness(t, q, v, K_);
+    system.damping(t, q, v, C_);
+    linearised_ = true;
   }
 
   template <SecondOrderSystem Sys>
@@ -43,14 +56,30 @@ class TruncatedNewton {
   void improve(const Sys& system, double t, double h, Eigen::VectorXd& q, ImplicitWork& work) {
     velocity_ = (q - start_) / h;
     system.force(t, q, velocity_, residual_);
-    system.stiffness(t, q, velocity_, A_);
-    system.damping(t, q, velocity_, C_);
-    A_ += C_ / h;
     const Eigen::VectorXd& mass = system.mass();
-    for (Eigen::Index i = 0; i < q.size(); ++i) A_.coeffRef(i, i) += mass[i] / (h * h);
+    if (!frozen_) {
+      system.stiffness(t, q, velocity_, A_);
+      system.damping(t, q, velocity_, C_);
+      complete(A_, C_, mass, h);
+    } else if (h != h_) {
+      A_ = K_;
+      complete(A_, C_, mass, h);
+      h_ = h;
+    }
     residual_.array() -= mass.array() / (h * h) * (q - inertial_).array();
     work.linear_iterations += solve();
     q += dq_;
+  }
+
+  /// See saved_state.hpp.
+  void visit_state(auto& visit) {
+    if (frozen_) visit(linearised_, K_, C_);
+  }
+
+  /// A = K becomes K + C / h + M / h^2.
+  static void complete(Matrix& A, const Matrix& C, const Eigen::VectorXd& mass, double h) {
+    A += C / h;
+    for (Eigen::Index i = 0; i < mass.size(); ++i) A.coeffRef(i, i) += mass[i] / (h * h);
   }
 
  private:
@@ -82,7 +111,9 @@ class TruncatedNewton {
   }
 
   int most_;
-  Matrix A_, C_;
+  bool frozen_, linearised_ = false;
+  double h_ = 0;  ///< that of a frozen A_; 0: there is none
+  Matrix A_, K_, C_;
   Eigen::VectorXd start_, inertial_, velocity_, residual_, dq_, z_, p_, Ap_;  ///< shape (dofs)
 };
 

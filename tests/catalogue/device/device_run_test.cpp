@@ -191,6 +191,16 @@ void expect_same_newton(Device& device) {
            {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}}})
     expect_same(device, make_problem(mesh, {.parameters = parameters}), few, spec, 3);
+  // Frozen, the matrix is that of the processor, of all bodies that have patches.
+  constexpr const char* frozen = "newton_truncated:iterations=2,substeps=2,cg=6,frozen=1";
+  for (const Problem& body :
+       {uneven_body(2.5), uneven_body(2.5, "mass_spring", skin), uneven_body(0, "fem_cauchy", skin),
+        uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_nodal_pressure"),
+        uneven_body(2.5, "fem_quadratic"), fibrous_body(driven_body()), damped_body(2.5, 1e-4),
+        moving_body(1e-3, "mass_spring", skin), moving_body(0, "fem_green", SkinSettings::Kind::membrane)})
+    expect_same(device, body, frozen, spec, 3);
+  for (const char* id : {"fem_green@liver", "fem_nodal_pressure@liver", "fem_quadratic@cube:n=2"})
+    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"beta", 1e-3}}}), frozen, spec, 3);
   // Conjugate gradients that end at the rounding of the residual.
   const RunRecord solved = expect_same(device, uneven_body(2.5), "newton_truncated:iterations=2,cg=300",
                                        {.t_end = 0.05, .h = 0.01}, 3);

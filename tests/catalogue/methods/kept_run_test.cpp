@@ -178,6 +178,7 @@ std::vector<std::string> kept_methods() {
   std::vector<std::string> ids;
   for (const Method& method : methods())
     if (can_be_kept(method)) ids.push_back(method.id);
+  ids.push_back("newton_truncated:frozen=1");
   return ids;
 }
 

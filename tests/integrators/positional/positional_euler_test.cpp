@@ -335,6 +335,45 @@ TEST(PositionalEuler, DampingOfConstraintsIsThatOfImplicitEuler) {
   EXPECT_LT(residual_of_implicit_euler(bar, y, step(newton(1, 100), bar, y, 0.01), 0.01), 1e-8);
 }
 
+/// M (q_new - q - h v) / h^2 + (C / h + K) (q_new - q - h v) = F(t, q + h v, v), K and C of state `at`.
+VectorXd linearly_implicit_step(const PositionalBody& body, const VectorXd& at, const VectorXd& y, double h) {
+  const Eigen::Index n = body.dofs();
+  Eigen::SparseMatrix<double> K, C;
+  body.stiffness(0, at.head(n), at.tail(n), K);
+  body.damping(0, at.head(n), at.tail(n), C);
+  const VectorXd moved = y.head(n) + h * y.tail(n);
+  VectorXd force(n), next(2 * n);
+  body.force(0, moved, y.tail(n), force);
+  Eigen::MatrixXd A = Eigen::MatrixXd(K) + Eigen::MatrixXd(C) / h;
+  A.diagonal() += body.mass() / (h * h);
+  next.head(n) = moved + A.ldlt().solve(force);
+  next.tail(n) = (next.head(n) - y.head(n)) / h;
+  return next;
+}
+
+TEST(PositionalEuler, FrozenNewtonKeepsTheMatrixOfItsStart) {
+  const auto body = block(tissue_model("fem_neo_hookean"), 4, 0.01);
+  const PositionalBody whole(body, PositionalVerbs::forces);
+  const VectorXd y = moving_state(*body);
+  Newton stepper(TruncatedNewton(300, true), 1, 1);
+  stepper.init(whole, 0, y);
+  VectorXd before = y, next = y;
+  for (const double h : {0.01, 0.01, 0.004}) {
+    stepper.attempt(whole, 0, before, h, next);
+    const VectorXd expected = linearly_implicit_step(whole, y, before, h);
+    EXPECT_LT((next - expected).norm(), 1e-9 * expected.norm()) << h;
+    if (before != y) {
+      EXPECT_GT((next - linearly_implicit_step(whole, before, before, h)).norm(), 1e-6 * next.norm());
+    }
+    before = next;
+  }
+  // From another start, with a matrix of its own.
+  stepper.init(whole, 0, before);
+  stepper.attempt(whole, 0, before, 0.01, next);
+  const VectorXd expected = linearly_implicit_step(whole, before, before, 0.01);
+  EXPECT_LT((next - expected).norm(), 1e-9 * expected.norm());
+}
+
 TEST(PositionalEuler, SubstepsAreStepsOfAPart) {
   const auto body = block(tissue_model("fem_neo_hookean"), 2, 0.01);
   const PositionalBody points(body, PositionalVerbs::points);
