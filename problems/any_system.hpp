@@ -18,6 +18,8 @@
 
 namespace hmax {
 
+class FormulaProgram;
+
 /// A system of any dimension with every verb a problem of the house may have; which ones it really has, it
 /// answers at run time. Cheap to copy: copies share one system. For two numbers on the stack the call through
 /// a pointer costs more than the arithmetic, so the oscillator is bound by its own type.
@@ -91,6 +93,8 @@ class BasicAnySystem {
   [[nodiscard]] std::shared_ptr<const StructureOperator> structure_operator() const {
     return self_->structure_operator();
   }
+  /// Those that f(t, y) is given by, in the order of the state; null where it is not.
+  [[nodiscard]] std::shared_ptr<const FormulaProgram> formulas() const { return self_->formulas(); }
   /// See integrators/system.hpp; without a call where the system has all unknowns.
   [[nodiscard]] Real largest_of_all(Real own) const { return is_part_ ? self_->largest_of_all(own) : own; }
 
@@ -132,6 +136,7 @@ class BasicAnySystem {
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual std::shared_ptr<const StructureOperator> structure_operator() const = 0;
+    virtual std::shared_ptr<const FormulaProgram> formulas() const = 0;
     virtual Real largest_of_all(Real) const = 0;
     virtual bool has_split() const = 0;
     virtual bool has_linear_stiff_part() const = 0;
@@ -332,6 +337,12 @@ class BasicAnySystem {
         });
     }
 
+    std::shared_ptr<const FormulaProgram> formulas() const override {
+      if constexpr (requires { system_.formulas(); })
+        return system_.formulas();
+      else
+        return nullptr;
+    }
     std::shared_ptr<const StructureOperator> structure_operator() const override {
       if constexpr (requires { system_.structure_operator(); })
         return system_.structure_operator();

@@ -43,8 +43,12 @@ int operands_of(FormulaOp op) {
 
 namespace {
 
-double value_of_function(FormulaOp op, double a) {
+double value_of_function(FormulaOp op, double a, double b) {
   switch (op) {
+    case power:
+      return std::pow(a, b);
+    case atan2:
+      return std::atan2(a, b);
     case sin:
       return std::sin(a);
     case cos:
@@ -77,14 +81,6 @@ double value_of_function(FormulaOp op, double a) {
       return std::log2(a);
     case log10:
       return std::log10(a);
-    case sqrt:
-      return std::sqrt(a);
-    case abs:
-      return std::abs(a);
-    case sign:
-      return a < 0 ? -1 : a > 0 ? 1 : 0;
-    case rint:
-      return std::floor(a + 0.5);
     default:
       return std::numeric_limits<double>::quiet_NaN();
   }
@@ -93,52 +89,7 @@ double value_of_function(FormulaOp op, double a) {
 }  // namespace
 
 double formula_value(FormulaOp op, double a, double b, double c) {
-  switch (op) {
-    case negate:
-      return -a;
-    case add:
-      return a + b;
-    case subtract:
-      return a - b;
-    case multiply:
-      return a * b;
-    case divide:
-      return a / b;
-    case power:
-      return std::pow(a, b);
-    case square:
-      return a * a;
-    case cube:
-      return a * a * a;
-    case fourth:
-      return (a * a) * (a * a);
-    case less:
-      return a < b ? 1 : 0;
-    case less_equal:
-      return a <= b ? 1 : 0;
-    case greater:
-      return a > b ? 1 : 0;
-    case greater_equal:
-      return a >= b ? 1 : 0;
-    case equal:
-      return a == b ? 1 : 0;
-    case not_equal:
-      return a != b ? 1 : 0;
-    case both:
-      return a != 0 && b != 0 ? 1 : 0;
-    case either:
-      return a != 0 || b != 0 ? 1 : 0;
-    case choose:
-      return a != 0 ? b : c;
-    case atan2:
-      return std::atan2(a, b);
-    case minimum:
-      return b < a ? b : a;
-    case maximum:
-      return a < b ? b : a;
-    default:
-      return value_of_function(op, a);
-  }
+  return arithmetic_value(op, a, b, c, value_of_function);
 }
 
 namespace {

@@ -6,55 +6,9 @@
 #include <tuple>
 #include <vector>
 
-namespace hmax {
+#include "problems/formula_operations.hpp"
 
-/// What a node computes of its operands a, b and c.
-enum class FormulaOp : std::uint8_t {
-  constant,
-  time,
-  state,
-  negate,
-  add,
-  subtract,
-  multiply,
-  divide,
-  power,
-  square,
-  cube,
-  fourth,
-  less,
-  less_equal,
-  greater,
-  greater_equal,
-  equal,
-  not_equal,
-  both,
-  either,
-  choose,
-  sin,
-  cos,
-  tan,
-  asin,
-  acos,
-  atan,
-  sinh,
-  cosh,
-  tanh,
-  asinh,
-  acosh,
-  atanh,
-  exp,
-  log,
-  log2,
-  log10,
-  sqrt,
-  abs,
-  sign,
-  rint,
-  atan2,
-  minimum,
-  maximum
-};
+namespace hmax {
 
 /// The index of a node; operands have smaller ones.
 using FormulaNodeId = std::int32_t;

@@ -60,6 +60,10 @@ class FormulaMotion {
   }
 
   const FormulaSystem& system() const { return system_; }
+  /// Null where s is not the time of the formulas and they have one.
+  std::shared_ptr<const FormulaProgram> formulas() const {
+    return direction_ > 0 && (t0_ == 0 || is_autonomous()) ? system_.formulas() : nullptr;
+  }
 
  private:
   /// 0 + s is s to the last bit.

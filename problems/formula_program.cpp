@@ -27,7 +27,6 @@ class FormulaCompiler {
   }
 
  private:
-  using Step = FormulaProgram::Step;
   /// A guard is a branch of a condition inside the guard of that condition.
   static constexpr int unused = -1, always = 0;
 
@@ -84,18 +83,18 @@ class FormulaCompiler {
   void write_node(FormulaNodeId id) {
     const FormulaNode& n = graph_[id];
     const auto from = [&](int k) { return operands_of(n.op) > k ? place_[at(operand(n, k))] : 0; };
-    const Step whole{static_cast<std::uint8_t>(n.op), place_[at(id)], from(0), from(1), from(2)};
+    const FormulaStep whole{static_cast<std::uint8_t>(n.op), place_[at(id)], from(0), from(1), from(2)};
     if (n.op != FormulaOp::choose || (is_empty(yes_[id]) && is_empty(no_[id]))) {
       program_.steps_.push_back(whole);
       return;
     }
-    const std::size_t test = step(FormulaProgram::jump_unless, whole.a);
+    const std::size_t test = step(FormulaStep::jump_unless, whole.a);
     write(yes_[id]);
-    step(FormulaProgram::copy, whole.b, whole.to);
-    const std::size_t jump = step(FormulaProgram::jump);
+    step(FormulaStep::copy, whole.b, whole.to);
+    const std::size_t jump = step(FormulaStep::jump);
     program_.steps_[test].c = here();
     write(no_[id]);
-    step(FormulaProgram::copy, whole.c, whole.to);
+    step(FormulaStep::copy, whole.c, whole.to);
     program_.steps_[jump].c = here();
   }
 
@@ -120,79 +119,36 @@ FormulaProgram::FormulaProgram(const FormulaGraph& graph, const std::vector<Form
   FormulaCompiler(graph, roots, *this);
 }
 
+FormulaCode FormulaProgram::code() const {
+  const auto count = [](const auto& of) { return static_cast<std::uint32_t>(of.size()); };
+  return {steps_.data(),
+          constants_.data(),
+          results_.data(),
+          count(steps_),
+          count(constants_),
+          count(results_),
+          static_cast<std::uint32_t>(states_)};
+}
+
 void FormulaProgram::run(double t, const double* y, double* values) const {
+  const auto run_in = [&](double* registers) {
+    run_formulas(code(), registers, t, y, values, [](FormulaOp op, double a, double b, double c) {
+      // The usual ones here; a call for each of the others is little beside them.
+      if (op == FormulaOp::sin) return std::sin(a);
+      if (op == FormulaOp::cos) return std::cos(a);
+      if (op == FormulaOp::exp) return std::exp(a);
+      return formula_value(op, a, b, c);
+    });
+  };
   constexpr std::size_t most_on_stack = 512;
   if (registers_ <= most_on_stack) {
     double held[most_on_stack];  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
-    return run_in(held, t, y, values);
+    return run_in(held);
   }
   // One for each thread: nothing is allocated from the second call on.
   thread_local std::vector<double> held;
   if (held.size() < registers_) held.resize(registers_);
-  run_in(held.data(), t, y, values);
-}
-
-namespace {
-constexpr std::uint8_t code_of(FormulaOp op) { return static_cast<std::uint8_t>(op); }
-}  // namespace
-
-void FormulaProgram::run_in(double* registers, double t, const double* y, double* values) const {
-  registers[0] = t;
-  std::copy(constants_.begin(), constants_.end(), std::copy_n(y, states_, registers + 1));
-  const Step* const first = steps_.data();
-  const Step* const end = first + steps_.size();
-  // The usual operations here; a call for each of the others is little beside them.
-  for (const Step* step = first; step != end; ++step) {
-    const double a = registers[step->a], b = registers[step->b];
-    double& result = registers[step->to];
-    switch (step->code) {
-      case code_of(FormulaOp::add):
-        result = a + b;
-        break;
-      case code_of(FormulaOp::subtract):
-        result = a - b;
-        break;
-      case code_of(FormulaOp::multiply):
-        result = a * b;
-        break;
-      case code_of(FormulaOp::divide):
-        result = a / b;
-        break;
-      case code_of(FormulaOp::square):
-        result = a * a;
-        break;
-      case code_of(FormulaOp::cube):
-        result = a * a * a;
-        break;
-      case code_of(FormulaOp::sin):
-        result = std::sin(a);
-        break;
-      case code_of(FormulaOp::cos):
-        result = std::cos(a);
-        break;
-      case code_of(FormulaOp::exp):
-        result = std::exp(a);
-        break;
-      case code_of(FormulaOp::less):
-        result = a < b ? 1 : 0;
-        break;
-      case code_of(FormulaOp::greater):
-        result = a > b ? 1 : 0;
-        break;
-      case copy:
-        result = a;
-        break;
-      case jump_unless:
-        if (a == 0) step = first + step->c - 1;
-        break;
-      case jump:
-        step = first + step->c - 1;
-        break;
-      default:
-        result = formula_value(static_cast<FormulaOp>(step->code), a, b, registers[step->c]);
-    }
-  }
-  for (const std::uint32_t result : results_) *values++ = registers[result];
+  run_in(held.data());
 }
 
 }  // namespace hmax

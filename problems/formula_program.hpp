@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "problems/formula_code.hpp"
 #include "problems/formula_graph.hpp"
 
 namespace hmax {
@@ -20,26 +21,19 @@ class FormulaProgram {
   /// @param values  one for each root
   void run(double t, const double* y, double* values) const;
 
-  [[nodiscard]] std::size_t steps() const { return steps_.size(); }
+  [[nodiscard]] const std::vector<FormulaStep>& steps() const { return steps_; }
+  [[nodiscard]] const std::vector<double>& constants() const { return constants_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& results() const { return results_; }
+  /// A view of them; the program outlives it.
+  [[nodiscard]] FormulaCode code() const;
+  [[nodiscard]] std::size_t registers() const { return registers_; }
 
  private:
   friend class FormulaCompiler;
 
-  /// Registers hold t, y, the constants, and the values of the nodes, in this order.
-  /// Most are operations, registers[to] = op(a, b, c). The other codes follow the last of FormulaOp.
-  struct Step {
-    std::uint8_t code;
-    std::uint32_t to, a, b, c;
-  };
-  static constexpr std::uint8_t jump_unless = 253,  ///< goes on at step `c` where a is 0
-      jump = 254,                                   ///< goes on at step `c`
-      copy = 255;                                   ///< registers[to] = registers[a]
-
-  void run_in(double* registers, double t, const double* y, double* values) const;
-
   std::size_t states_ = 0, registers_ = 0;
   std::vector<double> constants_;
-  std::vector<Step> steps_;
+  std::vector<FormulaStep> steps_;
   std::vector<std::uint32_t> results_;
 };
 

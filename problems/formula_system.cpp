@@ -369,6 +369,8 @@ void FormulaSystem::rhs(double t, const State& y, State& dydt) const {
   compiled_->rhs.run(t, y.data(), dydt.data());
 }
 
+std::shared_ptr<const FormulaProgram> FormulaSystem::formulas() const { return {compiled_, &compiled_->rhs}; }
+
 bool FormulaSystem::is_sparse() const {
   const double entries = static_cast<double>(dim()) * static_cast<double>(dim());
   return dim() > small_enough_for_dense && static_cast<double>(compiled_->slopes.nonZeros()) <= entries / 20;

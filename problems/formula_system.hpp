@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "problems/formula_program.hpp"
 #include "problems/linearity.hpp"
 
 namespace hmax {
@@ -66,6 +67,8 @@ class FormulaSystem {
   /// df/dt, shape (dim), from the right at kinks.
   void time_derivative(double t, const State& y, State& dfdt) const;
   bool is_autonomous() const;
+  /// What rhs() runs.
+  std::shared_ptr<const FormulaProgram> formulas() const;
 
   /// From the formulas with the parameters as they are: a term whose factor is zero does not count.
   Linearity linearity() const;

@@ -1,6 +1,7 @@
 #include "analysis/dynamics/oscillator_lanes.hpp"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -128,6 +129,31 @@ class AdaptiveRuns {
   std::array<std::optional<Lane>, lane_count> under_way_;
 };
 
+/// One after the other: formulas are no vector operations.
+void run_formulas(const RunClient& client, const AdaptiveSteps& steps, const FormulaProgram& formulas) {
+  const RmsNorm<double> norm{steps.tolerances.rtol, steps.tolerances.atol};
+  const PlanarFormulas system{formulas};
+  std::optional<FateRule> rule;
+  if (steps.arrival) rule = steps.arrival->rule();
+  while (OscillatorRun* const run = client.next()) {
+    run->outcome = Outcome::diverged;
+    if (is_bounded(run->y)) {
+      LaneRk<tableaux::Dop853, 1> rk;
+      Vector2d slope;
+      system.rhs(0, run->y, slope);
+      rk.start(0, run->y, slope);
+      AdaptiveMotion motion(steps.tolerances, system, run->t_end, run->y);
+      go_on(
+          motion, rk, std::numeric_limits<std::int64_t>::max(), steps.most_attempts,
+          [&](const Vector2d& y) { return rule && rule->of(y) != undecided; },
+          [&] { attempt(rk, norm, [&](const double* y, double* dydt) { formulas.run(0, y, dydt); }); });
+      run->outcome = motion.outcome();
+      run->y = rk.state(0);
+    }
+    client.ended(*run);
+  }
+}
+
 // ---- fixed steps, all lanes at one time
 
 template <class Method>
@@ -180,7 +206,11 @@ MotionRunner in_lanes(InstructionSet set) {
                            set](const RunClient& client) { run_shared<Method>(client, steps, set); };
                 });
                 return found;
-              }};
+              },
+          .formulas = [](const AdaptiveSteps& steps,
+                         const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
+            return [=](const RunClient& client) { run_formulas(client, steps, *formulas); };
+          }};
 }
 
 }  // namespace hmax

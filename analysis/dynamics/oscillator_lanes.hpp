@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -15,13 +16,14 @@
 #include "core/instructions/instruction_set.hpp"
 #include "integrators/stepper.hpp"
 #include "integrators/tolerances.hpp"
+#include "problems/formula_program.hpp"
 #include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
 
 /// A motion from t = 0 on.
 struct OscillatorRun {
-  const Oscillator* system;
+  const Oscillator* system;                ///< null of formulas
   double t_end;                            ///< [s], positive
   Eigen::Vector2d y;                       ///< its start, then its end
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
@@ -75,6 +77,8 @@ struct MotionRunner {
   std::function<RunMotions(const SharedSteps&)> shared;  ///< empty where it is no such method
   /// Fixed steps of each run's own size and w by such a method; no function where runs go one by one.
   std::function<RunMotions(std::string_view method)> own_steps = {};
+  /// Adaptive steps of formulas that do not know the time.
+  std::function<RunMotions(const AdaptiveSteps&, const std::shared_ptr<const FormulaProgram>&)> formulas = {};
   bool is_device = false;
 };
 

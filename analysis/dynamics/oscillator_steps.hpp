@@ -19,6 +19,7 @@
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stepper.hpp"
+#include "problems/formula_program.hpp"
 #include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
@@ -72,8 +73,9 @@ class AdaptiveMotion {
  public:
   using Control = Adaptive<double, DeadbandController>;
 
-  /// @param slope  f(0, y)
-  AdaptiveMotion(const Tolerances<double>& tolerances, const Oscillator& system, double t_end,
+  /// @tparam S  a System of the plane
+  template <class S>
+  AdaptiveMotion(const Tolerances<double>& tolerances, const S& system, double t_end,
                  const Eigen::Vector2d& y)
       : control_(tolerances, tableaux::Dop853::error_order) {
     control_.start(*this, system, {0, t_end}, y);
@@ -186,6 +188,37 @@ template <std::size_t N, class Steady, class Cosines>
   });
   lanes.rk.weigh(lanes.norm);
 }
+
+/// Attempts of a motion that stands at the state of `rk`, until it has ended or so many were made.
+/// @param is_over  as of AdaptiveMotion::judge()
+/// @param attempt  attempt(): of the step that is set, and its error
+template <class IsOver, class Attempt>
+HMAX_DEVICE inline void go_on(AdaptiveMotion& motion, LaneRk<tableaux::Dop853, 1>& rk, std::int64_t attempts,
+                              std::int64_t most_attempts, const IsOver& is_over, const Attempt& attempt) {
+  for (std::int64_t tried = 0; tried < attempts && motion.propose(most_attempts); ++tried) {
+    rk.set_step(0, motion.t(), motion.h());
+    attempt();
+    if (motion.judge(rk.error_squared(0), rk.candidate(0), is_over)) rk.accept(0);
+    if (motion.has_ended()) return;
+  }
+}
+
+/// An attempt of formulas that do not know the time, and its error.
+/// @param slope  slope(y, dydt)
+template <class Norm, class Slope>
+HMAX_DEVICE inline void attempt(LaneRk<tableaux::Dop853, 1>& rk, const Norm& norm, const Slope& slope) {
+  rk.attempt([&](auto, std::size_t, const Eigen::Vector2d& y, Eigen::Vector2d& dydt)
+                 __attribute__((always_inline)) { slope(y.data(), dydt.data()); });
+  rk.weigh(norm);
+}
+
+/// Such formulas as a System of the plane.
+struct PlanarFormulas {
+  using State = Eigen::Vector2d;
+  const FormulaProgram& formulas;
+  [[nodiscard]] Eigen::Index dim() const { return 2; }
+  void rhs(double t, const State& y, State& dydt) const { formulas.run(t, y.data(), dydt.data()); }
+};
 
 // ---- fixed steps
 

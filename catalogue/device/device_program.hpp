@@ -140,7 +140,7 @@ requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> 
     std::same_as<P, VolumeShares<double>> || std::same_as<P, VolumeShares<float>> ||
     std::same_as<P, KnownStage<double>> || std::same_as<P, KnownStage<float>> ||
     std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> || std::same_as<P, PointIteration> ||
-    std::same_as<P, SubstepEnd>
+    std::same_as<P, SubstepEnd> || std::same_as<P, FormulaMotions>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>
@@ -157,9 +157,9 @@ void with_kind(const Motions& motions, const F& f) {
 struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, VolumeShares<double>,
                VolumeShares<float>, FirstKick<double>, FirstKick<float>, KnownStage<double>,
-               KnownStage<float>, ErrorPieces, AdaptiveMotions, SharedMotions, OwnMotions, NewtonBegin,
-               TetStiffness, MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate, NewtonEnd,
-               BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints, SubstepEnd>
+               KnownStage<float>, ErrorPieces, AdaptiveMotions, FormulaMotions, SharedMotions, OwnMotions,
+               NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate,
+               NewtonEnd, BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints, SubstepEnd>
       of;
 
   template <class F>

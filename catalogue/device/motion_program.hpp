@@ -10,6 +10,7 @@
 #include "analysis/dynamics/trap.hpp"
 #include "core/instructions/cosine.hpp"
 #include "core/instructions/device_code.hpp"
+#include "problems/formula_code.hpp"
 
 namespace hmax {
 
@@ -27,16 +28,28 @@ struct MotionEnd {
 };
 
 /// Motions that go on by some attempts.
-struct AdaptiveMotions {
+struct MotionsUnderWay {
   static constexpr std::int32_t threads = 128;
   StoredMotion* motions;  ///< shape (count)
   MotionEnd* ends;        ///< of those that have ended
   std::int64_t count, attempts, most_attempts;
   RmsNorm<double> norm;
-  bool steady;         ///< no force changes in time
   bool arrives;        ///< whether the rule ends motions
   FateRule rule;       ///< its traps lie in the memory of the device
   std::int32_t* left;  ///< becomes 1 where a motion has not ended
+};
+
+/// Those of oscillators.
+struct AdaptiveMotions : MotionsUnderWay {
+  bool steady;  ///< no force changes in time
+};
+
+/// Those of formulas that do not know the time.
+struct FormulaMotions : MotionsUnderWay {
+  /// Room of a thread.
+  static constexpr std::size_t most_registers = 128;
+  FormulaCode code;
+  std::int32_t* far;  ///< becomes 1 where a sine or cosine of a far angle was asked for
 };
 
 /// A motion of fixed steps.
@@ -69,38 +82,55 @@ struct OwnMotions {
   std::int32_t* left;  ///< becomes 1 where a motion has further steps
 };
 
-HMAX_DEVICE inline std::int64_t count_of(const AdaptiveMotions& all) { return all.count; }
+HMAX_DEVICE inline std::int64_t count_of(const MotionsUnderWay& all) { return all.count; }
 HMAX_DEVICE inline std::int64_t count_of(const SharedMotions& all) { return all.count; }
 HMAX_DEVICE inline std::int64_t count_of(const OwnMotions& all) { return all.count; }
 
 /// The attempts of motion n.
-template <bool steady>
-HMAX_DEVICE void run_thread(std::bool_constant<steady>, const AdaptiveMotions& all, std::int64_t n) {
+template <class Attempt>
+HMAX_DEVICE void go_on(const MotionsUnderWay& all, std::int64_t n, LaneRk<tableaux::Dop853, 1>& rk,
+                       const Attempt& attempt) {
   StoredMotion& own = all.motions[n];
-  if (own.motion.has_ended()) return;
   AdaptiveMotion motion = own.motion;
-  AdaptiveLanes<1> lanes;
-  lanes.norm = all.norm;
-  lanes.rk.start(0, {own.y[0], own.y[1]}, {own.slope[0], own.slope[1]});
-  lanes.oscillators.set(0, own.rates);
-  if constexpr (steady) lanes.forces[0] = lanes.oscillators.force(0, 1);
-  const auto cosines = [](std::size_t count, const auto& angles, auto& out) {
-    for (std::size_t i = 0; i < count; ++i) out[i] = cosine(angles[i]);
-  };
+  rk.start(0, {own.y[0], own.y[1]}, {own.slope[0], own.slope[1]});
   const auto is_over = [&](const Eigen::Vector2d& y) { return all.arrives && all.rule.of(y) != undecided; };
-  for (std::int64_t tried = 0; tried < all.attempts && motion.propose(all.most_attempts); ++tried) {
-    lanes.rk.set_step(0, motion.t(), motion.h());
-    attempt(lanes, std::bool_constant<steady>{}, cosines);
-    if (motion.judge(lanes.rk.error_squared(0), lanes.rk.candidate(0), is_over)) lanes.rk.accept(0);
-    if (motion.has_ended()) break;
-  }
-  const Eigen::Vector2d y = lanes.rk.state(0), slope = lanes.rk.slope(0);
+  go_on(motion, rk, all.attempts, all.most_attempts, is_over, attempt);
+  const Eigen::Vector2d y = rk.state(0), slope = rk.slope(0);
   for (int i = 0; i < 2; ++i) own.y[i] = y[i], own.slope[i] = slope[i];
   own.motion = motion;
   if (motion.has_ended())
     all.ends[n] = {{y[0], y[1]}, motion.outcome()};
   else
     *all.left = 1;
+}
+
+template <bool steady>
+HMAX_DEVICE void run_thread(std::bool_constant<steady>, const AdaptiveMotions& all, std::int64_t n) {
+  if (all.motions[n].motion.has_ended()) return;
+  AdaptiveLanes<1> lanes;
+  lanes.norm = all.norm;
+  lanes.oscillators.set(0, all.motions[n].rates);
+  if constexpr (steady) lanes.forces[0] = lanes.oscillators.force(0, 1);
+  const auto cosines = [](std::size_t count, const auto& angles, auto& out) {
+    for (std::size_t i = 0; i < count; ++i) out[i] = cosine(angles[i]);
+  };
+  go_on(all, n, lanes.rk, [&] { attempt(lanes, std::bool_constant<steady>{}, cosines); });
+}
+
+HMAX_DEVICE inline void run_thread(std::true_type, const FormulaMotions& all, std::int64_t n) {
+  if (all.motions[n].motion.has_ended()) return;
+  const auto value = [&](FormulaOp op, double a, double b, double c) {
+    return arithmetic_value(op, a, b, c, [&](FormulaOp circular, double angle, double) {
+      if (!(std::abs(angle) < cosine_parts::far_angle)) *all.far = 1;
+      return circular == FormulaOp::sin ? sine(angle) : cosine(angle);
+    });
+  };
+  double registers[FormulaMotions::most_registers];
+  LaneRk<tableaux::Dop853, 1> rk;
+  go_on(all, n, rk, [&] {
+    attempt(rk, all.norm,
+            [&](const double* y, double* dydt) { run_formulas(all.code, registers, 0, y, dydt, value); });
+  });
 }
 
 /// What steps(lanes) makes of a motion.

@@ -59,10 +59,19 @@ class Lent {
     void* memory = nullptr;
     std::size_t bytes = 0;
   };
-  Room rooms_[4];
+  Room rooms_[8];
 };
 
+/// f(0, y).
+template <class S>
+Vector2d slope_of(const S& system, const Vector2d& y) {
+  Vector2d slope;
+  system.rhs(0, y, slope);
+  return slope;
+}
+
 /// As many runs of a client as a call takes; those that have no start end at once.
+/// @param store  store(run): what lies on the device
 template <class Store>
 std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once, const Store& store) {
   std::vector<OscillatorRun*> runs;
@@ -74,23 +83,23 @@ std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once
       client.ended(*run);
       continue;
     }
-    Vector2d slope;
-    run->system->rhs(0, run->y, slope);
-    store(*run, slope);
+    store(*run);
     runs.push_back(run);
   }
   return runs;
 }
 
 /// One launch after the other until no motion is left.
-template <class Motions>
-void run_to_end(Lent& lent, Motions& all) {
+/// @param check  check(): after each
+template <class Motions, class Check>
+void run_to_end(Lent& lent, Motions& all, const Check& check) {
   std::vector<std::int32_t> left{1};
   while (left[0] != 0) {
     left[0] = 0;
     all.left = lent.copy(3, left);
     lent.device.run({all});
     lent.read(left, all.left);
+    check();
   }
 }
 
@@ -108,35 +117,78 @@ void require_near(const OscillatorRun& run) {
     throw InputError("--device gpu takes forces of up to 10^6 rad in a period; leave it out");
 }
 
-void run_adaptive(Lent& lent, const AdaptiveSteps& steps, std::size_t at_once, const RunClient& client) {
+template <class S>
+StoredMotion stored(const AdaptiveSteps& steps, const S& system, const OscillatorRun& run) {
+  const Vector2d slope = slope_of(system, run.y);
+  return {AdaptiveMotion(steps.tolerances, system, run.t_end, run.y),
+          {},
+          {run.y[0], run.y[1]},
+          {slope[0], slope[1]}};
+}
+
+/// Oscillators whose steps are chosen.
+struct AdaptiveOscillators {
+  const AdaptiveSteps& steps;
+
+  [[nodiscard]] StoredMotion store(const OscillatorRun& run) const {
+    if (!steps.steady) require_near(run);
+    StoredMotion motion = stored(steps, *run.system, run);
+    motion.rates = OscillatorRates::of(*run.system);
+    return motion;
+  }
+  [[nodiscard]] AdaptiveMotions motions(Lent&) const { return {{}, steps.steady}; }
+  void check(Lent&, const AdaptiveMotions&) const {}
+};
+
+/// Formulas, likewise.
+struct AdaptiveFormulas {
+  const AdaptiveSteps& steps;
+  const FormulaProgram& formulas;
+
+  [[nodiscard]] StoredMotion store(const OscillatorRun& run) const {
+    return stored(steps, PlanarFormulas{formulas}, run);
+  }
+  [[nodiscard]] FormulaMotions motions(Lent& lent) const {
+    FormulaMotions all{};
+    all.code = formulas.code();
+    all.code.steps = lent.copy(4, formulas.steps());
+    all.code.constants = lent.copy(5, formulas.constants());
+    all.code.results = lent.copy(6, formulas.results());
+    all.far = lent.copy(7, std::vector<std::int32_t>{0});
+    return all;
+  }
+  static void check(Lent& lent, const FormulaMotions& all) {
+    std::vector<std::int32_t> far(1);
+    lent.read(far, all.far);
+    if (far[0] != 0)
+      throw InputError("--device gpu takes sines and cosines of angles up to 10^6 rad; leave it out");
+  }
+};
+
+template <class Adaptive>
+void run_adaptive(Lent& lent, const Adaptive& adaptive, std::size_t at_once, const RunClient& client) {
+  const AdaptiveSteps& steps = adaptive.steps;
   for (;;) {
     std::vector<StoredMotion> motions;
-    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run, const Vector2d& slope) {
-      if (!steps.steady) require_near(run);
-      motions.push_back({AdaptiveMotion(steps.tolerances, *run.system, run.t_end, run.y),
-                         OscillatorRates::of(*run.system),
-                         {run.y[0], run.y[1]},
-                         {slope[0], slope[1]}});
-    });
+    const auto runs =
+        some_of(client, at_once, [&](const OscillatorRun& run) { motions.push_back(adaptive.store(run)); });
     if (runs.empty()) return;
     std::vector<MotionEnd> ends(runs.size());
     {
       const std::scoped_lock lock(lent.one_at_a_time);
-      AdaptiveMotions all{.motions = lent.copy(0, motions),
-                          .ends = lent.room<MotionEnd>(1, ends.size()),
-                          .count = static_cast<std::int64_t>(runs.size()),
-                          .attempts = attempts_of_a_launch,
-                          .most_attempts = steps.most_attempts,
-                          .norm = {steps.tolerances.rtol, steps.tolerances.atol},
-                          .steady = steps.steady,
-                          .arrives = steps.arrival.has_value(),
-                          .rule = {},
-                          .left = nullptr};
+      auto all = adaptive.motions(lent);
+      all.motions = lent.copy(0, motions);
+      all.ends = lent.room<MotionEnd>(1, ends.size());
+      all.count = static_cast<std::int64_t>(runs.size());
+      all.attempts = attempts_of_a_launch;
+      all.most_attempts = steps.most_attempts;
+      all.norm = {steps.tolerances.rtol, steps.tolerances.atol};
+      all.arrives = steps.arrival.has_value();
       if (steps.arrival) {
         all.rule = steps.arrival->rule();
         all.rule.traps = lent.copy(2, steps.arrival->traps);
       }
-      run_to_end(lent, all);
+      run_to_end(lent, all, [&] { adaptive.check(lent, all); });
       lent.read(ends, all.ends);
     }
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -144,6 +196,23 @@ void run_adaptive(Lent& lent, const AdaptiveSteps& steps, std::size_t at_once, c
       runs[i]->outcome = ends[i].outcome;
       client.ended(*runs[i]);
     }
+  }
+}
+
+/// @throws InputError  where a device would have other bits, or no room
+void require_arithmetic(const FormulaProgram& formulas) {
+  if (formulas.registers() > FormulaMotions::most_registers)
+    throw InputError("--device gpu takes formulas of some hundred operations; leave it out");
+  for (const FormulaStep& step : formulas.steps()) {
+    if (step.code >= FormulaStep::jump_unless) continue;
+    arithmetic_value(static_cast<FormulaOp>(step.code), 0, 0, 0, [](FormulaOp op, double, double) {
+      if (op != FormulaOp::sin && op != FormulaOp::cos)
+        throw InputError(
+            "--device gpu takes formulas of arithmetic, comparisons, sqrt, abs, min, max, sign, rint, sin and "
+            "cos, whose bits are those of the processor; leave it out");
+      require_own_cosines();
+      return 0.0;
+    });
   }
 }
 
@@ -155,7 +224,8 @@ void run_fixed(Lent& lent, std::size_t at_once, const RunClient& client, const S
                const Launches& launches) {
   for (;;) {
     std::vector<Motion> motions;
-    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run, const Vector2d& slope) {
+    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run) {
+      const Vector2d slope = slope_of(*run.system, run.y);
       motions.push_back(store(
           run,
           FixedMotion{OscillatorRates::of(*run.system), {run.y[0], run.y[1]}, {slope[0], slope[1]}, 1.0}));
@@ -205,7 +275,7 @@ void run_own(Lent& lent, std::string_view method, std::size_t at_once, const Run
                        .method = method,
                        .most_steps = steps_of_a_launch / 10,
                        .left = nullptr};
-        run_to_end(lent, all);
+        run_to_end(lent, all, [] {});
       });
 }
 
@@ -215,7 +285,9 @@ MotionRunner motions_on(Device& device, std::size_t at_once) {
   const auto lent = std::make_shared<Lent>(device);
   return {.adaptive = [lent, at_once](const AdaptiveSteps& steps) -> RunMotions {
             if (!steps.steady) require_own_cosines();
-            return [=](const RunClient& client) { run_adaptive(*lent, steps, at_once, client); };
+            return [=](const RunClient& client) {
+              run_adaptive(*lent, AdaptiveOscillators{steps}, at_once, client);
+            };
           },
           .shared =
               [lent, at_once](const SharedSteps& asked) {
@@ -235,6 +307,13 @@ MotionRunner motions_on(Device& device, std::size_t at_once) {
                 });
                 return found;
               },
+          .formulas = [lent, at_once](const AdaptiveSteps& steps,
+                                      const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
+            require_arithmetic(*formulas);
+            return [=](const RunClient& client) {
+              run_adaptive(*lent, AdaptiveFormulas{steps, *formulas}, at_once, client);
+            };
+          },
           .is_device = true};
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -70,21 +71,26 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
 FatesOf fates_of_starts(const Problem& problem, const Window& window,
                         const std::vector<Equilibrium>& equilibria, const MotionRunner& runner) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
-  if (!oscillator || problem.stiff || is_driven(problem)) {
+  const auto* system = std::get_if<AnySystem>(&problem.system);
+  const auto formulas = system ? system->formulas() : nullptr;
+  if ((!oscillator && !formulas) || problem.stiff || is_driven(problem)) {
     if (runner.is_device)
       throw InputError(fmt::format(
-          "--device gpu finds basins of the oscillators alone, and {} is none; leave it out", problem.id));
+          "--device gpu finds basins of oscillators and formulas, and {} is none of them; leave it out",
+          problem.id));
     return [fate_of = fate_of_starts(problem, window, equilibria)](std::span<const Vector2d> starts,
                                                                    std::span<int> fates) {
       std::ranges::transform(starts, fates.begin(), fate_of);
     };
   }
   const Destiny destiny(problem, window, equilibria);
-  const RunMotions run = runner.adaptive({.tolerances = basin_tolerances,
-                                          .most_attempts = adaptive_attempts,
-                                          .steady = true,
-                                          .arrival = destiny.arrival});
-  return [system = *oscillator, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
+  const AdaptiveSteps steps{.tolerances = basin_tolerances,
+                            .most_attempts = adaptive_attempts,
+                            .steady = true,
+                            .arrival = destiny.arrival};
+  const RunMotions run = oscillator ? runner.adaptive(steps) : runner.formulas(steps, formulas);
+  const std::optional<Oscillator> own = oscillator ? std::optional(*oscillator) : std::nullopt;
+  return [own, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
     std::vector<OscillatorRun> runs(starts.size());
     std::size_t begun = 0;
     const auto next = [&]() -> OscillatorRun* {
@@ -92,7 +98,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
         const Vector2d& y = starts[begun];
         fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
         if (fates[begun] != undecided) continue;
-        runs[begun] = {&system, destiny.longest, y};
+        runs[begun] = {own ? &*own : nullptr, destiny.longest, y};
         return &runs[begun++];
       }
       return nullptr;

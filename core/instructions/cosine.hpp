@@ -1,4 +1,5 @@
-/// The cosine of one number with the bits of musl, for the lanes of the processor and the threads of devices.
+/// The cosine and the sine of one number with the bits of musl, for the lanes of the processor and the
+/// threads of devices.
 //
 // The coefficients and the order of operations are those of FDLIBM (e_rem_pio2.c, k_cos.c, k_sin.c), which
 // musl has too:
@@ -57,14 +58,20 @@ constexpr double far_angle = 0x1.921fbp20;
   return one + (((1.0 - one) - half) + (z * r - at.y * at.rest));
 }
 
+constexpr double sine_first = -1.66666666666666324348e-01;
+/// (sin(y) - y) / y^3 = sine_first + z times this, z = y^2.
+[[gnu::always_inline]] HMAX_DEVICE inline double sine_series(double z) {
+  constexpr double S2 = 8.33333333332248946124e-03, S3 = -1.98412698298579493134e-04,
+                   S4 = 2.75573137070700676789e-06, S5 = -2.50507602534068634195e-08,
+                   S6 = 1.58969099521155010221e-10;
+  const double w = z * z;
+  return S2 + z * (S3 + z * S4) + z * w * (S5 + z * S6);
+}
+
 /// sin(y + rest), |y| <= pi/4.
 [[gnu::always_inline]] HMAX_DEVICE inline double sine_of(const Reduced& at) {
-  constexpr double S1 = -1.66666666666666324348e-01, S2 = 8.33333333332248946124e-03,
-                   S3 = -1.98412698298579493134e-04, S4 = 2.75573137070700676789e-06,
-                   S5 = -2.50507602534068634195e-08, S6 = 1.58969099521155010221e-10;
-  const double z = at.y * at.y, w = z * z, v = z * at.y;
-  const double r = S2 + z * (S3 + z * S4) + z * w * (S5 + z * S6);
-  return at.y - ((z * (0.5 * at.rest - v * r) - at.rest) - v * S1);
+  const double z = at.y * at.y, v = z * at.y;
+  return at.y - ((z * (0.5 * at.rest - v * sine_series(z)) - at.rest) - v * sine_first);
 }
 
 /// cos(x): cos, -sin, -cos, sin for n = 0, 1, 2, 3, chosen and signed by bits, so that no lane branches.
@@ -120,16 +127,33 @@ HMAX_DEVICE inline Reduced reduced_with_care(double x) {
   return {y, (r - y) - w, static_cast<std::uint64_t>(n)};
 }
 
+/// In one step where that is enough. @param x  in [0, far_angle)
+HMAX_DEVICE inline Reduced reduced_anyhow(double x) {
+  const Reduced at = reduced(x);
+  return is_plain(x, at.y) ? at : reduced_with_care(x);
+}
+
 }  // namespace hmax::cosine_parts
 
 namespace hmax {
 
 /// cos(x) with the bits of musl. @param x  in (-far_angle, far_angle)
 HMAX_DEVICE inline double cosine(double x) {
+  return cosine_parts::cosine_at(cosine_parts::reduced_anyhow(std::abs(x)));
+}
+
+/// sin(x), likewise.
+HMAX_DEVICE inline double sine(double x) {
+  using namespace cosine_parts;
   const double size = std::abs(x);
-  const cosine_parts::Reduced at = cosine_parts::reduced(size);
-  return cosine_parts::cosine_at(cosine_parts::is_plain(size, at.y) ? at
-                                                                    : cosine_parts::reduced_with_care(size));
+  if (size < 0x1p-26) return x;
+  if (high_word(size) <= 0x3fe921fb) {  // up to pi/4, without a rest
+    const double z = x * x;
+    return x + z * x * (sine_first + z * sine_series(z));
+  }
+  const Reduced at = reduced_anyhow(size);
+  const double found = (at.n & 1) != 0 ? cosine_of(at) : sine_of(at);
+  return ((at.n & 2) != 0) != (x < 0) ? -found : found;
 }
 
 }  // namespace hmax

@@ -126,6 +126,44 @@ void expect_same_adaptive(Device& device) {
   EXPECT_GT(outcomes[Outcome::too_many_steps], 100U);
 }
 
+/// x' = v and v' as it is given.
+Problem formulas(const std::string& acceleration) {
+  return make_problem(
+      {.name = acceleration, .equations = {{"x", "v"}, {"v", acceleration}}, .y0 = {1, 0}, .t_end = 200},
+      "my.toml");
+}
+
+/// In groups that are not those of rows.
+std::vector<int> expect_same_fates(Device& device, const Problem& problem, const Window& window) {
+  const auto equilibria = find_equilibria(planar_field(problem, 0, window.size()), window);
+  const auto grid = [&](const MotionRunner& runner, std::size_t at_once) {
+    const std::vector<FatesOf> each(64, fates_of_starts(problem, window, equilibria, runner));
+    return basins(each, window, 50, 41, {}, at_once).fate;
+  };
+  std::vector<int> fates = grid(motions_on(device, 700), 800);
+  EXPECT_EQ(fates, grid(in_lanes(), 1)) << problem.id;
+  return fates;
+}
+
+/// Formulas: a pendulum with places of rest beside one another, one that is driven away, a spring that
+/// breaks, a stop that a condition tells, and functions that are exact.
+void expect_same_fates_of_formulas(Device& device) {
+  const Window wide{{-9, -4}, {9, 4}}, window{{-3, -3}, {3, 3}};
+  std::ptrdiff_t leave = 0, rest = 0;
+  const auto look = [&](const std::string& acceleration, const Window& seen) {
+    const std::vector<int> fates = expect_same_fates(device, formulas(acceleration), seen);
+    leave += std::ranges::count(fates, int{unbounded});
+    rest += std::ranges::count_if(fates, [](int fate) { return fate >= 0; });
+  };
+  look("x - x^3 - 0.2*v", window);
+  look("-x + x^3 - v/2", window);
+  look("x > 1 ? -x - 40*(x - 1) - v : -x - 0.3*v", window);
+  look("sqrt(abs(x)) * (x < 0) - max(x, min(v, 1))^4 - 0.7*v + sign(v)*rint(x/9)", window);
+  if (cosines_are_those_of_musl()) look("-sin(x) - 0.2*v*(2 + cos(3*x))", wide);
+  EXPECT_GT(leave, 500);
+  EXPECT_GT(rest, 4000);
+}
+
 /// Two places of rest, starts that are bound to leave, and a window with one of two places.
 void expect_same_fates(Device& device) {
   std::ptrdiff_t leave = 0;
@@ -152,6 +190,7 @@ TEST(HostDevice, RunsMotionsWithTheBitsOfTheLanes) {
     HostDevice device(backwards);
     expect_same_shared(device);
     expect_same_fates(device);
+    expect_same_fates_of_formulas(device);
     if (!cosines_are_those_of_musl()) continue;
     expect_same_own_steps(device);
     expect_same_adaptive(device);
@@ -168,11 +207,27 @@ TEST(MotionRuns, RefuseWhatHasOtherBits) {
   else
     EXPECT_THROW(runner.adaptive(steps), InputError);
   EXPECT_THROW(fates_of_starts(make_problem("van_der_pol"), {{-1, -1}, {1, 1}}, {}, runner), InputError);
+  const auto fates = [&](const std::string& acceleration) {
+    return fates_of_starts(formulas(acceleration), {{-1, -1}, {1, 1}}, {}, runner);
+  };
+  EXPECT_THROW(fates("-exp(x) - v"), InputError);
+  EXPECT_THROW(fates("-x + cos(3)*t"), InputError);
+  std::string many = "-x";
+  for (int i = 2; i < 90; ++i) many += " + abs(x - " + std::to_string(i) + ")";
+  EXPECT_THROW(fates(many), InputError);
+  if (cosines_are_those_of_musl()) {
+    std::vector<int> found(1);
+    const std::vector<Vector2d> start{{0.5, 0}};
+    EXPECT_THROW(fates("-x - sin(1e8*x)")(start, found), InputError) << "digits of pi that a device has not";
+  }
   EXPECT_FALSE(runner.shared({.method = "radau_iia_5", .w = 1, .t_end = 1, .h = 0.1}));
 }
 
 TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared(*device); }
-TEST_F(Gpu, FindsBasinsWithTheBitsOfTheLanes) { expect_same_fates(*device); }
+TEST_F(Gpu, FindsBasinsWithTheBitsOfTheLanes) {
+  expect_same_fates(*device);
+  expect_same_fates_of_formulas(*device);
+}
 TEST_F(Gpu, RunsMotionsOfOwnCosinesWithTheBitsOfTheLanes) {
   if (!cosines_are_those_of_musl()) GTEST_SKIP() << "this build has other cosines";
   expect_same_adaptive(*device);

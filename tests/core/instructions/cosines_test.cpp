@@ -30,6 +30,8 @@ void expect_the_bits_of_cos(const std::vector<double>& x) {
     if (std::abs(each) < cosine_parts::far_angle) {
       ASSERT_EQ(std::bit_cast<std::uint64_t>(cosine(each)), std::bit_cast<std::uint64_t>(std::cos(each)))
           << each;
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(sine(each)), std::bit_cast<std::uint64_t>(std::sin(each)))
+          << each;
     }
 }
 
