@@ -21,7 +21,7 @@ namespace {
 /// Where a state lies in the memory of a device, as those of BodyStep; or a slope, whose v follows its q.
 struct StateOnDevice {
   using Scalar = double;
-  static constexpr int SizeAtCompileTime = Eigen::Dynamic;
+  static constexpr int SizeAtCompileTime = Eigen::Dynamic;  // NOLINT(readability-identifier-naming): of Eigen
   double *q, *v;
 
   /// That is what admits() of the system asks.
@@ -145,7 +145,8 @@ class RungeKuttaOnDevice {
     system.stages(t, step_, known_);
     known_ = 0;
     if (!method.first_same_as_last) return StepStatus::ok;
-    StateOnDevice last{there.sum.slopes + 2 * method.last_stage() * slope_size(there), nullptr};
+    StateOnDevice last{there.sum.slopes + std::ptrdiff_t{2} * method.last_stage() * slope_size(there),
+                       nullptr};
     system.rhs(t + h, y_new, last);
     return StepStatus::ok;
   }

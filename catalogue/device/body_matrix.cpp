@@ -236,7 +236,7 @@ MatrixArrays pattern_arrays(const TissueBody& body) {
   MatrixArrays made;
   made.first.push_back(0);
   for (std::int32_t j = 0; j < static_cast<std::int32_t>(C.cols() / 3); ++j) {
-    for (TissueBody::DofMatrix::InnerIterator entry(C, 3 * j); entry; ++entry)
+    for (TissueBody::DofMatrix::InnerIterator entry(C, Eigen::Index{3} * j); entry; ++entry)
       if (entry.row() % 3 == 0) {
         made.row.push_back(j);
         made.column.push_back(static_cast<std::int32_t>(entry.row() / 3));

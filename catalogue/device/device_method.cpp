@@ -86,7 +86,7 @@ std::optional<DeviceMethod> device_method(const Method& method) {
                                     std::pair{"stormer_verlet", KickDamping::predicted},
                                     std::pair{"central_difference", KickDamping::lumped}})
     if (method.id == id) return DeviceMethod{.kind = Kind::kicks, .damping = damping};
-  if (const std::optional<DeviceMethod> iterated = iterated_method(method)) return iterated;
+  if (std::optional<DeviceMethod> iterated = iterated_method(method)) return iterated;
   if (method.id == Rkc2::id) return stabilised<Rkc2>();
   if (method.id == Rkl2::id) return stabilised<Rkl2>();
   std::optional<DeviceMethod> found;

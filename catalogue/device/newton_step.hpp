@@ -286,7 +286,7 @@ HMAX_DEVICE inline void take_tetrahedra(const BodyMatrix& matrix, std::int64_t b
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c)
       K[r][c] = of_pairs ? of_pair(matrix, pair < 0 ? ~pair : pair, pair < 0, r, c)
-                         : matrix.sum[9 * block + 3 * r + c];
+                         : matrix.sum[9 * block + (3 * r + c)];
 }
 
 /// The position of point b less that of point a.
@@ -394,7 +394,7 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
   double C[3][3];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c)
-      C[r][c] = matrix.damping          ? matrix.damping[9 * block + 3 * r + c]
+      C[r][c] = matrix.damping          ? matrix.damping[9 * block + (3 * r + c)]
                 : is_diagonal && r == c ? matrix.alpha * mass
                                         : 0.0;
   if (more && matrix.triangles) add_triangles(program, block, K);
@@ -407,7 +407,7 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
       const bool on_diagonal = is_diagonal && r == c;
       double a = K[r][c] + C[r][c] / h;
       if (on_diagonal) matrix.diagonal[3 * point + r] = a = a + mass / (h * h);
-      matrix.values[9 * block + 3 * r + c] = a;
+      matrix.values[9 * block + (3 * r + c)] = a;
     }
 }
 
@@ -500,7 +500,7 @@ HMAX_DEVICE inline double row_product(const NewtonArrays& newton, std::int32_t n
     for (int c = 0; c < 3; ++c) {
       const std::int32_t m = 3 * matrix.column[k] + c;
       const double x = p ? newton.z[m] + beta * p[m] : newton.z[m];
-      sum = sum + matrix.values[std::int64_t{9} * k + 3 * (n % 3) + c] * x;
+      sum = sum + matrix.values[std::int64_t{9} * k + (3 * (n % 3) + c)] * x;
     }
   return sum;
 }
@@ -585,8 +585,8 @@ HMAX_DEVICE inline void sums_of_scaled(const BoundPieces& bound, std::int32_t n,
     const double scale = std::sqrt(mass(n / 3) * mass(matrix.column[k]));
     for (std::int32_t c = 0; c < 3; ++c) {
       column =
-          column + std::abs(matrix.values[std::int64_t{9} * bound.transposed[k] + 3 * c + n % 3]) / scale;
-      row = row + std::abs(matrix.values[std::int64_t{9} * k + 3 * (n % 3) + c]) / scale;
+          column + std::abs(matrix.values[std::int64_t{9} * bound.transposed[k] + (3 * c + n % 3)]) / scale;
+      row = row + std::abs(matrix.values[std::int64_t{9} * k + (3 * (n % 3) + c)]) / scale;
     }
   }
 }
@@ -601,7 +601,7 @@ HMAX_DEVICE void run_block(std::true_type, const Block& block, const BoundPieces
   });
   block.barrier();
   block.each(2, [&](std::int32_t which) {
-    const double* const own = sums + which * piece_size;
+    const double* const own = sums + std::ptrdiff_t{which} * piece_size;
     double largest = own[0];
     for (std::int32_t k = 1; k < here; ++k) largest = own[k] > largest ? own[k] : largest;
     bound.largest[2 * number + which] = largest;

@@ -96,14 +96,14 @@ HMAX_DEVICE inline void add_part(const MovePoints& move, std::int32_t p, std::in
     for (int i = 0; i < 3; ++i) sum.stress[i] = sum.stress[i] + felt.stress[i];
     for (int m = 0; m < 6; ++m) sum.block[m] = sum.block[m] + felt.block[m];
   }
-  for (int i = 0; i < 3; ++i) to[i * MovePoints::threads] = sum.stress[i];
-  for (int m = 0; m < 6; ++m) to[(3 + m) * MovePoints::threads] = sum.block[m];
+  for (int i = 0; i < 3; ++i) to[std::ptrdiff_t{i} * MovePoints::threads] = sum.stress[i];
+  for (int m = 0; m < 6; ++m) to[std::ptrdiff_t{3 + m} * MovePoints::threads] = sum.block[m];
 }
 
 /// f and K of the tetrahedra at a point. @param parts  what add_part() has written
 HMAX_DEVICE inline void add_parts(const double* parts, double* f, double* K) {
   const auto sum = [&](int m) {
-    const double* const part = parts + m * MovePoints::threads;
+    const double* const part = parts + std::ptrdiff_t{m} * MovePoints::threads;
     return (part[0] + part[1]) + (part[2] + part[3]);
   };
   for (int i = 0; i < 3; ++i) f[i] = f[i] - sum(i);
@@ -129,7 +129,7 @@ HMAX_DEVICE inline void damp_point(const MovePoints& move, std::int32_t p, doubl
   if (body.damps == 0)
     for (int i = 0; i < 3; ++i) {
       f[i] = f[i] - body.drag[p] * move.velocity[static_cast<std::int64_t>(i) * body.free + p];
-      C[4 * i] = body.drag[p];
+      C[std::ptrdiff_t{4} * i] = body.drag[p];
     }
   else
     for (std::int32_t n = p == 0 ? 0 : body.damp_end[p - 1]; n < body.damp_end[p]; ++n)
@@ -183,7 +183,9 @@ HMAX_DEVICE void run_block(Kind, const Block& block, const MovePoints& move, std
       });
       block.barrier();
     }
-    block.each(here, [&](std::int32_t n) { move_point(move, own[n], parts + n * MovePoints::parts); });
+    block.each(here, [&](std::int32_t n) {
+      move_point(move, own[n], parts + std::ptrdiff_t{n} * MovePoints::parts);
+    });
     block.barrier();
   }
 }

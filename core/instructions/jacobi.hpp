@@ -18,11 +18,11 @@ HMAX_DEVICE inline void jacobi_rotation(int p, int q, V (&A)[size][size], V (&Q)
     A[q][k] = s * row_p + c * row_q;
   }
   for (int k = 0; k < size; ++k) {
-    const V column_p = A[k][p], column_q = A[k][q], Q_p = Q[k][p], Q_q = Q[k][q];
+    const V column_p = A[k][p], column_q = A[k][q], vector_p = Q[k][p], vector_q = Q[k][q];
     A[k][p] = c * column_p - s * column_q;
     A[k][q] = s * column_p + c * column_q;
-    Q[k][p] = c * Q_p - s * Q_q;
-    Q[k][q] = s * Q_p + c * Q_q;
+    Q[k][p] = c * vector_p - s * vector_q;
+    Q[k][q] = s * vector_p + c * vector_q;
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/jacobi.hpp"
@@ -14,7 +15,7 @@ namespace hmax {
 HMAX_DEVICE inline bool solve_by_factors(const double* H, const double* r, double* x) {
   double L[3][3];
   for (int k = 0; k < 3; ++k) {
-    double pivot = H[4 * k];
+    double pivot = H[std::ptrdiff_t{4} * k];
     if (k == 1) pivot = pivot - L[1][0] * L[1][0];
     if (k == 2) pivot = pivot - (L[2][0] * L[2][0] + L[2][1] * L[2][1]);
     if (pivot <= 0) return false;
@@ -70,7 +71,8 @@ HMAX_DEVICE inline void move_of_point(double mass, double h, double* f, double* 
   for (int j = 0; j < 3; ++j) {
     f[j] = f[j] - inertia * away[j];
     for (int i = j; i < 3; ++i) K[3 * j + i] = K[3 * j + i] + C[3 * j + i] / h;
-    K[4 * j] = K[4 * j] + inertia;
+    double& diagonal = K[std::ptrdiff_t{4} * j];
+    diagonal = diagonal + inertia;
   }
   if (!solve_by_factors(K, f, move)) solve_by_amounts(K, f, move);
 }

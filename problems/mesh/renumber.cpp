@@ -109,12 +109,12 @@ Renumbering local_order(const TetMesh& mesh) {
   std::vector<std::pair<std::array<Index, 4>, Index>> keys(static_cast<std::size_t>(mesh.element_count()));
   for (std::size_t e = 0; e < keys.size(); ++e) {
     const std::span<const Index> element = mesh.element(static_cast<Eigen::Index>(e));
-    std::array<Index, 10> points{};
-    const auto end = std::ranges::transform(element, points.begin(), [&](Index a) {
+    std::array<Index, 10> corners{};
+    const auto end = std::ranges::transform(element, corners.begin(), [&](Index a) {
                        return now[static_cast<std::size_t>(a)];
                      }).out;
-    std::partial_sort(points.begin(), points.begin() + 4, end);
-    std::copy_n(points.begin(), 4, keys[e].first.begin());
+    std::partial_sort(corners.begin(), corners.begin() + 4, end);
+    std::copy_n(corners.begin(), 4, keys[e].first.begin());
     keys[e].second = static_cast<Index>(e);
   }
   std::ranges::sort(keys);

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -27,7 +27,8 @@ namespace hmax::device_tests {
 inline std::size_t unequal(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   if (a.size() != b.size()) return static_cast<std::size_t>(std::max(a.size(), b.size()));
   std::size_t count = 0;
-  for (Eigen::Index i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(double)) != 0;
+  for (Eigen::Index i = 0; i < a.size(); ++i)
+    count += std::bit_cast<std::uint64_t>(a[i]) != std::bit_cast<std::uint64_t>(b[i]);
   return count;
 }
 
@@ -54,8 +55,8 @@ inline RunRecord expect_same(Device& device, const Problem& problem, const std::
   Points steps, seen;
   RunSpec seldom = spec;
   seldom.seen_every = seen_every;
-  const RunRecord expected = method.bind(problem).run(spec, into(steps)),
-                  found = there.bind(problem).run(seldom, into(seen));
+  RunRecord expected = method.bind(problem).run(spec, into(steps));
+  const RunRecord found = there.bind(problem).run(seldom, into(seen));
   std::size_t n = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i % static_cast<std::size_t>(seen_every) != 0 &&

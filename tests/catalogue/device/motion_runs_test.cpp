@@ -3,8 +3,10 @@
 #include "catalogue/device/motion_runs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <random>
@@ -65,6 +67,10 @@ std::vector<OscillatorRun> ends_of(const RunMotions& run, std::vector<Oscillator
   return runs;
 }
 
+std::array<std::uint64_t, 2> plane_bits(const Vector2d& y) {
+  return {std::bit_cast<std::uint64_t>(y[0]), std::bit_cast<std::uint64_t>(y[1])};
+}
+
 /// How many have ended in which way, after a comparison of all bits.
 std::map<Outcome, std::size_t> expect_same_ends(const RunMotions& found, const RunMotions& expected,
                                                 const std::vector<OscillatorRun>& runs) {
@@ -73,7 +79,7 @@ std::map<Outcome, std::size_t> expect_same_ends(const RunMotions& found, const R
   std::size_t unequal = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     unequal += there[i].outcome != here[i].outcome ||
-               (is_bounded(here[i].y) && std::memcmp(&there[i].y, &here[i].y, sizeof(Vector2d)) != 0);
+               (is_bounded(here[i].y) && plane_bits(there[i].y) != plane_bits(here[i].y));
     ++outcomes[here[i].outcome];
   }
   EXPECT_EQ(unequal, 0U) << "of " << runs.size();

@@ -30,7 +30,7 @@ class HangingBar {
     for (std::int32_t i = 0; i < n; ++i) points_.push_back({i});
   }
 
-  static constexpr int n = 20;
+  static constexpr Eigen::Index n = 20;
   static constexpr double length = 0.1 / n;  ///< of a spring [m]
 
   [[nodiscard]] Eigen::Index dofs() const { return 3 * n; }
@@ -71,15 +71,15 @@ class HangingBar {
   // From the held end on, one after the other.
   [[nodiscard]] const Colours& point_colours() const { return points_; }
   void point_force(double, const Dofs& q, const Dofs& v, std::int32_t point, PointForce& at) const {
-    const double own = point + 1 < n ? 2 * k_ : k_, m = mass_[3 * point];
+    const Eigen::Index x = Eigen::Index{3} * point;
+    const double own = point + 1 < n ? 2 * k_ : k_, m = mass_[x];
     const auto pulled = [&](const Dofs& u) {
-      Eigen::Vector3d sum = own * u.segment<3>(3 * point);
-      if (point > 0) sum -= k_ * u.segment<3>(3 * point - 3);
-      if (point + 1 < n) sum -= k_ * u.segment<3>(3 * point + 3);
+      Eigen::Vector3d sum = own * u.segment<3>(x);
+      if (point > 0) sum -= k_ * u.segment<3>(x - 3);
+      if (point + 1 < n) sum -= k_ * u.segment<3>(x + 3);
       return sum;
     };
-    at.f =
-        loads_.segment<3>(3 * point) - pulled(q) - beta_ * pulled(v) - alpha_ * m * v.segment<3>(3 * point);
+    at.f = loads_.segment<3>(x) - pulled(q) - beta_ * pulled(v) - alpha_ * m * v.segment<3>(x);
     at.K = own * Eigen::Matrix3d::Identity();
     at.C = (beta_ * own + alpha_ * m) * Eigen::Matrix3d::Identity();
   }
@@ -88,7 +88,8 @@ class HangingBar {
                    std::span<CompliantConstraint> at) const {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::int32_t number = numbers[i];
-      at[i].set(q[3 * number] - (number > 0 ? q[3 * number - 3] : 0.0), 1 / k_);
+      const Eigen::Index x = Eigen::Index{3} * number;
+      at[i].set(q[x] - (number > 0 ? q[x - 3] : 0.0), 1 / k_);
       at[i].add(number - 1, -Eigen::Vector3d::UnitX());
       at[i].add(number, Eigen::Vector3d::UnitX());
     }

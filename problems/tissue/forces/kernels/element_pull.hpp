@@ -7,6 +7,8 @@
 /// kernel_loops.hpp says why it is of an unnamed namespace.
 #pragma once
 
+#include <cstddef>
+
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/rotation.hpp"
 #include "problems/tissue/forces/kernels/small_matrices.hpp"
@@ -245,7 +247,7 @@ HMAX_DEVICE inline void triangle_pull(const Real (*D)[3], const Real* g, Real vo
   membrane_stress<Lanes>(modulus, poisson, F, S);
   for (int i = 0; i < 3; ++i) {
     const Real a = volume * F[0][i], b = volume * F[1][i], P0 = a * S[0] + b * S[2], P1 = a * S[2] + b * S[1];
-    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[2 * k] + P1 * g[2 * k + 1];
+    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[std::ptrdiff_t{2} * k] + P1 * g[2 * k + 1];
   }
 }
 

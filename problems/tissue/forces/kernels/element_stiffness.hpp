@@ -1,6 +1,8 @@
 /// The stiffness of tetrahedra and of springs: the one source of processors and devices, as element_pull.hpp.
 #pragma once
 
+#include <cstddef>
+
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 
@@ -185,7 +187,7 @@ HMAX_DEVICE inline void damper_stiffness(double damper, double length, const dou
 HMAX_DEVICE inline void triangle_stiffness(const double (*F)[3], const double* S, const double* g,
                                            double volume, double modulus, double poisson, int b, int c,
                                            double (*pull)[3]) {
-  const double* const own = g + 2 * (b - 1);
+  const double* const own = g + std::ptrdiff_t{2} * (b - 1);
   const double E[3] = {F[0][c] * own[0], F[1][c] * own[1], (F[0][c] * own[1] + F[1][c] * own[0]) / 2};
   double T[3];
   plane_stress(modulus, poisson, E, T);
@@ -194,7 +196,7 @@ HMAX_DEVICE inline void triangle_stiffness(const double (*F)[3], const double* S
                               i == c ? own[0] * S[2] + own[1] * S[1] : 0.0};
     const double P0 = volume * (turned[0] + (F[0][i] * T[0] + F[1][i] * T[2])),
                  P1 = volume * (turned[1] + (F[0][i] * T[2] + F[1][i] * T[1]));
-    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[2 * k] + P1 * g[2 * k + 1];
+    for (int k = 0; k < 2; ++k) pull[k][i] = P0 * g[std::ptrdiff_t{2} * k] + P1 * g[2 * k + 1];
   }
 }
 
