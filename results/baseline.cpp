@@ -71,7 +71,7 @@ std::vector<AccuracyRow> read_baseline(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in)
     throw InputError(fmt::format(
-        "the baseline '{}' cannot be read; run this in the source folder of hmax, or name it with --baseline",
+        "the baseline '{}' cannot be read; run this in the source folder of hmax, name it with --baseline, or write it with --update",
         file.string()));
   std::vector<AccuracyRow> rows;
   std::int64_t number = 0;

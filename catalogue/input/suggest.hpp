@@ -37,14 +37,19 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// The name nearest to `wrong`, or an empty string when none is near: at most one edit in three characters,
-/// or else the first name that begins with `wrong` (at least three characters of it).
+/// The name nearest to `wrong`, or an empty string when none is near: the shortest that begins with it (at
+/// least three characters), or else that of the fewest edits, at most one in three characters.
 /// @param names  any range of strings
 template <class Names>
 std::string did_you_mean(std::string_view wrong, const Names& names) {
   constexpr std::size_t longest = 100;  // a name longer than this is no slip of the finger
   if (wrong.empty() || wrong.size() > longest) return {};
   std::string best;
+  for (const std::string_view name : names)
+    if (wrong.size() >= 3 && edit_distance(wrong, name.substr(0, wrong.size())) == 0 &&
+        (best.empty() || name.size() < best.size()))
+      best = name;
+  if (!best.empty()) return best;
   std::size_t smallest = std::max<std::size_t>(1, wrong.size() / 3) + 1;
   for (const auto& name : names) {
     const std::size_t distance = edit_distance(wrong, name);
@@ -53,10 +58,7 @@ std::string did_you_mean(std::string_view wrong, const Names& names) {
       best = name;
     }
   }
-  if (!best.empty() || wrong.size() < 3) return best;
-  for (const auto& name : names)
-    if (edit_distance(wrong, std::string_view(name).substr(0, wrong.size())) == 0) return std::string(name);
-  return {};
+  return best;
 }
 
 /// The remedy in an error about a name: "did you mean 'rk4'?", or `otherwise` when none is near.

@@ -28,7 +28,11 @@ TEST(DidYouMean, FindsTheNearestName) {
   EXPECT_EQ(did_you_mean("rk5", std::vector<std::string>{"rk4", "leapfrog"}), "rk4");
 }
 
-TEST(DidYouMean, CompletesABeginning) { EXPECT_EQ(did_you_mean("dormand", names), "dormand_prince_54"); }
+TEST(DidYouMean, CompletesABeginning) {
+  EXPECT_EQ(did_you_mean("dormand", names), "dormand_prince_54");
+  EXPECT_EQ(did_you_mean("rkc", std::vector<std::string>{"rk4", "rkc_2_adaptive", "rkc_2"}), "rkc_2");
+  EXPECT_EQ(did_you_mean("RK4", std::vector<std::string>{"rk4_38", "rk4"}), "rk4");
+}
 
 TEST(DidYouMean, IsSilentWhenNothingIsNear) {
   EXPECT_EQ(did_you_mean("", names), "");
