@@ -166,6 +166,18 @@ void expect_same_stages(Device& device) {
   expect_same(device, make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
 }
 
+/// Runs of one body in the same memory, the second from the end of the first.
+void expect_same_from_two_starts(Device& device, Problem body, const char* id) {
+  const Method method = find_method(id),
+               there = on_device(method, std::shared_ptr<Device>(&device, [](Device*) {}));
+  const RunSpec spec{.t_end = 0.03, .h = 0.01};
+  for (int start = 0; start < 2; ++start) {
+    const RunRecord expected = method.bind(body).run(spec, {}), found = there.bind(body).run(spec, {});
+    EXPECT_EQ(unequal(found.y, expected.y), 0U) << id << ", start " << start;
+    body.y0 = expected.y;
+  }
+}
+
 /// Truncated Newton: of several counts, models, damping and loads.
 void expect_same_newton(Device& device) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
@@ -201,6 +213,7 @@ void expect_same_newton(Device& device) {
     expect_same(device, body, frozen, spec, 3);
   for (const char* id : {"fem_green@liver", "fem_nodal_pressure@liver", "fem_quadratic@cube:n=2"})
     expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"beta", 1e-3}}}), frozen, spec, 3);
+  expect_same_from_two_starts(device, uneven_body(2.5), frozen);
   // Conjugate gradients that end at the rounding of the residual.
   const RunRecord solved = expect_same(device, uneven_body(2.5), "newton_truncated:iterations=2,cg=300",
                                        {.t_end = 0.05, .h = 0.01}, 3);
