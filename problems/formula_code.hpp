@@ -29,10 +29,10 @@ struct FormulaCode {
 
 /// The values of formulas at (t, y).
 /// @param registers  room for those of the code
-/// @param value      value(op, a, b, c) of the operations that are rarer than arithmetic
-template <class Value>
+/// @param other      as of arithmetic_value()
+template <class Other>
 HMAX_DEVICE inline void run_formulas(const FormulaCode& code, double* registers, double t, const double* y,
-                                     double* values, const Value& value) {
+                                     double* values, const Other& other) {
   registers[0] = t;
   double* next = registers + 1;
   for (std::uint32_t i = 0; i < code.states; ++i) *next++ = y[i];
@@ -42,30 +42,6 @@ HMAX_DEVICE inline void run_formulas(const FormulaCode& code, double* registers,
     const double a = registers[step->a], b = registers[step->b];
     double& result = registers[step->to];
     switch (step->code) {
-      case static_cast<std::uint8_t>(FormulaOp::add):
-        result = a + b;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::subtract):
-        result = a - b;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::multiply):
-        result = a * b;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::divide):
-        result = a / b;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::square):
-        result = a * a;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::cube):
-        result = a * a * a;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::less):
-        result = a < b ? 1 : 0;
-        break;
-      case static_cast<std::uint8_t>(FormulaOp::greater):
-        result = a > b ? 1 : 0;
-        break;
       case FormulaStep::copy:
         result = a;
         break;
@@ -76,7 +52,7 @@ HMAX_DEVICE inline void run_formulas(const FormulaCode& code, double* registers,
         step = code.steps + step->c - 1;
         break;
       default:
-        result = value(static_cast<FormulaOp>(step->code), a, b, registers[step->c]);
+        result = arithmetic_value(static_cast<FormulaOp>(step->code), a, b, registers[step->c], other);
     }
   }
   for (std::uint32_t i = 0; i < code.result_count; ++i) values[i] = registers[code.results[i]];

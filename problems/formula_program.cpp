@@ -132,12 +132,12 @@ FormulaCode FormulaProgram::code() const {
 
 void FormulaProgram::run(double t, const double* y, double* values) const {
   const auto run_in = [&](double* registers) {
-    run_formulas(code(), registers, t, y, values, [](FormulaOp op, double a, double b, double c) {
+    run_formulas(code(), registers, t, y, values, [](FormulaOp op, double a, double b) {
       // The usual ones here; a call for each of the others is little beside them.
       if (op == FormulaOp::sin) return std::sin(a);
       if (op == FormulaOp::cos) return std::cos(a);
       if (op == FormulaOp::exp) return std::exp(a);
-      return formula_value(op, a, b, c);
+      return formula_value(op, a, b, 0);
     });
   };
   constexpr std::size_t most_on_stack = 512;

@@ -177,6 +177,13 @@ Order packed_order(const std::vector<std::optional<Eigen::Index>>& derivative_is
   return order;
 }
 
+[[noreturn]] void refuse_velocity(const std::pair<std::string, std::string>& equation,
+                                  const std::string& velocity) {
+  const auto& [name, formula] = equation;
+  refuse("equation " + name + "' = " + shown(formula, 0) + ": this is not the velocity " + quoted(velocity) +
+         "; write " + name + " = \"" + velocity + "\", or leave out positions and velocities");
+}
+
 /// The order that the user names.
 Order named_order(const FormulaDefinition& d, const std::vector<std::optional<Eigen::Index>>& derivative_is) {
   if (d.positions.size() != d.velocities.size())
@@ -201,11 +208,7 @@ Order named_order(const FormulaDefinition& d, const std::vector<std::optional<Ei
            std::to_string(states.size()) + " states; name each state once");
   for (std::size_t k = 0; k < d.positions.size(); ++k) {
     const auto q = static_cast<std::size_t>(order[k]);
-    if (derivative_is[q] == order[d.positions.size() + k]) continue;
-    const auto& [name, formula] = d.equations[q];
-    refuse("equation " + name + "' = " + shown(formula, 0) + ": this is not the velocity " +
-           quoted(d.velocities[k]) + "; write " + name + " = \"" + d.velocities[k] +
-           "\", or leave out positions and velocities");
+    if (derivative_is[q] != order[d.positions.size() + k]) refuse_velocity(d.equations[q], d.velocities[k]);
   }
   return order;
 }

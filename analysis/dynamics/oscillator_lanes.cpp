@@ -130,7 +130,7 @@ class AdaptiveRuns {
 };
 
 /// One after the other: formulas are no vector operations.
-void run_formulas(const RunClient& client, const AdaptiveSteps& steps, const FormulaProgram& formulas) {
+void run_motions_of(const RunClient& client, const AdaptiveSteps& steps, const FormulaProgram& formulas) {
   const RmsNorm<double> norm{steps.tolerances.rtol, steps.tolerances.atol};
   const PlanarFormulas system{formulas};
   std::optional<FateRule> rule;
@@ -146,7 +146,10 @@ void run_formulas(const RunClient& client, const AdaptiveSteps& steps, const For
       go_on(
           motion, rk, std::numeric_limits<std::int64_t>::max(), steps.most_attempts,
           [&](const Vector2d& y) { return rule && rule->of(y) != undecided; },
-          [&] { attempt(rk, norm, [&](const double* y, double* dydt) { formulas.run(0, y, dydt); }); });
+          [&] {
+            attempt(rk, norm, [&](const double* y, double* dydt) { formulas.run(0, y, dydt); });
+            return true;
+          });
       run->outcome = motion.outcome();
       run->y = rk.state(0);
     }
@@ -209,7 +212,7 @@ MotionRunner in_lanes(InstructionSet set) {
               },
           .formulas = [](const AdaptiveSteps& steps,
                          const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
-            return [=](const RunClient& client) { run_formulas(client, steps, *formulas); };
+            return [=](const RunClient& client) { run_motions_of(client, steps, *formulas); };
           }};
 }
 

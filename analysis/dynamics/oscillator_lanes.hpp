@@ -23,11 +23,19 @@ namespace hmax {
 
 /// A motion from t = 0 on.
 struct OscillatorRun {
-  const Oscillator* system;                ///< null of formulas
+  const Oscillator* system;                ///< null of formulas, which the runner knows
   double t_end;                            ///< [s], positive
   Eigen::Vector2d y;                       ///< its start, then its end
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
   double h = 0;                            ///< [s], positive: of fixed steps of its own
+};
+
+/// Formulas that do not know the time, as a System of the plane.
+struct PlanarFormulas {
+  using State = Eigen::Vector2d;
+  const FormulaProgram& formulas;
+  [[nodiscard]] Eigen::Index dim() const { return 2; }
+  void rhs(double t, const State& y, State& dydt) const { formulas.run(t, y.data(), dydt.data()); }
 };
 
 /// Where runs come from and where they go.

@@ -19,7 +19,6 @@
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/state.hpp"
 #include "integrators/stepper.hpp"
-#include "problems/formula_program.hpp"
 #include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
@@ -191,13 +190,13 @@ template <std::size_t N, class Steady, class Cosines>
 
 /// Attempts of a motion that stands at the state of `rk`, until it has ended or so many were made.
 /// @param is_over  as of AdaptiveMotion::judge()
-/// @param attempt  attempt(): of the step that is set, and its error
+/// @param attempt  attempt(): of the step that is set, and its error; false where these cannot be told
 template <class IsOver, class Attempt>
 HMAX_DEVICE inline void go_on(AdaptiveMotion& motion, LaneRk<tableaux::Dop853, 1>& rk, std::int64_t attempts,
                               std::int64_t most_attempts, const IsOver& is_over, const Attempt& attempt) {
   for (std::int64_t tried = 0; tried < attempts && motion.propose(most_attempts); ++tried) {
     rk.set_step(0, motion.t(), motion.h());
-    attempt();
+    if (!attempt()) return;
     if (motion.judge(rk.error_squared(0), rk.candidate(0), is_over)) rk.accept(0);
     if (motion.has_ended()) return;
   }
@@ -211,14 +210,6 @@ HMAX_DEVICE inline void attempt(LaneRk<tableaux::Dop853, 1>& rk, const Norm& nor
                  __attribute__((always_inline)) { slope(y.data(), dydt.data()); });
   rk.weigh(norm);
 }
-
-/// Such formulas as a System of the plane.
-struct PlanarFormulas {
-  using State = Eigen::Vector2d;
-  const FormulaProgram& formulas;
-  [[nodiscard]] Eigen::Index dim() const { return 2; }
-  void rhs(double t, const State& y, State& dydt) const { formulas.run(t, y.data(), dydt.data()); }
-};
 
 // ---- fixed steps
 

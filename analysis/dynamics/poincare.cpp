@@ -155,9 +155,9 @@ class ExponentSearch {
 Exponent largest_lyapunov(const VectorFunction& map, const VectorXd& y, const VectorXd& scale,
                           const ExponentLimits& limits) {
   ExponentSearch search(y, scale, limits);
-  for (std::optional<Exponent> exponent;;) {
+  for (;;) {
     for (VectorXd& state : search.states) state = map(state);
-    if ((exponent = search.go_on())) return *exponent;
+    if (const std::optional<Exponent> exponent = search.go_on()) return *exponent;
   }
 }
 

@@ -1,6 +1,7 @@
 /// The methods that devices run, as data for body_step().
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -79,7 +80,7 @@ struct DeviceMethod {
   /// Of truncated Newton: Jacobians of so many steps.
   [[nodiscard]] std::int64_t jacobians(std::int64_t steps) const {
     if (kind != Kind::newton) return 0;
-    return iterated.frozen ? 1 : iterated.all() * steps;
+    return iterated.frozen ? std::min<std::int64_t>(steps, 1) : iterated.all() * steps;
   }
   /// Slopes that are kept, and the last one of them.
   [[nodiscard]] std::int32_t slopes() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <type_traits>
@@ -19,12 +20,14 @@ struct StoredMotion {
   AdaptiveMotion motion;
   OscillatorRates rates;
   double y[2], slope[2];
+  bool beyond = false;  ///< as MotionEnd's
 };
 
 /// Where a motion has ended.
 struct MotionEnd {
   double y[2];
   Outcome outcome;
+  bool beyond;  ///< the device cannot tell, and the processor has to run it from its start
 };
 
 /// Motions that go on by some attempts.
@@ -49,7 +52,6 @@ struct FormulaMotions : MotionsUnderWay {
   /// Room of a thread.
   static constexpr std::size_t most_registers = 128;
   FormulaCode code;
-  std::int32_t* far;  ///< becomes 1 where a sine or cosine of a far angle was asked for
 };
 
 /// A motion of fixed steps.
@@ -99,7 +101,7 @@ HMAX_DEVICE void go_on(const MotionsUnderWay& all, std::int64_t n, LaneRk<tablea
   for (int i = 0; i < 2; ++i) own.y[i] = y[i], own.slope[i] = slope[i];
   own.motion = motion;
   if (motion.has_ended())
-    all.ends[n] = {{y[0], y[1]}, motion.outcome()};
+    all.ends[n] = {{y[0], y[1]}, motion.outcome(), false};
   else
     *all.left = 1;
 }
@@ -114,23 +116,30 @@ HMAX_DEVICE void run_thread(std::bool_constant<steady>, const AdaptiveMotions& a
   const auto cosines = [](std::size_t count, const auto& angles, auto& out) {
     for (std::size_t i = 0; i < count; ++i) out[i] = cosine(angles[i]);
   };
-  go_on(all, n, lanes.rk, [&] { attempt(lanes, std::bool_constant<steady>{}, cosines); });
+  go_on(all, n, lanes.rk, [&] {
+    attempt(lanes, std::bool_constant<steady>{}, cosines);
+    return true;
+  });
 }
 
 HMAX_DEVICE inline void run_thread(std::true_type, const FormulaMotions& all, std::int64_t n) {
-  if (all.motions[n].motion.has_ended()) return;
-  const auto value = [&](FormulaOp op, double a, double b, double c) {
-    return arithmetic_value(op, a, b, c, [&](FormulaOp circular, double angle, double) {
-      if (!(std::abs(angle) < cosine_parts::far_angle)) *all.far = 1;
-      return circular == FormulaOp::sin ? sine(angle) : cosine(angle);
-    });
+  StoredMotion& own = all.motions[n];
+  if (own.motion.has_ended() || own.beyond) return;
+  bool beyond = false;
+  const auto circular = [&](FormulaOp op, double angle, double) {
+    if (!(std::abs(angle) <= std::numeric_limits<double>::max())) return angle - angle;
+    if (std::abs(angle) < cosine_parts::far_angle) return op == FormulaOp::sin ? sine(angle) : cosine(angle);
+    beyond = true;
+    return 0.0;
   };
   double registers[FormulaMotions::most_registers];
   LaneRk<tableaux::Dop853, 1> rk;
   go_on(all, n, rk, [&] {
     attempt(rk, all.norm,
-            [&](const double* y, double* dydt) { run_formulas(all.code, registers, 0, y, dydt, value); });
+            [&](const double* y, double* dydt) { run_formulas(all.code, registers, 0, y, dydt, circular); });
+    return !beyond;
   });
+  if (beyond) own.beyond = all.ends[n].beyond = true;
 }
 
 /// What steps(lanes) makes of a motion.

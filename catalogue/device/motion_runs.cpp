@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -59,7 +61,7 @@ class Lent {
     void* memory = nullptr;
     std::size_t bytes = 0;
   };
-  Room rooms_[8];
+  Room rooms_[7];
 };
 
 /// f(0, y).
@@ -90,16 +92,14 @@ std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once
 }
 
 /// One launch after the other until no motion is left.
-/// @param check  check(): after each
-template <class Motions, class Check>
-void run_to_end(Lent& lent, Motions& all, const Check& check) {
+template <class Motions>
+void run_to_end(Lent& lent, Motions& all) {
   std::vector<std::int32_t> left{1};
   while (left[0] != 0) {
     left[0] = 0;
     all.left = lent.copy(3, left);
     lent.device.run({all});
     lent.read(left, all.left);
-    check();
   }
 }
 
@@ -108,13 +108,13 @@ void require_own_cosines() {
   if (!cosines_are_those_of_musl())
     throw InputError(
         "--device gpu has the cosines of musl, and this hmax was built without them; install musl-dev, then "
-        "configure and build again, or leave it out");
+        "configure and build again, or leave --device out");
 }
 
 /// Throws where a device would need more digits of pi.
 void require_near(const OscillatorRun& run) {
   if (!(std::abs(run.system->parameters().w) * run.t_end < 0.99 * cosine_parts::far_angle))
-    throw InputError("--device gpu takes forces of up to 10^6 rad in a period; leave it out");
+    throw InputError("--device gpu takes forces of up to 10^6 rad in a period; leave --device out");
 }
 
 template <class S>
@@ -137,32 +137,26 @@ struct AdaptiveOscillators {
     return motion;
   }
   [[nodiscard]] AdaptiveMotions motions(Lent&) const { return {{}, steps.steady}; }
-  void check(Lent&, const AdaptiveMotions&) const {}
+  void run_on_processor(const RunClient&) const { throw std::logic_error("no angle is too far"); }
 };
 
 /// Formulas, likewise.
 struct AdaptiveFormulas {
   const AdaptiveSteps& steps;
-  const FormulaProgram& formulas;
+  const std::shared_ptr<const FormulaProgram>& formulas;
 
   [[nodiscard]] StoredMotion store(const OscillatorRun& run) const {
-    return stored(steps, PlanarFormulas{formulas}, run);
+    return stored(steps, PlanarFormulas{*formulas}, run);
   }
   [[nodiscard]] FormulaMotions motions(Lent& lent) const {
     FormulaMotions all{};
-    all.code = formulas.code();
-    all.code.steps = lent.copy(4, formulas.steps());
-    all.code.constants = lent.copy(5, formulas.constants());
-    all.code.results = lent.copy(6, formulas.results());
-    all.far = lent.copy(7, std::vector<std::int32_t>{0});
+    all.code = formulas->code();
+    all.code.steps = lent.copy(4, formulas->steps());
+    all.code.constants = lent.copy(5, formulas->constants());
+    all.code.results = lent.copy(6, formulas->results());
     return all;
   }
-  static void check(Lent& lent, const FormulaMotions& all) {
-    std::vector<std::int32_t> far(1);
-    lent.read(far, all.far);
-    if (far[0] != 0)
-      throw InputError("--device gpu takes sines and cosines of angles up to 10^6 rad; leave it out");
-  }
+  void run_on_processor(const RunClient& client) const { in_lanes().formulas(steps, formulas)(client); }
 };
 
 template <class Adaptive>
@@ -188,28 +182,43 @@ void run_adaptive(Lent& lent, const Adaptive& adaptive, std::size_t at_once, con
         all.rule = steps.arrival->rule();
         all.rule.traps = lent.copy(2, steps.arrival->traps);
       }
-      run_to_end(lent, all, [&] { adaptive.check(lent, all); });
+      run_to_end(lent, all);
       lent.read(ends, all.ends);
     }
+    std::vector<OscillatorRun*> beyond;
     for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (ends[i].beyond) {
+        beyond.push_back(runs[i]);
+        continue;
+      }
       runs[i]->y = {ends[i].y[0], ends[i].y[1]};
       runs[i]->outcome = ends[i].outcome;
       client.ended(*runs[i]);
     }
+    const auto next = [&]() -> OscillatorRun* {
+      if (beyond.empty()) return nullptr;
+      OscillatorRun* const run = beyond.back();
+      beyond.pop_back();
+      return run;
+    };
+    if (!beyond.empty()) adaptive.run_on_processor({next, client.ended});
   }
 }
 
 /// @throws InputError  where a device would have other bits, or no room
 void require_arithmetic(const FormulaProgram& formulas) {
   if (formulas.registers() > FormulaMotions::most_registers)
-    throw InputError("--device gpu takes formulas of some hundred operations; leave it out");
+    throw InputError("--device gpu takes formulas of at most " +
+                     std::to_string(FormulaMotions::most_registers) +
+                     " operations, numbers and states together, and these have " +
+                     std::to_string(formulas.registers()) + "; leave --device out");
   for (const FormulaStep& step : formulas.steps()) {
     if (step.code >= FormulaStep::jump_unless) continue;
     arithmetic_value(static_cast<FormulaOp>(step.code), 0, 0, 0, [](FormulaOp op, double, double) {
       if (op != FormulaOp::sin && op != FormulaOp::cos)
         throw InputError(
-            "--device gpu takes formulas of arithmetic, comparisons, sqrt, abs, min, max, sign, rint, sin and "
-            "cos, whose bits are those of the processor; leave it out");
+            "--device gpu takes formulas of arithmetic, comparisons, powers 2 to 4, sqrt, abs, min, max, sign, "
+            "rint, sin and cos alone; leave --device out");
       require_own_cosines();
       return 0.0;
     });
@@ -275,7 +284,7 @@ void run_own(Lent& lent, std::string_view method, std::size_t at_once, const Run
                        .method = method,
                        .most_steps = steps_of_a_launch / 10,
                        .left = nullptr};
-        run_to_end(lent, all, [] {});
+        run_to_end(lent, all);
       });
 }
 
@@ -311,7 +320,7 @@ MotionRunner motions_on(Device& device, std::size_t at_once) {
                                       const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
             require_arithmetic(*formulas);
             return [=](const RunClient& client) {
-              run_adaptive(*lent, AdaptiveFormulas{steps, *formulas}, at_once, client);
+              run_adaptive(*lent, AdaptiveFormulas{steps, formulas}, at_once, client);
             };
           },
           .is_device = true};

@@ -45,10 +45,12 @@ std::string did_you_mean(std::string_view wrong, const Names& names) {
   constexpr std::size_t longest = 100;  // a name longer than this is no slip of the finger
   if (wrong.empty() || wrong.size() > longest) return {};
   std::string best;
-  for (const std::string_view name : names)
-    if (wrong.size() >= 3 && edit_distance(wrong, name.substr(0, wrong.size())) == 0 &&
-        (best.empty() || name.size() < best.size()))
-      best = name;
+  for (const auto& name : names) {
+    const std::string_view whole = name;
+    if (wrong.size() >= 3 && edit_distance(wrong, whole.substr(0, wrong.size())) == 0 &&
+        (best.empty() || whole.size() < best.size()))
+      best = whole;
+  }
   if (!best.empty()) return best;
   std::size_t smallest = std::max<std::size_t>(1, wrong.size() / 3) + 1;
   for (const auto& name : names) {

@@ -139,12 +139,12 @@ Method projective_dynamics(const Parameters& values) {
 }
 
 Method newton_truncated(const Parameters& values) {
+  const bool frozen =
+      is_chosen("newton_truncated", values, 3, "1 keeps the stiffness and damping of the start of the run");
   Method method = positional(
-      "newton_truncated", "baraff1998large", PositionalVerbs::forces, values, [](const Parameters& p) {
-        return TruncatedNewton(
-            count_of("newton_truncated", p, 2),
-            is_chosen("newton_truncated", p, 3, "1 keeps the stiffness and damping of the start of the run"));
-      });
+      "newton_truncated", "baraff1998large", PositionalVerbs::forces, values,
+      [frozen](const Parameters& p) { return TruncatedNewton(count_of("newton_truncated", p, 2), frozen); });
+  method.keeps_start = frozen;
   method.note =
       "iterations of Newton's method, each of a few conjugate gradients (cg); frozen=1 keeps the matrix of the start";
   return method;

@@ -96,7 +96,7 @@ bool is_undamped(const Problem& problem) {
 }
 
 bool depends_on_past(const Method& method, const Problem& problem) {
-  if (method.steps_back > 0) return true;
+  if (method.steps_back > 0 || method.keeps_start) return true;
   switch (method.carried_acceleration) {
     case CarriedAcceleration::none:
       return false;

@@ -103,7 +103,8 @@ struct Method {
   int order_undamped = 0;           ///< where forces do not depend on velocities; 0: the same
   int steps_back = 0;  ///< steps before the current one whose derivatives it reads; 0: a one-step method
   CarriedAcceleration carried_acceleration = CarriedAcceleration::none;
-  std::string note{};  ///< what the facts above do not tell; often empty
+  bool keeps_start = false;  ///< a matrix of the state where the run began
+  std::string note{};        ///< what the facts above do not tell; often empty
   /// What else keeps it from a problem, "takes ..."; empty words where nothing does, null where nothing ever
   /// does.
   std::function<std::string(const Problem&)> unsuited{};

@@ -76,7 +76,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
   if ((!oscillator && !formulas) || problem.stiff || is_driven(problem)) {
     if (runner.is_device)
       throw InputError(fmt::format(
-          "--device gpu finds basins of oscillators and formulas, and {} is none of them; leave it out",
+          "--device gpu finds basins of the oscillators of the liver and of files of formulas, not of {}; leave --device out",
           problem.id));
     return [fate_of = fate_of_starts(problem, window, equilibria)](std::span<const Vector2d> starts,
                                                                    std::span<int> fates) {

@@ -92,7 +92,8 @@ void require_one_view(const PhaseOptions& options) {
     throw InputError("--bifurcation has no --window; remove it");
   options.device.check({{"--poincare", options.poincare}, {"--follow", options.follow}});
   if (options.device.is_gpu() && !options.basins && options.bifurcation.empty())
-    throw InputError("--device gpu is for the many motions of --basins and --bifurcation; leave it out");
+    throw InputError(
+        "--device gpu is for the many motions of --basins and --bifurcation; leave --device out");
 }
 
 /// The name of the figure of the view that is asked for.
@@ -428,7 +429,7 @@ void add_phase(CLI::App& app, Console& console) {
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),
            "FOLDER");
-  options->device.add_to(command, "the motions of --basins and --bifurcation");
+  options->device.add_to(command, "the motions of --basins and, of oscillators, of --bifurcation");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);

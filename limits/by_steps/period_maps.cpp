@@ -113,7 +113,7 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
   if (runner.is_device)
     throw InputError(
         "--device gpu runs periods of oscillators, adaptive ones or those of an explicit Runge-Kutta method; "
-        "leave it out");
+        "leave --device out");
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

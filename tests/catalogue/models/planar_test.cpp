@@ -165,6 +165,10 @@ TEST(Fates, AreThoseOfSingleRuns) {
   expect_the_fates_of_single_runs(liver({{"k1", 1}, {"k3", -1}, {"c", 0.5}}), {{-3, -3}, {3, 3}});
   expect_the_fates_of_single_runs(frozen(liver({{"k1", -1}, {"c", 0.4}}, "liver_forced"), 0),
                                   {{-3, -3}, {3, 3}});
+  expect_the_fates_of_single_runs(
+      make_problem({.name = "well", .equations = {{"x", "v"}, {"v", "x - x^3 - v/5"}}, .y0 = {1, 0}},
+                   "my.toml"),
+      {{-3, -3}, {3, 3}});
   // A window with one of two places of rest: starts that settle outside are undecided.
   expect_the_fates_of_single_runs(liver({{"k1", -1}, {"c", 0.3}}), {{0.2, -1}, {2, 1}});
 }

@@ -83,9 +83,9 @@ TEST(MovePoint, AddsInertiaAndDamping) {
   for (int i = 0; i < 20; ++i) {
     const Matrix3d K = with_modes({20, 300, 400}, random), C = with_modes({1, 2, 0.1}, random);
     const Vector3d f = Vector3d::Random(), away = Vector3d::Random();
-    Matrix3d K_left = K;
-    Vector3d f_left = f, move;
-    move_of_point(mass, h, f_left.data(), K_left.data(), C.data(), away.data(), move.data());
+    Matrix3d left = K;
+    Vector3d force = f, move;
+    move_of_point(mass, h, force.data(), left.data(), C.data(), away.data(), move.data());
     const Matrix3d H = K + C / h + mass / (h * h) * Matrix3d::Identity();
     EXPECT_LT((H * move - (f - mass / (h * h) * away)).norm(), 1e-12 * (H.norm() * move.norm()));
   }
