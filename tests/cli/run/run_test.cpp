@@ -61,8 +61,9 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
       "run --mesh cube:n=3 --set fibre_E=1000 --set fibre_x=1 --method newton_truncated --h 1e-2 --device "
       "gpu");
   expect_refused(fibres, "fibres");
-  EXPECT_TRUE(says(fibres.err, "central_difference or an explicit Runge-Kutta method"))
-      << fibres.err << ": neither newton_truncated nor xpbd has fibres";
+  EXPECT_TRUE(
+      says(fibres.err, "central_difference, newton_truncated:frozen=1 or an explicit Runge-Kutta method"))
+      << fibres.err << ": neither newton_truncated that is not frozen nor xpbd has fibres";
 }
 
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
