@@ -21,14 +21,16 @@ struct FormulaStep {
 
 /// Where they lie.
 struct FormulaCode {
-  const FormulaStep* steps;
-  const double* constants;
-  const std::uint32_t* results;  ///< registers of the values
+  const FormulaStep* steps;      ///< shape (step_count)
+  const double* constants;       ///< shape (constant_count)
+  const std::uint32_t* results;  ///< registers of the values, shape (result_count)
   std::uint32_t step_count, constant_count, result_count, states;
 };
 
 /// The values of formulas at (t, y).
-/// @param registers  room for those of the code
+/// @param registers  room for those of the code, shape (FormulaProgram::registers())
+/// @param y          shape (states)
+/// @param values     shape (result_count)
 /// @param other      as of arithmetic_value()
 template <class Other>
 HMAX_DEVICE inline void run_formulas(const FormulaCode& code, double* registers, double t, const double* y,

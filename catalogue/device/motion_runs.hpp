@@ -1,4 +1,4 @@
-/// Motions of many oscillators on a device, with the bits of the processor.
+/// Motions of many oscillators, or of formulas, on a device, with the bits of the processor.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@ namespace hmax {
 /// device, the others begin and judge theirs.
 /// @param device   outlives the runs
 /// @param at_once  motions of one call of the device, at most: a thread that has more takes several calls
-/// @throws InputError  from `adaptive` and `own_steps`, where cosines are not those of musl; from their runs,
-/// for forces of more
-///                     than some 10^6 rad; and as Device
+/// @throws InputError  from `adaptive` and `own_steps`, where cosines are not those of musl, and from their
+///                     runs, for forces of more than some 10^6 rad; from `formulas`, for operations that have
+///                     other bits there or are too many; and as Device
 MotionRunner motions_on(Device& device, std::size_t at_once);
 
 }  // namespace hmax
