@@ -26,7 +26,7 @@ namespace hmax {
 SortedEigenpairs::SortedEigenpairs(const Eigen::MatrixXd& A) {
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
   if (solver.info() != Eigen::Success) return;
-  const Eigen::VectorXcd lambda = solver.eigenvalues();
+  const Eigen::VectorXcd& lambda = solver.eigenvalues();
   const Eigen::MatrixXcd unsorted = solver.eigenvectors();
   std::vector<Eigen::Index> order(static_cast<std::size_t>(A.rows()));
   std::iota(order.begin(), order.end(), Eigen::Index(0));

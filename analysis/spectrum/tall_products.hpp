@@ -18,20 +18,23 @@ Eigen::VectorXd times(const Eigen::MatrixXd& V, Eigen::Index columns, const Eige
 /// where so little is left that rounding shows. False where nothing but rounding is left, or t is zero or not
 /// finite.
 /// @param image   becomes M t, shape (n)
-/// @param times_M (t, image): image = M t
+/// @param times_m (t, image): image = M t
 /// @param remove  takes from t its part in the space
 template <class TimesM, class Remove>
-bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_M,
+bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_m,
                       const Remove& remove) {
   double left = 1;  // of it, in the norm of M
   for (int time = 0;; ++time) {
-    times_M(t, image);
+    times_m(t, image);
     const double length = std::sqrt(std::max(t.dot(image), 0.0));
     if (!(length > 0) || !std::isfinite(length)) return false;
     t /= length;
     image /= length;
-    if (time > 0 && (left *= length) < 1e-13) return false;
-    if (time > 0 && length > 0.1) return true;
+    if (time > 0) {
+      left *= length;
+      if (left < 1e-13) return false;
+      if (length > 0.1) return true;
+    }
     if (time == 3) return false;
     remove(t);
   }

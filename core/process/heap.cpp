@@ -41,13 +41,14 @@ bool has_own_pages([[maybe_unused]] std::size_t bytes) {
 void extend_heap() {
   constexpr std::size_t extension = 1 << 30;
   constexpr std::uintptr_t huge_page = 2 << 20;
-  const auto end_of_heap = [] { return reinterpret_cast<std::uintptr_t>(sbrk(0)); };
-  const std::uintptr_t begin = (end_of_heap() + huge_page - 1) / huge_page * huge_page;
+  const auto end_of_heap = [] { return static_cast<char*>(sbrk(0)); };
+  const std::uintptr_t past_page = reinterpret_cast<std::uintptr_t>(end_of_heap()) % huge_page;
+  char* const begin = end_of_heap() + (huge_page - past_page) % huge_page;
   // A block that no hole has room for; volatile, lest the compiler leaves both out.
   void* const volatile block = std::malloc(extension);
   std::free(block);
-  if (const std::uintptr_t end = end_of_heap(); end > begin)
-    madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  if (char* const end = end_of_heap(); end > begin)
+    madvise(begin, static_cast<std::size_t>(end - begin), MADV_HUGEPAGE);
 }
 
 }  // namespace

@@ -86,7 +86,8 @@ struct Merger::Parts {
       const auto [known, is_new] = limits.try_emplace(key_of(limit), limit);
       if (is_new) {
         const OperatingPointKey point = limit.point;
-        append(additions[limit.session].limits, point, std::move(limit));
+        auto& to = additions[limit.session].limits;
+        append(to, point, std::move(limit));
         continue;
       }
       const LimitComparison both = compare_limits({&known->second, 1}, {&limit, 1});
@@ -105,7 +106,8 @@ struct Merger::Parts {
         continue;
       }
       found.insert(question);
-      append(additions[record.session].advice, question, std::move(record));
+      auto& to = additions[record.session].advice;
+      append(to, question, std::move(record));
     }
     advice.merge(found);
   }
