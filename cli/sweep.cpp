@@ -89,7 +89,8 @@ SweepRequest flags_of(const SweepOptions& options) {
 /// @throws InputError  for what is not of fixed steps of hmax, measured in turn
 void place_on_device(const SweepOptions& options, const SweepRequest& request, SweepSpec& spec) {
   const auto& readings = request.readings;
-  options.device.check({{"--explore", options.explore},
+  options.device.check({{"--jobs", is_given(options.jobs)},
+                        {"--explore", options.explore},
                         {"--rtol", request.rtol.has_value()},
                         {"--sampled", readings && std::ranges::find(*readings, "sampled") != readings->end()},
                         {"--tableau", request.tableaux.has_value()}});
@@ -104,9 +105,9 @@ void place_on_device(const SweepOptions& options, const SweepRequest& request, S
 /// @throws InputError  for what asks for times that exploring does not measure
 SweepSpec spec_of(const SweepOptions& options, const SweepRequest& request) {
   SweepSpec spec = spec_from(request);
+  if (options.device.is_gpu()) place_on_device(options, request, spec);
   if (is_given(options.jobs) && !options.explore)
     throw InputError("a sweep is measured on one thread; add --explore, or leave --jobs out");
-  if (options.device.is_gpu()) place_on_device(options, request, spec);
   if (!options.explore) return spec;
   if (options.publish)
     throw InputError("--explore measures no times that are fit to publish; leave --publish out");

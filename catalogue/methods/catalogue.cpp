@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -87,6 +89,7 @@ Parameters parameters_of(const Method& method, std::string_view text) {
   }
   if (names.empty())
     throw InputError(fmt::format("{0} has no parameters, so write it without ':{1}'", method.id, text));
+  std::set<std::string_view> given;
   while (!text.empty()) {
     const std::string_view item = text.substr(0, text.find(','));
     text.remove_prefix(std::min(text.size(), item.size() + 1));
@@ -99,6 +102,8 @@ Parameters parameters_of(const Method& method, std::string_view text) {
     if (!value || !std::isfinite(*value))
       throw InputError(fmt::format("'{0}' gives {1} of {2} no finite number; write for instance {2}:{1}={3}",
                                    item, name, method.id, to_text(it->second)));
+    if (!given.insert(name).second)
+      throw InputError(fmt::format("{} of {} is given twice; leave one of them out", name, method.id));
     it->second = *value;
   }
   return parameters;

@@ -34,8 +34,9 @@ void require_attractor(const PhaseView& view) {
                     view.problem.id));
   if (std::ranges::none_of(view.equilibria, attracts))
     throw InputError(fmt::format(
-        "no equilibrium of {} in the window is stable, so nothing has a basin; look elsewhere with --window",
-        view.problem.id));
+        "no stable equilibrium of {} was found in the window, so nothing has a basin; {}", view.problem.id,
+        view.check.accounts() ? "look elsewhere with --window"
+                              : "some may have been missed: narrow --window"));
 }
 
 /// Columns and rows of --cells, "200" or "200,100". @param most  of either

@@ -89,10 +89,9 @@ TEST(SweepCommand, MeasuresOnAGpuOrSaysWhyNot) {
                  "runs none of these methods: newmark runs on no GPU; leave --device out");
   expect_refused(shell.hmax(cube + "--methods pbd --device gpu"), "pbd keeps the lengths of springs");
   expect_refused(shell.hmax("sweep --methods rk4 --device gpu"), "bodies on meshes alone");
-  for (const std::string option : {"--sampled", "--explore", "--rtol 1e-3"})
+  for (const std::string option : {"--sampled", "--explore", "--rtol 1e-3", "--jobs 2"})
     expect_refused(shell.hmax(ask + option),
                    "--device gpu does not take " + option.substr(0, option.find(' ')));
-  expect_refused(shell.hmax(ask + "--jobs 2"), "--jobs");
   expect_refused(shell.line("OMPI_COMM_WORLD_SIZE=2 '" HMAX_PROGRAM "' " + ask), "start one, without mpirun");
   write_text(shell / "s.toml", "[sweep]\nreadings = [\"fixed\", \"sampled\"]\n");
   expect_refused(shell.hmax(ask + "s.toml"), "--device gpu does not take --sampled");

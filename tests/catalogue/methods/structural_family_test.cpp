@@ -56,6 +56,7 @@ TEST(StructuralMethods, SayWhichParametersMakeNoMethod) {
   EXPECT_TRUE(says(refusal("hht_alpha:alpha=-0.34"), "-1/3 damps fast modes most"));
   EXPECT_TRUE(says(refusal("generalized_alpha:rho_inf=1.1"), "between 0 and 1"));
   EXPECT_TRUE(says(refusal("generalized_alpha:rho=1"), "did you mean 'rho_inf'"));
+  EXPECT_EQ(refusal("newmark:beta=0.3,beta=0.25"), "beta of newmark is given twice; leave one of them out");
 }
 
 TEST(StructuralMethods, RunWithTheirParametersAndCountTheirWork) {

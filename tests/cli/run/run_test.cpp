@@ -244,6 +244,7 @@ TEST(Run, RefusesStepsTolerancesAndTimesThatAreNone) {
   refused("--rtol 1e-3 --atol 1e-3", "no error estimate");
   refused("--h 0.1 --rtol 1e-3", "both given");
   refused("--h 0.1 --control pi", "--control");
+  refused("--h 0.1 --jacobian exact", "rk4 uses no Jacobian");
   expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol -1 --atol 1e-3"), "--rtol");
   expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol 1e-3 --atol nan"), "--atol");
   expect_refused(shell.hmax("run --problem liver_forced --method ode45 --rtol 1e-30 --atol 1e-300"),
@@ -252,6 +253,8 @@ TEST(Run, RefusesStepsTolerancesAndTimesThatAreNone) {
 
 TEST(Run, RefusesUnknownNamesWithTheNearestOne) {
   const Shell shell;
+  expect_refused(shell.hmax("run --mesh cube:n=2 --method newton_truncated --h 0.1 --jacobian frozen"),
+                 "newton_truncated:frozen=1 keeps that of the start");
   expect_refused(shell.hmax("run --problem liver_forcd --method rk4 --h 0.1"),
                  "did you mean 'liver_forced'?");
   expect_refused(shell.hmax("run --problem liver_forced --method rk5 --h 0.1"), "did you mean 'rk4'?");
