@@ -281,8 +281,8 @@ TEST_F(Gpu, TellsItsSpeed) {
       runner.shared({.method = "rk4", .w = 1, .t_end = period, .h = period / double{steps_of_period}}));
   RecordProperty("rk4_steps_per_second", std::to_string(double{many} * steps_of_period / fixed));
   if (!cosines_are_those_of_musl()) return;
-  const double adaptive = seconds_of(
-      runner.adaptive({.tolerances = stroboscope_tolerances, .most_attempts = 1'000'000, .steady = false}));
+  const double adaptive =
+      seconds_of(runner.adaptive({.tolerances = {1e-6, 1e-9}, .most_attempts = 1'000'000, .steady = false}));
   for (OscillatorRun& run : runs) run.h = period / double{steps_of_period};
   RecordProperty("rk4_own_steps_per_second",
                  std::to_string(double{many} * steps_of_period / seconds_of(runner.own_steps("rk4"))));
