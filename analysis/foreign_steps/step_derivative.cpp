@@ -142,7 +142,7 @@ MatrixXd StepDerivative::confirmed_matrix(StepPattern& pattern,
 
 SparseMatrix StepDerivative::grouped_at(double increment, const StepPattern& pattern,
                                         const std::function<void(double share)>& watch) const {
-  SparseMatrix J = pattern.entries();
+  SparseMatrix J = pattern.entries();  // NOLINT(performance-unnecessary-copy-initialization): written below
   VectorXd v(J.cols());
   for (std::size_t k = 0; k < pattern.groups().size(); ++k) {
     v.setZero();
@@ -196,7 +196,7 @@ VectorXd balancing_factors(const std::function<VectorXd(const VectorXd&)>& J, In
   for (int sweep = 0; sweep < 3; ++sweep) {
     VectorXd squares = VectorXd::Zero(n);
     for (Index k = 0; k < 4; ++k) {
-      const VectorXd z = D.cwiseProduct(signs(n, 4 * sweep + k));
+      const VectorXd z = D.cwiseProduct(signs(n, Index(4) * sweep + k));
       squares += (J(z) - z).cwiseAbs2() / 4;
     }
     if (!squares.allFinite()) return VectorXd::Ones(n);

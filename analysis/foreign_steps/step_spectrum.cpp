@@ -142,11 +142,11 @@ VectorXd motion_on_state(const VectorXd& motion, const StateCoordinates& coordin
 StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& coordinates,
                               const VectorXd& scale, int slot, const VectorXd& y, double h,
                               StepPattern& pattern, const StepSpectrumSettings& settings) {
-  const StepSpectrum broken{.h = h,
-                            .spectral_radius = infinity,
-                            .multiplier = infinity,
-                            .grows = true,
-                            .motion = VectorXd::Zero(engine.dim())};
+  StepSpectrum broken{.h = h,
+                      .spectral_radius = infinity,
+                      .multiplier = infinity,
+                      .grows = true,
+                      .motion = VectorXd::Zero(engine.dim())};
   StepDerivative derivative(engine, coordinates, scale, slot, y, h);
   if (!derivative.is_finite() || !std::isfinite(derivative.error())) return broken;
   const Index n = coordinates.size();

@@ -162,7 +162,7 @@ Eigenvectors general_eigenvectors(const MatrixXd& A, const MatrixXd& to, const M
   const Index n = A.rows();
   Eigen::EigenSolver<MatrixXd> solver(A, true);
   require_convergence(solver.info());
-  const Eigen::VectorXcd values = solver.eigenvalues();
+  const Eigen::VectorXcd& values = solver.eigenvalues();
   const MatrixXcd vectors = solver.eigenvectors();
   std::vector<Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Index(0));

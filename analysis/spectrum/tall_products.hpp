@@ -18,14 +18,14 @@ Eigen::VectorXd times(const Eigen::MatrixXd& V, Eigen::Index columns, const Eige
 /// where so little is left that rounding shows. False where nothing but rounding is left, or t is zero or not
 /// finite.
 /// @param image   becomes M t, shape (n)
-/// @param times_m (t, image): image = M t
+/// @param times_M (t, image): image = M t
 /// @param remove  takes from t its part in the space
 template <class TimesM, class Remove>
-bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_m,
+bool make_orthonormal(Eigen::VectorXd& t, Eigen::VectorXd& image, const TimesM& times_M,
                       const Remove& remove) {
   double left = 1;  // of it, in the norm of M
   for (int time = 0;; ++time) {
-    times_m(t, image);
+    times_M(t, image);
     const double length = std::sqrt(std::max(t.dot(image), 0.0));
     if (!(length > 0) || !std::isfinite(length)) return false;
     t /= length;
