@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/rest_shape.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
 
@@ -44,6 +45,8 @@ class MatrixMaker {
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
+    if (const QuadraticElements* const elements = body_.element_parts().of_ten_nodes)
+      place_ten_nodes(elements->elements());
     if (!body_.spring_sets().empty()) place_springs();
     if (body_.membrane()) place_skin(*body_.membrane());
     return std::move(made_);
@@ -161,6 +164,27 @@ class MatrixMaker {
     made_.terms = lists_of(terms);
   }
 
+  void place_ten_nodes(std::span<const QuadraticElements::Element> elements) {
+    made_.law = TetLaw::neo_hookean;
+    BlockTerms terms(made_.blocks());
+    for (const QuadraticElements::Element& e : elements) {
+      const auto number = static_cast<std::int32_t>(made_.ten_nodes.size());
+      StiffTenNodes& to = made_.ten_nodes.emplace_back();
+      for (std::int32_t a = 0; a < 10; ++a) {
+        to.point[a] = number_[at(e.points[at(a)])];
+        for (int g = 0; g < 4; ++g)
+          for (int j = 0; j < 3; ++j) to.gradients[g][a][j] = e.gradient(g, a, j);
+        for (std::int32_t b = 0; b < 10; ++b)
+          if (const std::int32_t i = free_[at(e.points[at(a)])], j = free_[at(e.points[at(b)])];
+              i >= 0 && j >= 0)
+            terms[block(i, j)].push_back(100 * number + 10 * a + b);
+      }
+      for (int g = 0; g < 4; ++g) to.volumes[g] = e.volume(g);
+      to.moduli[0] = e.half_lambda(), to.moduli[1] = e.mu();
+    }
+    made_.terms = lists_of(terms);
+  }
+
   void place_springs() {
     BlockTerms terms(made_.blocks()), damped(made_.blocks());
     for (const SpringSet& set : body_.spring_sets())
@@ -254,7 +278,6 @@ std::string unsuited_for_matrix(const TissueBody& body) {
   const ElementParts parts = body.element_parts();
   if (parts.fibres) return "has fibres, whose stiffness is not there";
   if (parts.of_pressures) return "has shared pressures, whose stiffness is not there";
-  if (parts.of_ten_nodes) return "has elements of ten nodes, whose stiffness is not there";
   return {};
 }
 
@@ -262,7 +285,8 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
   const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
   terms_ =
       count(made.terms) + count(made.spring_terms) + count(made.damper_terms) + count(made.triangle_terms);
-  flops_of_terms_ = 260 * count(made.terms) + 60 * count(made.spring_terms) + 135 * count(made.damper_terms) +
+  flops_of_terms_ = (made.ten_nodes.empty() ? 260 : 1640) * count(made.terms) +
+                    60 * count(made.spring_terms) + 135 * count(made.damper_terms) +
                     390 * count(made.triangle_terms);
   const auto lists = [&](const MatrixArrays::Lists& from) {
     return TermLists{memory.copy(from.first), memory.copy(from.of)};
@@ -275,6 +299,7 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
                     .column = memory.copy(made.column),
                     .law = made.law,
                     .tets = memory.copy(made.tets),
+                    .ten_nodes = made.ten_nodes.empty() ? nullptr : memory.copy(made.ten_nodes),
                     .sum = nullptr,
                     .terms = lists(made.terms),
                     .sum_of = memory.copy(made.sum_of),

@@ -22,6 +22,7 @@ struct MatrixArrays {
   std::vector<std::int32_t> first, row, column, sum_of, rim;
   TetLaw law = TetLaw::green;
   std::vector<StiffTet> tets;
+  std::vector<StiffTenNodes> ten_nodes;
   Lists terms, spring_terms, triangle_terms, damper_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffSpring> springs;

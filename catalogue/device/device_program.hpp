@@ -118,6 +118,7 @@ void with_kind(const ErrorPieces& errors, const F& f) {
 
 template <class F>
 void with_kind(const TetStiffness& stiffness, const F& f) {
+  if (stiffness.matrix.ten_nodes) return f(OfTenNodes{});
   if (stiffness.matrix.law == TetLaw::green) return f(LawConstant<TetLaw::green>{});
   if (stiffness.matrix.law == TetLaw::corotational) return f(LawConstant<TetLaw::corotational>{});
   f(LawConstant<TetLaw::neo_hookean>{});  // that of small strain is constant

@@ -26,6 +26,17 @@ struct StiffTet {
   std::int32_t corner[4];                ///< points of BodyArrays
 };
 
+/// A tetrahedron of ten nodes, likewise: its rule as ten_node_gradient() takes it.
+struct StiffTenNodes {
+  double gradients[4][10][3], volumes[4];  ///< G [1/m], V [m^3]
+  double moduli[2];                        ///< lambda / 2, mu [Pa]
+  std::int32_t point[10];
+  [[nodiscard]] HMAX_DEVICE double gradient(int g, int a, int j) const { return gradients[g][a][j]; }
+  [[nodiscard]] HMAX_DEVICE double volume(int g) const { return volumes[g]; }
+  [[nodiscard]] HMAX_DEVICE double half_lambda() const { return moduli[0]; }
+  [[nodiscard]] HMAX_DEVICE double mu() const { return moduli[1]; }
+};
+
 /// A spring, likewise: k [N/m], L [m], b of phi = s + b s^3.
 struct StiffSpring {
   double stiffness, length, cubic;
@@ -57,11 +68,13 @@ struct BodyMatrix {
   const std::int32_t *first, *row, *column;  ///< of rows, shape (points + 1), of blocks, shape (blocks)
   TetLaw law;
   const StiffTet* tets;
+  const StiffTenNodes* ten_nodes;  ///< in the place of tets, or null
   /// What tetrahedra add: of Green's strain to the blocks below the diagonal, then to those of a free and a
   /// supported point, columns one after the other; of other laws to each block, rows one after the other.
   /// Null where there are none; of small strain they are constant.
   double* sum;  ///< shape (sums, 9)
-  /// Of each sum: 16 times the tetrahedron + 4 a + b of its corners, in the order of the processor.
+  /// Of each sum: 16 times the tetrahedron + 4 a + b of its corners, or 100 and 10 of ten nodes, in the order
+  /// of the processor.
   TermLists terms;
   const std::int32_t* sum_of;  ///< of each block of Green's strain: its sum, or ~sum of the transposed one
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
@@ -192,19 +205,14 @@ HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::green>, const StiffTet& te
 /// The block (a, b) of the neo-Hookean solid, row i at entries[i].
 HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::neo_hookean>, const StiffTet& tet, const double (*U)[3],
                                   std::int32_t a, std::int32_t b, double (*entries)[3]) {
-  kernel_loops::NeoHookeanParts<OneElement<double>> parts;
-  for (int k = 0; k < 9; ++k) parts.g[k / 3 + 1][k % 3] = tet.gradients[k];
-  kernel_loops::neo_hookean_parts<OneElement<double>, double>(U, tet.half_lambda, tet.mu, parts);
-  double own[3][2][3];
-  for (int i = 0; i < 3; ++i) {
-    own[0][0][i] = at_corner(parts.g, a, i), own[0][1][i] = at_corner(parts.g, b, i);
-    own[1][0][i] = at_corner(parts.Fg, a, i), own[1][1][i] = at_corner(parts.Fg, b, i);
-    own[2][0][i] = at_corner(parts.Cg, a, i), own[2][1][i] = at_corner(parts.Cg, b, i);
-  }
-  for (int c = 0; c < 2; ++c)
-    for (int i = 0; i < 3; ++i)
-      parts.g[c][i] = own[0][c][i], parts.Fg[c][i] = own[1][c][i], parts.Cg[c][i] = own[2][c][i];
-  kernel_loops::neo_hookean_stiffness(parts, 0, 1, entries);
+  kernel_loops::NeoHookeanParts<OneElement<double>, 2> own;
+  double g[4][3], H[3][3];
+  for (int k = 0; k < 9; ++k) g[k / 3 + 1][k % 3] = tet.gradients[k];
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  for (int i = 0; i < 3; ++i) own.g[0][i] = at_corner(g, a, i), own.g[1][i] = at_corner(g, b, i);
+  kernel_loops::displacement_gradient<OneElement<double>>(U, g + 1, H);
+  kernel_loops::neo_hookean_parts_of(H, tet.half_lambda, tet.mu, own);
+  kernel_loops::neo_hookean_stiffness(own, 0, 1, entries);
 }
 
 /// The block (a, b) of the corotational solid, row i at entries[i].
@@ -224,21 +232,50 @@ HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::corotational>, const Stiff
   kernel_loops::corotational_stiffness(parts, 0, 1, entries);
 }
 
-/// One sum.
+/// What term `term` of a list adds to its sum, shape (3, 3).
 template <TetLaw law>
-HMAX_DEVICE void run_thread(LawConstant<law> kind, const TetStiffness& stiffness, std::int64_t n) {
+HMAX_DEVICE inline void term_block(LawConstant<law> kind, const TetStiffness& stiffness, std::int32_t term,
+                                   double (*entries)[3]) {
+  const StiffTet& tet = stiffness.matrix.tets[term / 16];
+  double U[3][3];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < 3; ++i) {
+      const double* const u = stiffness.q + static_cast<std::int64_t>(i) * stiffness.points;
+      U[a][i] = u[tet.corner[a + 1]] - u[tet.corner[0]];
+    }
+  tet_block(kind, tet, U, term / 4 % 4, term % 4, entries);
+}
+
+/// The same of elements of ten nodes.
+using OfTenNodes = std::integral_constant<PatchElements, PatchElements::of_ten_nodes>;
+HMAX_DEVICE inline void term_block(OfTenNodes, const TetStiffness& stiffness, std::int32_t term,
+                                   double (*entries)[3]) {
+  const StiffTenNodes& element = stiffness.matrix.ten_nodes[term / 100];
+  const int own[2] = {term / 10 % 10, term % 10};
+  double U[10][3];
+  for (int a = 0; a < 10; ++a)
+    for (int i = 0; i < 3; ++i) {
+      const double* const u = stiffness.q + static_cast<std::int64_t>(i) * stiffness.points;
+      U[a][i] = u[element.point[a]] - u[element.point[0]];
+    }
+  const auto parts_at = [&](int g) {
+    kernel_loops::NeoHookeanParts<OneElement<double>, 2> parts;
+    for (int c = 0; c < 2; ++c)
+      for (int j = 0; j < 3; ++j) parts.g[c][j] = element.gradient(g, own[c], j);
+    kernel_loops::ten_node_parts(U, element, g, parts);
+    return parts;
+  };
+  kernel_loops::ten_node_stiffness(parts_at, 0, 1, entries);
+}
+
+/// One sum.
+template <class Kind>
+HMAX_DEVICE void run_thread(Kind kind, const TetStiffness& stiffness, std::int64_t n) {
   const BodyMatrix& matrix = stiffness.matrix;
   double sum[9] = {};
   for (std::int32_t k = matrix.terms.first[n]; k < matrix.terms.first[n + 1]; ++k) {
-    const std::int32_t term = matrix.terms.of[k];
-    const StiffTet& tet = matrix.tets[term / 16];
-    double U[3][3], entries[3][3];
-    for (int a = 0; a < 3; ++a)
-      for (int i = 0; i < 3; ++i) {
-        const double* const u = stiffness.q + static_cast<std::int64_t>(i) * stiffness.points;
-        U[a][i] = u[tet.corner[a + 1]] - u[tet.corner[0]];
-      }
-    tet_block(kind, tet, U, term / 4 % 4, term % 4, entries);
+    double entries[3][3];
+    term_block(kind, stiffness, matrix.terms.of[k], entries);
     for (int m = 0; m < 9; ++m) sum[m] = sum[m] + entries[m / 3][m % 3];
   }
   for (int m = 0; m < 9; ++m) matrix.sum[9 * n + m] = sum[m];

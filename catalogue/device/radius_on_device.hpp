@@ -36,8 +36,9 @@ class RadiusOnDevice {
   RadiusOnDevice(DeviceMemory& memory, const TissueBody& body, const BodyPatches& patches) : memory_(memory) {
     const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
     TissueBody::DofMatrix matrix;
-    if (body.spring_sets().empty() && !body.membrane() &&
-        body.element_parts().tetrahedra->law() == TetLaw::small_strain) {
+    const TetBlocks* const tetrahedra = body.element_parts().tetrahedra;
+    if (body.spring_sets().empty() && !body.membrane() && tetrahedra &&
+        tetrahedra->law() == TetLaw::small_strain) {
       body.stiffness(0, still, still, matrix);
       stiffness_ = body.bound_of(matrix);
     } else {

@@ -8,11 +8,10 @@
 
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
-
-using Eigen::Matrix3d;
 
 QuadraticElements::QuadraticElements(const TetMesh& mesh, std::span<const Lame> lame,
                                      const BlockPattern& pattern) {
@@ -53,12 +52,18 @@ std::array<QuadraticElements::Point, 4> QuadraticElements::rule_of(const TenPlac
   return rule;
 }
 
+void QuadraticElements::moves(const NodeRows& u, const Element& e, double (*U)[3]) {
+  const NodeRow& first = u[at(e.points[0])];
+  for (std::size_t a = 0; a < 10; ++a) {
+    const NodeRow& row = u[at(e.points[a])];
+    U[a][0] = row.x - first.x, U[a][1] = row.y - first.y, U[a][2] = row.z - first.z;
+  }
+}
+
 TenPlaces QuadraticElements::moves(const NodeRows& u, const Element& e) {
-  TenPlaces own;
-  const auto first = as_vector(u[at(e.points[0])]);
-  for (std::size_t a = 0; a < 10; ++a)
-    own.col(static_cast<Eigen::Index>(a)) = as_vector(u[at(e.points[a])]) - first;
-  return own;
+  double U[10][3];
+  moves(u, e, U);
+  return Eigen::Map<const TenPlaces>(U[0]);
 }
 
 double QuadraticElements::energy(const NodeRows& u) const {
@@ -90,12 +95,8 @@ void QuadraticElements::write_energy_densities(const NodeRows& u, Eigen::Ref<Eig
 
 void QuadraticElements::add_force(const NodeRows& u, NodeRows& f) const {
   for (const Element& e : elements_) {
-    const NodeRow& first = u[at(e.points[0])];
     double U[10][3];
-    for (std::size_t a = 0; a < 10; ++a) {
-      const NodeRow& row = u[at(e.points[a])];
-      U[a][0] = row.x - first.x, U[a][1] = row.y - first.y, U[a][2] = row.z - first.z;
-    }
+    moves(u, e, U);
     kernel_loops::ten_node_pull<OneElement<double>, double>(U, e, [&](int a, const double* pull) {
       NodeRow& row = f[at(e.points[at(a)])];
       row.x -= pull[0], row.y -= pull[1], row.z -= pull[2];
@@ -104,25 +105,23 @@ void QuadraticElements::add_force(const NodeRows& u, NodeRows& f) const {
 }
 
 QuadraticElements::Stiffness QuadraticElements::stiffness(const NodeRows& u, const Element& e) {
-  const TenPlaces own = moves(u, e);
-  Stiffness K = Stiffness::Zero();
-  for (const Point& point : e.rule) {
-    const StableNeoHookean law(own * point.gradients, e.lame);
-    // V dP along each dF = e_c e_k^T, with which point b moves by G_b[k] along axis c.
-    std::array<std::array<Matrix3d, 3>, 3> change;
-    for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 3; ++k) {
-        Matrix3d dF = Matrix3d::Zero();
-        dF(c, k) = 1;
-        change[at(c)][at(k)] = point.volume * law.differential(dF);
-      }
-    for (Eigen::Index b = 0; b < 10; ++b)
-      for (Eigen::Index c = 0; c < 3; ++c) {
-        Matrix3d stress = Matrix3d::Zero();
-        for (Eigen::Index k = 0; k < 3; ++k) stress += point.gradients(b, k) * change[at(c)][at(k)];
-        Eigen::Map<TenPlaces>(K.col(3 * b + c).data()).noalias() += stress * point.gradients.transpose();
-      }
+  using Lanes = OneElement<double>;
+  double U[10][3], block[3][3];
+  moves(u, e, U);
+  std::array<kernel_loops::NeoHookeanParts<Lanes, 10>, 4> parts;
+  for (int g = 0; g < 4; ++g) {
+    for (int a = 0; a < 10; ++a)
+      for (int j = 0; j < 3; ++j) parts[at(g)].g[a][j] = e.gradient(g, a, j);
+    kernel_loops::ten_node_parts(U, e, g, parts[at(g)]);
   }
+  Stiffness K;
+  for (int a = 0; a < 10; ++a)
+    for (int b = a; b < 10; ++b) {
+      kernel_loops::ten_node_stiffness(
+          [&](int g) -> const auto& { return parts[at(g)]; }, a, b, block);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
+    }
   return K;
 }
 

@@ -23,7 +23,7 @@ namespace hmax {
 /// V_g the volume: a constant stress is then balanced at inner points (as in [hillman2015variationally]).
 /// Bending and linear strain are carried exactly. Forces are finite for every F and restore what is flat. An
 /// inverted element may stay so: what lies between the four points is not seen.
-/// Forces come from the kernels; sums are made in the order of the mesh, on one thread.
+/// Forces and stiffness come from the kernels; sums are made in the order of the mesh, on one thread.
 class QuadraticElements final : public Elements {
  public:
   /// @param lame     of each region of the mesh
@@ -66,6 +66,8 @@ class QuadraticElements final : public Elements {
   static std::array<Point, 4> rule_of(const TenPlaces& X, Eigen::Index element);
   /// Displacements relative to those of the first point, which strains nothing.
   static TenPlaces moves(const NodeRows& u, const Element& e);
+  /// The same as kernels take them, that of point a at U[a].
+  static void moves(const NodeRows& u, const Element& e, double (*U)[3]);
   static Stiffness stiffness(const NodeRows& u, const Element& e);
 
   std::vector<Element> elements_;

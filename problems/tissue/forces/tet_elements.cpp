@@ -46,7 +46,7 @@ ElementStiffness kernel_stiffness(TetLaw law, const NodeRows& u, const std::arra
                                                   corotational_parts<Lanes, double, double>,
                                                   corotational_stiffness<Lanes, double>);
   return stiffness_of<NeoHookeanParts<Lanes>>(u, points, rest, lame, neo_hookean_parts<Lanes, double>,
-                                              neo_hookean_stiffness<Lanes, double>);
+                                              neo_hookean_stiffness<Lanes, 4, double>);
 }
 
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,

@@ -30,7 +30,6 @@ TEST(DeviceRun, SaysWhatNoDeviceRuns) {
   EXPECT_TRUE(has(why(body, "newton_truncated:cg=3000"), "2048 conjugate gradients"));
   EXPECT_TRUE(has(why(fibrous_body(uneven_body(0)), "newton_truncated"), "fibres"));
   EXPECT_TRUE(has(why(of_pressures.on("@cube:n=2"), "newton_truncated"), "shared pressures"));
-  EXPECT_TRUE(has(why(of_ten_nodes.on("@cube:n=2"), "newton_truncated"), "ten nodes"));
   for (const Problem& any : {fibrous_body(uneven_body(0)), of_pressures.on("@cube:n=2"), moving_body(0)})
     EXPECT_EQ(why(any, "newton_truncated:frozen=1"), "");
   for (const char* method : {"rkc_2", "rkl_2"}) {

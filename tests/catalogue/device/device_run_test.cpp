@@ -185,15 +185,28 @@ void expect_same_newton(Device& device) {
   constexpr const char* many = "newton_truncated:iterations=3,substeps=2,cg=4";
   const auto skin = SkinSettings::Kind::springs;
   for (const char* method : {few, many})
-    for (const Problem& body :
-         {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "mass_spring", skin),
-          uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
-          uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
-          uneven_body(0, "fem_neo_hookean", skin), uneven_body(2.5, "fem_corotational"),
-          pressed_body(pressed[0]), driven_body(), damped_body(0, 0), damped_body(2.5, 1e-4), moving_body(0),
-          moving_body(1e-3, "mass_spring", skin), moving_body(0, "fem_green", SkinSettings::Kind::membrane),
-          uneven_body(2.5, "mass_spring", SkinSettings::Kind::membrane),
-          uneven_body(2.5, "fem_cauchy", SkinSettings::Kind::membrane)})
+    for (const Problem& body : {uneven_body(2.5),
+                                uneven_body(0, "mass_spring"),
+                                uneven_body(2.5, "mass_spring", skin),
+                                uneven_body(2.5, "fem_green", skin),
+                                uneven_body(2.5, "fem_cauchy"),
+                                uneven_body(0, "fem_cauchy", skin),
+                                uneven_body(2.5, "fem_neo_hookean"),
+                                uneven_body(0, "fem_neo_hookean", skin),
+                                uneven_body(2.5, "fem_corotational"),
+                                uneven_body(0, "fem_quadratic", skin),
+                                driven_body(uneven_body(2.5, "fem_quadratic")),
+                                pressed_body(pressed[0], "fem_quadratic"),
+                                moving_body(1e-3, "fem_quadratic", SkinSettings::Kind::membrane),
+                                pressed_body(pressed[0]),
+                                driven_body(),
+                                damped_body(0, 0),
+                                damped_body(2.5, 1e-4),
+                                moving_body(0),
+                                moving_body(1e-3, "mass_spring", skin),
+                                moving_body(0, "fem_green", SkinSettings::Kind::membrane),
+                                uneven_body(2.5, "mass_spring", SkinSettings::Kind::membrane),
+                                uneven_body(2.5, "fem_cauchy", SkinSettings::Kind::membrane)})
       expect_same(device, body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},
@@ -201,8 +214,12 @@ void expect_same_newton(Device& device) {
            {"mass_spring@beam", {{"g", 9.81}, {"beta", 1e-3}}},
            {"fem_neo_hookean@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
-           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}}})
+           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
+           {"fem_quadratic@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}}})
     expect_same(device, make_problem(mesh, {.parameters = parameters}), few, spec, 3);
+  for (const double h : {1e-3, 0.01})
+    expect_same(device, of_ten_nodes.on("@cube:n=3"), "newton_truncated:iterations=1,cg=20",
+                {.t_end = 8 * h, .h = h}, 3);
   // Frozen, the matrix is that of the processor, of all bodies that have patches.
   constexpr const char* frozen = "newton_truncated:iterations=2,substeps=2,cg=6,frozen=1";
   for (const Problem& body :

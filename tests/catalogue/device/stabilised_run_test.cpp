@@ -26,10 +26,11 @@ void expect_same_stabilised(Device& device) {
       EXPECT_GE(run.stats.rhs, least_stages * run.stats.steps) << problem.id << ", " << method;
     }
   };
-  for (const Problem& body : {uneven_body(2.5), uneven_body(0, "mass_spring"),
-                              uneven_body(2.5, "fem_green", skin), uneven_body(2.5, "fem_cauchy"),
-                              uneven_body(0, "fem_cauchy", skin), uneven_body(2.5, "fem_neo_hookean"),
-                              uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]), driven_body()})
+  for (const Problem& body :
+       {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "fem_green", skin),
+        uneven_body(2.5, "fem_cauchy"), uneven_body(0, "fem_cauchy", skin),
+        uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]),
+        driven_body(), driven_body(uneven_body(2.5, "fem_quadratic"))})
     each(body, {.t_end = 0.01001, .h = 1e-4});  // its last step is a sliver
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}, {"beta", 0.01}}},
@@ -38,7 +39,8 @@ void expect_same_stabilised(Device& device) {
            {"fem_neo_hookean@ball", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
            {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
            {"fem_cauchy@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
-           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
+           {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"fem_quadratic@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
     each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
   const RunRecord stiffer =
       expect_same(device, make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
@@ -56,7 +58,7 @@ void expect_same_radius(Device& device) {
     EXPECT_EQ(there.longest_step(), longest_stabilized_step<Rkc2>(problem.body->spectral_radius(0, y)));
   };
   for (const char* model :
-       {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"}) {
+       {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "fem_quadratic", "mass_spring"}) {
     for (const double beta : {0.0, 0.01})
       expect_it(make_problem(std::string(model) + "@liver", {.parameters = {{"beta", beta}}}));
     if (model != std::string("mass_spring")) expect_it(uneven_body(0, model, SkinSettings::Kind::springs));
@@ -78,7 +80,7 @@ void expect_same_chosen_stabilised(Device& device) {
   for (const double rtol : {1e-1, 1e-3, 1e-5}) {
     const RunSpec spec{.t_end = 0.02, .rtol = rtol, .atol = 1e-3 * rtol};
     for (const char* model :
-         {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "mass_spring"})
+         {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "fem_quadratic", "mass_spring"})
       each(uneven_body(2.5, model), spec);
     each(driven_body(), spec);
   }

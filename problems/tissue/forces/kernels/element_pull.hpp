@@ -118,21 +118,28 @@ HMAX_DEVICE inline void tet_pull(const V (*U)[3], const V (*g)[3], const Number*
   corner_pull<Lanes, V>(P, g, pull);
 }
 
-/// sum_g V_g P_g G_g^T of a stable neo-Hookean tetrahedron of ten nodes, what its points are pulled back
-/// with: calls take(a, pull) for each of them.
+/// H at point g of the rule of a tetrahedron of ten nodes.
 /// @param U     displacements relative to those of point 0, that of point a at U[a]
 /// @param rule  of four points g: gradient(g, a, j) of G [1/m], volume(g) V_g [m^3], half_lambda() and mu()
 ///              [Pa]
+template <class V, class Rule>
+HMAX_DEVICE inline void ten_node_gradient(const V (*U)[3], const Rule& rule, int g, V (*H)[3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      H[i][j] = U[1][i] * rule.gradient(g, 1, j);
+      for (int a = 2; a < 10; ++a) H[i][j] += U[a][i] * rule.gradient(g, a, j);
+    }
+}
+
+/// sum_g V_g P_g G_g^T of a stable neo-Hookean tetrahedron of ten nodes, what its points are pulled back
+/// with: calls take(a, pull) for each of them.
+/// @param U, rule  as of ten_node_gradient()
 template <class Lanes, class V, class Rule, class Take>
 HMAX_DEVICE inline void ten_node_pull(const V (*U)[3], const Rule& rule, const Take& take) {
   V P[4][3][3];
   for (int g = 0; g < 4; ++g) {
     V H[3][3];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        H[i][j] = U[1][i] * rule.gradient(g, 1, j);
-        for (int a = 2; a < 10; ++a) H[i][j] += U[a][i] * rule.gradient(g, a, j);
-      }
+    ten_node_gradient(U, rule, g, H);
     const V volume = rule.volume(g);
     neo_hookean_stress<Lanes, V>(H, volume * rule.half_lambda(), volume * rule.mu(), P[g]);
   }

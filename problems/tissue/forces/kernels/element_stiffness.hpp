@@ -52,19 +52,20 @@ HMAX_DEVICE inline void pair_stiffness(const StiffnessParts<Lanes>& parts, int a
 
 /// What the stiffness of the stable neo-Hookean solid is made of: gradients g_a, F g_a, C g_a, F, and V times
 /// mu' (1 - 1 / n), 2 mu' / n^2, lambda' and lambda' (J - a), n = |F|^2 + 1; see StableNeoHookean.
-template <class Lanes>
+/// @tparam points  how many of its points have these gradients
+template <class Lanes, int points = 4>
 struct NeoHookeanParts {
-  typename Lanes::V g[4][3], Fg[4][3], Cg[4][3], F[3][3], straight, stretched, squeezed, turned;
+  typename Lanes::V g[points][3], Fg[points][3], Cg[points][3], F[3][3], straight, stretched, squeezed,
+      turned;
 };
 
-/// @param U  as of displacement_gradient()
-/// @param parts  has Bm, row a at g[a + 1]
-template <class Lanes, class V>
-HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHookeanParts<Lanes>& parts) {
+/// @param H  the displacement gradient
+/// @param parts  has the gradients g_a
+template <class Lanes, int points, class V>
+HMAX_DEVICE inline void neo_hookean_parts_of(const V (*H)[3], V half, V mu,
+                                             NeoHookeanParts<Lanes, points>& parts) {
   auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
-  V H[3][3], K[3][3];
-  displacement_gradient<Lanes>(U, g + 1, H);
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  V K[3][3];
   const V trace = H[0][0] + H[1][1] + H[2][2], one = Lanes::splat(1);
   const V n = square_change<Lanes, V>(H, trace) + Lanes::splat(4);
   const V volume = volume_change<Lanes, V>(H, trace, K);
@@ -74,7 +75,7 @@ HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHook
       F[i][j] = i == j ? H[i][j] + one : H[i][j];
       C[i][j] = (i == j ? one + (trace - H[j][i]) : -H[j][i]) + K[i][j];
     }
-  for (int a = 0; a < 4; ++a)
+  for (int a = 0; a < points; ++a)
     for (int i = 0; i < 3; ++i) Fg[a][i] = dot<Lanes>(F[i], g[a]), Cg[a][i] = dot<Lanes>(C[i], g[a]);
   const V shear = Lanes::splat(4.0 / 3) * mu;
   straight = shear * (one - one / n);
@@ -83,12 +84,23 @@ HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHook
   turned = squeezed * volume - Lanes::splat(0.75) * shear;
 }
 
+/// @param U  as of displacement_gradient()
+/// @param parts  has Bm, row a at g[a + 1]
+template <class Lanes, class V>
+HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHookeanParts<Lanes>& parts) {
+  auto& g = parts.g;
+  V H[3][3];
+  displacement_gradient<Lanes>(U, g + 1, H);
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  neo_hookean_parts_of(H, half, mu, parts);
+}
+
 /// The block of corners a and b, entry (i, j) at block[i][j]:
 ///   mu' (1 - 1 / n) g_a.g_b e_ij + 2 mu' / n^2 (F g_a)_i (F g_b)_j + lambda' (C g_a)_i (C g_b)_j
 ///   + lambda' (J - a) (e_j x F (g_a x g_b))_i.
 /// That of b and a is the transposed one to the last bit.
-template <class Lanes, class V>
-HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes>& parts, int a, int b,
+template <class Lanes, int points, class V>
+HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes, points>& parts, int a, int b,
                                               V (*block)[3]) {
   const auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
   V normal[3], w[3];
@@ -103,6 +115,33 @@ HMAX_DEVICE inline void neo_hookean_stiffness(const NeoHookeanParts<Lanes>& part
     block[i][i] += along;
     block[i][j] += w[k];
     block[j][i] -= w[k];
+  }
+}
+
+/// The parts of a tetrahedron of ten nodes at point g of its rule.
+/// @param U, rule  as of ten_node_gradient()
+/// @param parts  has the gradients of some of its points
+template <class Lanes, int points, class V, class Rule>
+HMAX_DEVICE inline void ten_node_parts(const V (*U)[3], const Rule& rule, int g,
+                                       NeoHookeanParts<Lanes, points>& parts) {
+  V H[3][3];
+  ten_node_gradient(U, rule, g, H);
+  const V volume = rule.volume(g);
+  neo_hookean_parts_of(H, volume * rule.half_lambda(), volume * rule.mu(), parts);
+}
+
+/// Its block of points a and b: the sum of those of its rule. That of b and a is the transposed one to the
+/// last bit.
+/// @param parts_at  parts_at(g) gives ten_node_parts(), which have the gradients of a and b there
+template <class V, class PartsAt>
+HMAX_DEVICE inline void ten_node_stiffness(const PartsAt& parts_at, int a, int b, V (*block)[3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) block[i][j] = 0;
+  for (int g = 0; g < 4; ++g) {
+    V own[3][3];
+    neo_hookean_stiffness(parts_at(g), a, b, own);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) block[i][j] += own[i][j];
   }
 }
 
