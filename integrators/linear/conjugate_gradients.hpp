@@ -23,6 +23,7 @@ namespace detail {
 /// short.
 inline void fetch_beside(const void* block, std::ptrdiff_t bytes) {
   // The address may lie outside of the array, which only integers may count to.
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
   __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::intptr_t>(block) + bytes));
 }
 inline constexpr std::ptrdiff_t fetched_ahead = 4096;

@@ -70,7 +70,7 @@ bool has_kink(const Problem& problem, double t, const Eigen::VectorXd& y) {
   return std::visit(
       [&]<class Sys>(const Sys& system) {
         using State = typename Sys::State;
-        const State here(y);
+        const State here(y);  // NOLINT(performance-unnecessary-copy-initialization): mostly of another type
         State moved = here, f = here, above = here, below = here;
         system.rhs(t, here, f);
         const double largest = y.cwiseAbs().maxCoeff(), least = largest > 0 ? 1e-3 * largest : 1e-4,

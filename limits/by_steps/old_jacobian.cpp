@@ -91,14 +91,14 @@ MatrixT as(const AnyMatrix& matrix) {
 
 template <class MatrixT>
 std::shared_ptr<const typename FirstOrder<MatrixT>::Parts> parts_of(const LinearModel& model,
-                                                                    RightHandSide rhs, bool autonomous,
-                                                                    RightHandSide stiff) {
+                                                                    const RightHandSide& rhs, bool autonomous,
+                                                                    const RightHandSide& stiff) {
   typename FirstOrder<MatrixT>::Parts parts;
   parts.n = model.y.size();
   parts.J = as<MatrixT>(model.J());
   if (stiff) parts.J_stiff = as<MatrixT>(model.J_stiff());
-  parts.rhs = std::move(rhs);
-  parts.stiff = std::move(stiff);
+  parts.rhs = rhs;
+  parts.stiff = stiff;
   parts.autonomous = autonomous;
   return std::make_shared<const typename FirstOrder<MatrixT>::Parts>(std::move(parts));
 }
@@ -116,19 +116,16 @@ RightHandSide product_with(AnyMatrix matrix) {
 
 }  // namespace
 
-AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous,
-                           RightHandSide stiff) {
+AnySystem with_jacobian_of(const LinearModel& model, const RightHandSide& rhs, bool autonomous,
+                           const RightHandSide& stiff) {
   if (!is_sparse_structure(model)) {
     const bool sparse = is_sparse(model.J());
-    if (sparse)
-      return AnySystem(
-          FirstOrder<Sparse>{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))});
-    return AnySystem(
-        FirstOrder<MatrixXd>{parts_of<MatrixXd>(model, std::move(rhs), autonomous, std::move(stiff))});
+    if (sparse) return AnySystem(FirstOrder<Sparse>{parts_of<Sparse>(model, rhs, autonomous, stiff)});
+    return AnySystem(FirstOrder<MatrixXd>{parts_of<MatrixXd>(model, rhs, autonomous, stiff)});
   }
   const MechanicalPart& part = *model.mechanical;
   Structure::Matrices matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C), {}, {}};
-  Structure structure{{parts_of<Sparse>(model, std::move(rhs), autonomous, std::move(stiff))}, {}};
+  Structure structure{{parts_of<Sparse>(model, rhs, autonomous, stiff)}, {}};
   if (const Sparse& J_stiff = structure.parts->J_stiff; J_stiff.size() > 0 && moves_by_velocities(J_stiff)) {
     auto [K, C] = detail::stiffness_and_damping_of(J_stiff, part.mass);
     matrices.K_stiff = std::get<Sparse>(K);

@@ -16,8 +16,8 @@ using RightHandSide = std::function<void(double t, const Eigen::VectorXd& y, Eig
 /// y' = f(t, y) with the constant Jacobian of a linear model: with its sparse mass, stiffness and damping
 /// where it has these, so that equations are solved as those of bodies, else with its whole Jacobian.
 /// @param stiff  the stiff part, whose Jacobian is J_stiff of the model; empty where there is none
-AnySystem with_jacobian_of(const LinearModel& model, RightHandSide rhs, bool autonomous,
-                           RightHandSide stiff = {});
+AnySystem with_jacobian_of(const LinearModel& model, const RightHandSide& rhs, bool autonomous,
+                           const RightHandSide& stiff = {});
 
 /// J (y - y*) of a linear model, for motions y about zero.
 RightHandSide linear_part(const LinearModel& model);

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 /// Steps of length h from y at t = 0 to t_end; NaN when they do not reach their end.
 VectorXd steps_from(const Method& method, Problem& problem, double h, double t_end, const VectorXd& y) {
-  const VectorXd lost = VectorXd::Constant(y.size(), std::numeric_limits<double>::quiet_NaN());
+  VectorXd lost = VectorXd::Constant(y.size(), std::numeric_limits<double>::quiet_NaN());
   if (!y.allFinite()) return lost;
   problem.y0 = y;
   const RunRecord record = method.bind(problem).run({.t_end = t_end, .h = h, .jacobian = {1}}, {});

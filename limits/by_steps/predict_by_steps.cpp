@@ -151,6 +151,7 @@ Problem as_run(const Problem& free, const StepQuestion& question, const LinearMo
   std::visit(
       [&]<class Sys>(const Sys& system) {
         const RightHandSide rhs = [system](double t, const VectorXd& y, VectorXd& dydt) {
+          // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): mostly of another type
           typename Sys::State in = y, out = y;
           system.rhs(t, in, out);
           dydt = out;

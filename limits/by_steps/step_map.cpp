@@ -45,7 +45,7 @@ StepMapAt step_maps(const Method& method, const LinearModel& model, const Linear
                                      method.needs_split ? linear_stiff_part(model) : nullptr);
   return [method, problem, linear](double h) -> StepMap {
     return [=](const VectorXd& y, int steps) -> VectorXd {
-      const VectorXd lost = VectorXd::Constant(y.size(), std::numeric_limits<double>::quiet_NaN());
+      VectorXd lost = VectorXd::Constant(y.size(), std::numeric_limits<double>::quiet_NaN());
       if (!y.allFinite()) return lost;
       // Engines that solve to a tolerance take numbers of about one.
       const double size = y.cwiseAbs().maxCoeff();

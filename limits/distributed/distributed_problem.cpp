@@ -19,7 +19,7 @@
 namespace hmax {
 namespace {
 
-StructurePieces pieces_of(std::shared_ptr<const BodyPieces> body) {
+StructurePieces pieces_of(const std::shared_ptr<const BodyPieces>& body) {
   constexpr int axes = 3;
   const auto point = [](std::int64_t row) { return static_cast<BodyPieces::Index>(row / axes); };
   StructurePieces pieces{.unknowns = body->dofs(), .together = axes, .has_damping = body->has_dampers()};

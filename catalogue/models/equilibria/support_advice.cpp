@@ -85,7 +85,7 @@ class UnheldBody {
     if (static_cast<Eigen::Index>(held.size()) == mesh_.point_count() || !free_parts(mesh_, held).empty())
       return std::nullopt;
     std::vector<int> number(static_cast<std::size_t>(load_.size()), 0);
-    for (const TetMesh::Index i : held) std::fill_n(number.begin() + 3 * i, 3, -1);
+    for (const TetMesh::Index i : held) std::fill_n(number.begin() + std::ptrdiff_t{3} * i, 3, -1);
     int count = 0;
     for (int& each : number)
       if (each == 0) each = count++;
