@@ -1,6 +1,8 @@
 #include "analysis/dynamics/oscillator_lanes.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -83,7 +85,7 @@ class AdaptiveRuns {
       lanes_.rk.start(lane, run->y, slope);
       put(lane, *run->system);
       under_way_[lane].emplace(
-          Lane{run, AdaptiveMotion(steps_.tolerances, *run->system, run->t_end, run->y)});
+          Lane{run, AdaptiveMotion(steps_.tolerances, *run->system, {0, run->t_end}, run->t_end, run->y)});
       return true;
     }
     return false;
@@ -92,6 +94,7 @@ class AdaptiveRuns {
   void end(std::size_t lane, const Vector2d& y) {
     OscillatorRun& run = *under_way_[lane]->run;
     run.outcome = under_way_[lane]->motion.outcome();
+    run.attempts = under_way_[lane]->motion.attempts();
     run.y = y;
     client_.ended(run);
     if (begin(lane) || --used_ == lane) return;
@@ -129,32 +132,60 @@ class AdaptiveRuns {
   std::array<std::optional<Lane>, lane_count> under_way_;
 };
 
-/// One after the other: formulas are no vector operations.
-void run_motions_of(const RunClient& client, const AdaptiveSteps& steps, const FormulaProgram& formulas) {
-  const RmsNorm<double> norm{steps.tolerances.rtol, steps.tolerances.atol};
-  const PlanarFormulas system{formulas};
-  std::optional<FateRule> rule;
-  if (steps.arrival) rule = steps.arrival->rule();
+// ---- formulas, one motion after the other: their operations are no vector operations
+
+constexpr std::int64_t to_the_end = std::numeric_limits<std::int64_t>::max();
+
+/// take(run, rk, slope) of all runs, from the start that stands in `rk`: slope(t, y, dydt).
+template <class Method, class Take>
+void take_formulas(const RunClient& client, const Take& take) {
   while (OscillatorRun* const run = client.next()) {
     run->outcome = Outcome::diverged;
     if (is_bounded(run->y)) {
-      LaneRk<tableaux::Dop853, 1> rk;
+      const PlanarFormulas& system = run->piece->system;
+      LaneRk<Method, 1> rk;
       Vector2d slope;
-      system.rhs(0, run->y, slope);
+      system.rhs(run->piece->span.t0, run->y, slope);
       rk.start(0, run->y, slope);
-      AdaptiveMotion motion(steps.tolerances, system, run->t_end, run->y);
-      go_on(
-          motion, rk, std::numeric_limits<std::int64_t>::max(), steps.most_attempts,
-          [&](const Vector2d& y) { return rule && rule->of(y) != undecided; },
-          [&] {
-            attempt(rk, norm, [&](const double* y, double* dydt) { formulas.run(0, y, dydt); });
-            return true;
-          });
-      run->outcome = motion.outcome();
+      take(*run, rk, [&](double t, const double* y, double* dydt) {
+        system.program->run(std::clamp(t, system.from, system.to), y, dydt);
+      });
       run->y = rk.state(0);
     }
     client.ended(*run);
   }
+}
+
+void run_formulas_of(const RunClient& client, const AdaptiveSteps& steps) {
+  const RmsNorm<double> norm{steps.tolerances.rtol, steps.tolerances.atol};
+  std::optional<FateRule> rule;
+  if (steps.arrival) rule = steps.arrival->rule();
+  take_formulas<tableaux::Dop853>(client, [&](OscillatorRun& run, auto& rk, const auto& slope) {
+    const FormulaPiece& piece = *run.piece;
+    AdaptiveMotion motion(steps.tolerances, piece.system, piece.span, piece.whole, run.y, run.attempts);
+    go_on(
+        motion, rk, to_the_end, steps.most_attempts,
+        [&](const Vector2d& y) { return rule && rule->of(y) != undecided; },
+        [&] {
+          attempt(rk, slope);
+          rk.weigh(norm);
+          return true;
+        });
+    run.outcome = motion.outcome();
+    run.attempts = motion.attempts();
+  });
+}
+
+template <class Method>
+void run_steps_of_formulas(const RunClient& client) {
+  take_formulas<Method>(client, [](OscillatorRun& run, auto& rk, const auto& slope) {
+    FixedTimes times(run.t_end, run.h);
+    const bool bounded = go_on(times, rk, to_the_end, [&] {
+      attempt(rk, slope);
+      return true;
+    });
+    if (bounded) run.outcome = Outcome::reached_end;
+  });
 }
 
 // ---- fixed steps, all lanes at one time
@@ -210,10 +241,16 @@ MotionRunner in_lanes(InstructionSet set) {
                 });
                 return found;
               },
-          .formulas = [](const AdaptiveSteps& steps,
-                         const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
-            return [=](const RunClient& client) { run_motions_of(client, steps, *formulas); };
-          }};
+          .formulas = [](const AdaptiveSteps& steps, const FormulaPrograms&) -> RunMotions {
+            return [steps](const RunClient& client) { run_formulas_of(client, steps); };
+          },
+          .formula_steps =
+              [](std::string_view method, const FormulaPrograms&) {
+                RunMotions found;
+                with_explicit_method(
+                    method, [&]<class Method>(const Method&) { found = run_steps_of_formulas<Method>; });
+                return found;
+              }};
 }
 
 }  // namespace hmax

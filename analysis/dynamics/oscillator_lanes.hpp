@@ -2,8 +2,10 @@
 /// vector registers. Each motion is what it is alone, to the last bit.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -14,6 +16,7 @@
 #include "analysis/dynamics/phase_plane.hpp"
 #include "analysis/dynamics/trap.hpp"
 #include "core/instructions/instruction_set.hpp"
+#include "integrators/control.hpp"
 #include "integrators/stepper.hpp"
 #include "integrators/tolerances.hpp"
 #include "problems/formula_program.hpp"
@@ -21,21 +24,43 @@
 
 namespace hmax {
 
-/// A motion from t = 0 on.
+/// Formulas as a System of the plane.
+struct PlanarFormulas {
+  using State = Eigen::Vector2d;
+  static constexpr double forever = std::numeric_limits<double>::infinity();
+
+  std::shared_ptr<const FormulaProgram> program;
+  bool autonomous;                       ///< whether they do not know the time
+  double from = -forever, to = forever;  ///< see confine()
+
+  [[nodiscard]] Eigen::Index dim() const { return 2; }
+  [[nodiscard]] bool is_autonomous() const { return autonomous; }
+  void rhs(double t, const State& y, State& dydt) const {
+    program->run(std::clamp(t, from, to), y.data(), dydt.data());
+  }
+  /// As AnySystem.
+  void confine(double first, double last) {
+    from = first;
+    to = last;
+  }
+};
+
+/// A motion of formulas, or what of it lies between two of their breakpoints (integrators/breakpoints.hpp).
+struct FormulaPiece {
+  PlanarFormulas system;  ///< confined to the piece
+  Span<double> span;      ///< of the piece; fixed steps begin at 0
+  double whole;           ///< [s] length of the motion, which bounds adaptive steps
+};
+
+/// A motion from t = 0 on, or a piece of one.
 struct OscillatorRun {
-  const Oscillator* system;                ///< null of formulas, which the runner knows
+  const Oscillator* system;                ///< null of formulas
   double t_end;                            ///< [s], positive
   Eigen::Vector2d y;                       ///< its start, then its end
   Outcome outcome = Outcome::reached_end;  ///< how it has ended
   double h = 0;                            ///< [s], positive: of fixed steps of its own
-};
-
-/// Formulas that do not know the time, as a System of the plane.
-struct PlanarFormulas {
-  using State = Eigen::Vector2d;
-  const FormulaProgram& formulas;
-  [[nodiscard]] Eigen::Index dim() const { return 2; }
-  void rhs(double t, const State& y, State& dydt) const { formulas.run(t, y.data(), dydt.data()); }
+  const FormulaPiece* piece = nullptr;     ///< of formulas; it ends at t_end
+  std::int64_t attempts = 0;  ///< of adaptive steps; formulas begin with those of the pieces before
 };
 
 /// Where runs come from and where they go.
@@ -79,14 +104,19 @@ struct SharedSteps {
   double t_end, h;          ///< [s], positive; of all runs
 };
 
+/// Those that runs have.
+using FormulaPrograms = std::vector<std::shared_ptr<const FormulaProgram>>;
+
 /// What runs motions: the lanes of the processor, or a device. The motions are the same, to the last bit.
 struct MotionRunner {
   std::function<RunMotions(const AdaptiveSteps&)> adaptive;
   std::function<RunMotions(const SharedSteps&)> shared;  ///< empty where it is no such method
   /// Fixed steps of each run's own size and w by such a method; no function where runs go one by one.
   std::function<RunMotions(std::string_view method)> own_steps = {};
-  /// Adaptive steps of formulas that do not know the time.
-  std::function<RunMotions(const AdaptiveSteps&, const std::shared_ptr<const FormulaProgram>&)> formulas = {};
+  /// Adaptive steps of formulas.
+  std::function<RunMotions(const AdaptiveSteps&, const FormulaPrograms&)> formulas = {};
+  /// Fixed steps of each run's own size; empty where it is no such method.
+  std::function<RunMotions(std::string_view method, const FormulaPrograms&)> formula_steps = {};
   bool is_device = false;
 };
 

@@ -72,12 +72,15 @@ class AdaptiveMotion {
  public:
   using Control = Adaptive<double, DeadbandController>;
 
-  /// @tparam S  a System of the plane
+  /// @tparam S      a System of the plane
+  /// @param span    of the motion or of a piece of it;  @param whole  [s] length of the motion
+  /// @param before  attempts of the pieces before
   template <class S>
-  AdaptiveMotion(const Tolerances<double>& tolerances, const S& system, double t_end,
-                 const Eigen::Vector2d& y)
-      : control_(tolerances, tableaux::Dop853::error_order) {
-    control_.start(*this, system, {0, t_end}, y);
+  AdaptiveMotion(const Tolerances<double>& tolerances, const S& system, Span<double> span, double whole,
+                 const Eigen::Vector2d& y, std::int64_t before = 0)
+      : control_(tolerances, tableaux::Dop853::error_order), t_(span.t0), attempts_(before) {
+    control_.prepare({0, whole});
+    control_.start(*this, system, span, y);
   }
 
   /// The next step; without one the motion has ended. @returns whether there is one
@@ -107,6 +110,7 @@ class AdaptiveMotion {
   [[nodiscard]] HMAX_DEVICE double t() const { return t_; }
   [[nodiscard]] HMAX_DEVICE double h() const { return step_.h; }
   [[nodiscard]] HMAX_DEVICE bool has_ended() const { return ended_; }
+  [[nodiscard]] HMAX_DEVICE std::int64_t attempts() const { return attempts_; }
   /// How it has ended.
   [[nodiscard]] HMAX_DEVICE Outcome outcome() const { return outcome_; }
 
@@ -129,8 +133,8 @@ class AdaptiveMotion {
 
   Control control_;
   Proposal<double> step_{};
-  double t_ = 0;
-  std::int64_t attempts_ = 0;
+  double t_;
+  std::int64_t attempts_;
   Outcome outcome_ = Outcome::reached_end;
   bool ended_ = false;
 };
@@ -202,16 +206,59 @@ HMAX_DEVICE inline void go_on(AdaptiveMotion& motion, LaneRk<tableaux::Dop853, 1
   }
 }
 
-/// An attempt of formulas that do not know the time, and its error.
-/// @param slope  slope(y, dydt)
-template <class Norm, class Slope>
-HMAX_DEVICE inline void attempt(LaneRk<tableaux::Dop853, 1>& rk, const Norm& norm, const Slope& slope) {
-  rk.attempt([&](auto, std::size_t, const Eigen::Vector2d& y, Eigen::Vector2d& dydt)
-                 __attribute__((always_inline)) { slope(y.data(), dydt.data()); });
-  rk.weigh(norm);
+/// An attempt of formulas.
+/// @param slope  slope(t, y, dydt)
+template <class Method, class Slope>
+HMAX_DEVICE inline void attempt(LaneRk<Method, 1>& rk, const Slope& slope) {
+  rk.attempt([&](auto i, std::size_t lane, const Eigen::Vector2d& y, Eigen::Vector2d& dydt)
+                 __attribute__((always_inline)) { slope(rk.stage_time(i, lane), y.data(), dydt.data()); });
 }
 
 // ---- fixed steps
+
+/// The steps that ExplicitRk takes with FixedStep from t = 0 to t_end, one after the other.
+class FixedTimes {
+ public:
+  /// @param t_end, h  [s], positive
+  FixedTimes(double t_end, double h) : control_(h) {
+    control_.start(0, Oscillator(), Span<double>{0, t_end}, Eigen::Vector2d());
+  }
+
+  /// Whether the last one has been told.
+  [[nodiscard]] HMAX_DEVICE bool are_done() const { return done_; }
+  /// Where the next one begins.
+  [[nodiscard]] HMAX_DEVICE double t() const { return t_; }
+  /// Its size.
+  HMAX_DEVICE double next() {
+    const Proposal<double> proposed = control_.propose(t_);
+    control_.judge(0, 0, proposed, 0, 0);
+    t_ = proposed.t_next;
+    done_ = proposed.last;
+    return proposed.h;
+  }
+
+ private:
+  FixedStep<double> control_;
+  double t_ = 0;
+  bool done_ = false;
+};
+
+/// Steps of a motion of formulas that stands at the state of `rk`, until they are done, the state is not
+/// bounded, or so many were taken.
+/// @param attempt  attempt(): of the step that is set; false where it cannot be told
+/// @returns whether the state is bounded
+template <class Method, class Attempt>
+HMAX_DEVICE inline bool go_on(FixedTimes& times, LaneRk<Method, 1>& rk, std::int64_t steps,
+                              const Attempt& attempt) {
+  for (std::int64_t taken = 0; taken < steps && !times.are_done(); ++taken) {
+    const double t = times.t();
+    rk.set_step(0, t, times.next());
+    if (!attempt()) return true;
+    if (!is_bounded(rk.candidate(0))) return false;
+    rk.accept(0);
+  }
+  return true;
+}
 
 /// A step of one w, maybe of many motions: its size and cos(w t) at each stage.
 template <class Method>
@@ -220,33 +267,28 @@ struct SharedStep {
   std::array<double, Method::tableau.stages> cosine;
 };
 
-/// Those that ExplicitRk takes with FixedStep from t = 0 to t_end, one after the other.
+/// Those of FixedTimes with their cosines.
 class CosineSteps {
  public:
   /// @param w [rad/s];  @param t_end, h [s], positive
-  CosineSteps(double w, double t_end, double h) : control_(h), w_(w) {
-    control_.start(0, Oscillator(), Span<double>{0, t_end}, Eigen::Vector2d());
-  }
+  CosineSteps(double w, double t_end, double h) : times_(t_end, h), w_(w) {}
 
   /// Whether the last one has been told.
-  [[nodiscard]] HMAX_DEVICE bool are_done() const { return done_; }
+  [[nodiscard]] HMAX_DEVICE bool are_done() const { return times_.are_done(); }
 
   /// @param cosine  the function
   template <class Method, class Cosine>
   HMAX_DEVICE SharedStep<Method> next(const Cosine& cosine) {
     using Tableau = StaticCoefficients<Method>;
-    const Proposal<double> proposed = control_.propose(t_);
-    SharedStep<Method> step{proposed.h, {}};
+    const double t = times_.t();
+    SharedStep<Method> step{times_.next(), {}};
     // The first stage takes the force from the end of the step before where a stage stands there.
-    step.cosine[0] = end_known_ ? end_ : cosine(w_ * t_);
+    step.cosine[0] = end_known_ ? end_ : cosine(w_ * t);
     Tableau::for_each_later_stage([&](auto i) {
       constexpr std::size_t first = Tableau::first_at_node_of(i);
       constexpr auto node = static_cast<double>(Tableau::node(i));
-      step.cosine[i] = first == i ? cosine(w_ * (t_ + node * proposed.h)) : step.cosine[first];
+      step.cosine[i] = first == i ? cosine(w_ * (t + node * step.h)) : step.cosine[first];
     });
-    control_.judge(0, 0, proposed, 0, 0);
-    t_ = proposed.t_next;
-    done_ = proposed.last;
     if constexpr (Tableau::first_at_end() < Tableau::stages()) {
       end_ = step.cosine[Tableau::first_at_end()];
       end_known_ = true;
@@ -255,9 +297,9 @@ class CosineSteps {
   }
 
  private:
-  FixedStep<double> control_;
-  double w_, t_ = 0, end_ = 0;  ///< the cosine at the end of the step before
-  bool end_known_ = false, done_ = false;
+  FixedTimes times_;
+  double w_, end_ = 0;  ///< the cosine at the end of the step before
+  bool end_known_ = false;
 };
 
 /// All of them.

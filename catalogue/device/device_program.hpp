@@ -149,7 +149,8 @@ void with_kind(const AdaptiveMotions& motions, const F& f) {
   motions.steady ? f(std::true_type{}) : f(std::false_type{});
 }
 template <class Motions, class F>
-requires std::same_as<Motions, SharedMotions> || std::same_as<Motions, OwnMotions>
+requires std::same_as<Motions, SharedMotions> || std::same_as<Motions, OwnMotions> ||
+    std::same_as<Motions, FormulaSteps>
 void with_kind(const Motions& motions, const F& f) {
   with_explicit_method(motions.method, [&]<class Method>(const Method&) { f(std::type_identity<Method>{}); });
 }
@@ -158,9 +159,10 @@ void with_kind(const Motions& motions, const F& f) {
 struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, VolumeShares<double>,
                VolumeShares<float>, FirstKick<double>, FirstKick<float>, KnownStage<double>,
-               KnownStage<float>, ErrorPieces, AdaptiveMotions, FormulaMotions, SharedMotions, OwnMotions,
-               NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin, GradientProduct, GradientUpdate,
-               NewtonEnd, BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints, SubstepEnd>
+               KnownStage<float>, ErrorPieces, AdaptiveMotions, FormulaMotions, FormulaSteps, SharedMotions,
+               OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin, GradientProduct,
+               GradientUpdate, NewtonEnd, BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints,
+               SubstepEnd>
       of;
 
   template <class F>

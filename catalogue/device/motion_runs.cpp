@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "catalogue/device/device_program.hpp"
@@ -61,15 +63,35 @@ class Lent {
     void* memory = nullptr;
     std::size_t bytes = 0;
   };
-  Room rooms_[7];
+  Room rooms_[4];
 };
 
-/// f(0, y).
+/// A motion at its start.
 template <class S>
-Vector2d slope_of(const S& system, const Vector2d& y) {
+StoredMotion at_start(const S& system, double t0, const OscillatorRun& run) {
   Vector2d slope;
-  system.rhs(0, y, slope);
-  return slope;
+  system.rhs(t0, run.y, slope);
+  return {{run.y[0], run.y[1]}, {slope[0], slope[1]}};
+}
+
+/// Ends runs of which take(i) has read what they came to; where it returns false the device could not tell,
+/// and the processor runs them.
+template <class Take>
+void end_all(const std::vector<OscillatorRun*>& runs, const RunClient& client, const Take& take,
+             const RunMotions& processor) {
+  std::vector<OscillatorRun*> beyond;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (take(i))
+      client.ended(*runs[i]);
+    else
+      beyond.push_back(runs[i]);
+  const auto next = [&]() -> OscillatorRun* {
+    if (beyond.empty()) return nullptr;
+    OscillatorRun* const run = beyond.back();
+    beyond.pop_back();
+    return run;
+  };
+  if (!beyond.empty()) processor({next, client.ended});
 }
 
 /// As many runs of a client as a call takes; those that have no start end at once.
@@ -117,61 +139,120 @@ void require_near(const OscillatorRun& run) {
     throw InputError("--device gpu takes forces of up to 10^6 rad in a period; leave --device out");
 }
 
-template <class S>
-StoredMotion stored(const AdaptiveSteps& steps, const S& system, const OscillatorRun& run) {
-  const Vector2d slope = slope_of(system, run.y);
-  return {AdaptiveMotion(steps.tolerances, system, run.t_end, run.y),
-          {},
-          {run.y[0], run.y[1]},
-          {slope[0], slope[1]}};
-}
+/// Formulas in the memory of a device. Those that differ in numbers alone share their operations.
+class FormulasThere {
+ public:
+  FormulasThere(std::shared_ptr<Lent> lent, const FormulaPrograms& programs) : lent_(std::move(lent)) {
+    std::vector<const FormulaProgram*> distinct;
+    std::vector<FormulaStep> steps;
+    std::vector<std::uint32_t> results;
+    std::vector<double> constants;
+    struct Begin {
+      std::size_t steps, results, constants;
+    };
+    std::vector<Begin> shared, begins;
+    for (const auto& program : programs) {
+      std::size_t k = distinct.size();
+      while (k > 0 && !have_same_operations(*distinct[k - 1], *program)) --k;
+      if (k == 0) {
+        distinct.push_back(program.get());
+        shared.push_back({steps.size(), results.size(), 0});
+        steps.insert(steps.end(), program->steps().begin(), program->steps().end());
+        results.insert(results.end(), program->results().begin(), program->results().end());
+        k = distinct.size();
+      }
+      numbers_.emplace(program.get(), static_cast<std::int32_t>(begins.size()));
+      begins.push_back({shared[k - 1].steps, shared[k - 1].results, constants.size()});
+      constants.insert(constants.end(), program->constants().begin(), program->constants().end());
+    }
+    const std::scoped_lock lock(lent_->one_at_a_time);
+    const FormulaStep* const steps_there = stored(steps);
+    const std::uint32_t* const results_there = stored(results);
+    const double* const constants_there = stored(constants);
+    std::vector<FormulaCode> codes;
+    for (std::size_t i = 0; i < programs.size(); ++i) {
+      FormulaCode& code = codes.emplace_back(programs[i]->code());
+      code.steps = steps_there + begins[i].steps;
+      code.results = results_there + begins[i].results;
+      code.constants = constants_there + begins[i].constants;
+    }
+    codes_ = stored(codes);
+  }
+  ~FormulasThere() {
+    const std::scoped_lock lock(lent_->one_at_a_time);
+    for (void* const each : memory_) lent_->device.release(each);
+  }
+  FormulasThere(const FormulasThere&) = delete;
+  FormulasThere& operator=(const FormulasThere&) = delete;
+
+  [[nodiscard]] const FormulaCode* codes() const { return codes_; }
+  [[nodiscard]] OwnFormulas of(const OscillatorRun& run) const {
+    const PlanarFormulas& system = run.piece->system;
+    return {numbers_.at(system.program.get()), system.from, system.to};
+  }
+
+ private:
+  static bool have_same_operations(const FormulaProgram& one, const FormulaProgram& other) {
+    return one.constants().size() == other.constants().size() && one.results() == other.results() &&
+           std::ranges::equal(one.steps(), other.steps(), [](const FormulaStep& a, const FormulaStep& b) {
+             return std::tie(a.code, a.to, a.a, a.b, a.c) == std::tie(b.code, b.to, b.a, b.b, b.c);
+           });
+  }
+  template <class T>
+  const T* stored(const std::vector<T>& from) {
+    const std::size_t bytes = from.size() * sizeof(T);
+    void* const there = memory_.emplace_back(lent_->device.allocate(std::max<std::size_t>(bytes, 1)));
+    if (bytes > 0) lent_->device.write(there, from.data(), bytes);
+    return static_cast<const T*>(there);
+  }
+
+  std::shared_ptr<Lent> lent_;
+  std::vector<void*> memory_;
+  const FormulaCode* codes_ = nullptr;
+  std::unordered_map<const FormulaProgram*, std::int32_t> numbers_;
+};
 
 /// Oscillators whose steps are chosen.
 struct AdaptiveOscillators {
   const AdaptiveSteps& steps;
 
-  [[nodiscard]] StoredMotion store(const OscillatorRun& run) const {
+  [[nodiscard]] StoredOscillator store(const OscillatorRun& run) const {
     if (!steps.steady) require_near(run);
-    StoredMotion motion = stored(steps, *run.system, run);
-    motion.rates = OscillatorRates::of(*run.system);
-    return motion;
+    return {{at_start(*run.system, 0, run),
+             AdaptiveMotion(steps.tolerances, *run.system, {0, run.t_end}, run.t_end, run.y)},
+            OscillatorRates::of(*run.system)};
   }
-  [[nodiscard]] AdaptiveMotions motions(Lent&) const { return {{}, steps.steady}; }
-  void run_on_processor(const RunClient&) const { throw std::logic_error("no angle is too far"); }
+  [[nodiscard]] AdaptiveMotions motions(StoredOscillator* there) const { return {{}, there, steps.steady}; }
+  [[nodiscard]] static RunMotions processor() { return {}; }  // no angle is too far
 };
 
 /// Formulas, likewise.
 struct AdaptiveFormulas {
   const AdaptiveSteps& steps;
-  const std::shared_ptr<const FormulaProgram>& formulas;
+  const FormulasThere& formulas;
 
-  [[nodiscard]] StoredMotion store(const OscillatorRun& run) const {
-    return stored(steps, PlanarFormulas{*formulas}, run);
+  [[nodiscard]] StoredFormulas store(const OscillatorRun& run) const {
+    const FormulaPiece& piece = *run.piece;
+    return {{at_start(piece.system, piece.span.t0, run),
+             AdaptiveMotion(steps.tolerances, piece.system, piece.span, piece.whole, run.y, run.attempts)},
+            formulas.of(run)};
   }
-  [[nodiscard]] FormulaMotions motions(Lent& lent) const {
-    FormulaMotions all{};
-    all.code = formulas->code();
-    all.code.steps = lent.copy(4, formulas->steps());
-    all.code.constants = lent.copy(5, formulas->constants());
-    all.code.results = lent.copy(6, formulas->results());
-    return all;
-  }
-  void run_on_processor(const RunClient& client) const { in_lanes().formulas(steps, formulas)(client); }
+  [[nodiscard]] FormulaMotions motions(StoredFormulas* there) const { return {{}, there, formulas.codes()}; }
+  [[nodiscard]] RunMotions processor() const { return in_lanes().formulas(steps, {}); }
 };
 
 template <class Adaptive>
 void run_adaptive(Lent& lent, const Adaptive& adaptive, std::size_t at_once, const RunClient& client) {
   const AdaptiveSteps& steps = adaptive.steps;
   for (;;) {
-    std::vector<StoredMotion> motions;
+    std::vector<decltype(adaptive.store({}))> motions;
     const auto runs =
         some_of(client, at_once, [&](const OscillatorRun& run) { motions.push_back(adaptive.store(run)); });
     if (runs.empty()) return;
     std::vector<MotionEnd> ends(runs.size());
     {
       const std::scoped_lock lock(lent.one_at_a_time);
-      auto all = adaptive.motions(lent);
-      all.motions = lent.copy(0, motions);
+      auto all = adaptive.motions(lent.copy(0, motions));
       all.ends = lent.room<MotionEnd>(1, ends.size());
       all.count = static_cast<std::int64_t>(runs.size());
       all.attempts = attempts_of_a_launch;
@@ -185,31 +266,22 @@ void run_adaptive(Lent& lent, const Adaptive& adaptive, std::size_t at_once, con
       run_to_end(lent, all);
       lent.read(ends, all.ends);
     }
-    std::vector<OscillatorRun*> beyond;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (ends[i].beyond) {
-        beyond.push_back(runs[i]);
-        continue;
-      }
-      runs[i]->y = {ends[i].y[0], ends[i].y[1]};
-      runs[i]->outcome = ends[i].outcome;
-      client.ended(*runs[i]);
-    }
-    const auto next = [&]() -> OscillatorRun* {
-      if (beyond.empty()) return nullptr;
-      OscillatorRun* const run = beyond.back();
-      beyond.pop_back();
-      return run;
+    const auto take = [&](std::size_t i) {
+      const MotionEnd& end = ends[i];
+      if (end.beyond) return false;
+      runs[i]->y = {end.y[0], end.y[1]};
+      runs[i]->outcome = end.outcome;
+      runs[i]->attempts = end.attempts;
+      return true;
     };
-    if (!beyond.empty()) adaptive.run_on_processor({next, client.ended});
+    end_all(runs, client, take, adaptive.processor());
   }
 }
 
 /// @throws InputError  where a device would have other bits, or no room
 void require_arithmetic(const FormulaProgram& formulas) {
-  if (formulas.registers() > FormulaMotions::most_registers)
-    throw InputError("--device gpu takes formulas of at most " +
-                     std::to_string(FormulaMotions::most_registers) +
+  if (formulas.registers() > most_registers)
+    throw InputError("--device gpu takes formulas of at most " + std::to_string(most_registers) +
                      " operations, numbers and states together, and these have " +
                      std::to_string(formulas.registers()) + "; leave --device out");
   for (const FormulaStep& step : formulas.steps()) {
@@ -227,18 +299,15 @@ void require_arithmetic(const FormulaProgram& formulas) {
 
 /// Fixed steps.
 /// @param store     store(run, motion): what lies on the device
+/// @param store     store(run): the motion at its start
 /// @param launches  launches(motions, count): all steps of motions that lie there
 template <class Motion, class Store, class Launches>
 void run_fixed(Lent& lent, std::size_t at_once, const RunClient& client, const Store& store,
-               const Launches& launches) {
+               const Launches& launches, const RunMotions& processor = {}) {
   for (;;) {
     std::vector<Motion> motions;
-    const auto runs = some_of(client, at_once, [&](const OscillatorRun& run) {
-      const Vector2d slope = slope_of(*run.system, run.y);
-      motions.push_back(store(
-          run,
-          FixedMotion{OscillatorRates::of(*run.system), {run.y[0], run.y[1]}, {slope[0], slope[1]}, 1.0}));
-    });
+    const auto runs =
+        some_of(client, at_once, [&](const OscillatorRun& run) { motions.push_back(store(run)); });
     if (runs.empty()) return;
     {
       const std::scoped_lock lock(lent.one_at_a_time);
@@ -246,37 +315,42 @@ void run_fixed(Lent& lent, std::size_t at_once, const RunClient& client, const S
       launches(there, static_cast<std::int64_t>(runs.size()));
       lent.read(motions, there);
     }
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      runs[i]->y = {motions[i].y[0], motions[i].y[1]};
-      runs[i]->outcome = motions[i].bounded != 0 ? Outcome::reached_end : Outcome::diverged;
-      client.ended(*runs[i]);
-    }
+    const auto take = [&](std::size_t i) {
+      const Motion& end = motions[i];
+      if (end.beyond) return false;
+      runs[i]->y = {end.y[0], end.y[1]};
+      runs[i]->outcome = end.bounded != 0 ? Outcome::reached_end : Outcome::diverged;
+      return true;
+    };
+    end_all(runs, client, take, processor);
   }
+}
+
+FixedMotion fixed_motion(const OscillatorRun& run) {
+  return {at_start(*run.system, 0, run), 1.0, OscillatorRates::of(*run.system)};
 }
 
 template <class Method>
 void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::size_t at_once,
                 const RunClient& client) {
-  run_fixed<FixedMotion>(
-      lent, at_once, client, [](const OscillatorRun&, const FixedMotion& motion) { return motion; },
-      [&](FixedMotion* motions, std::int64_t count) {
-        const SharedStep<Method>* const first = lent.copy(1, steps);
-        const auto all = static_cast<std::int64_t>(steps.size());
-        for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
-          lent.device.run({SharedMotions{.motions = motions,
-                                         .count = count,
-                                         .method = Method::id,
-                                         .steps = first + done,
-                                         .step_count = std::min(steps_of_a_launch, all - done)}});
-      });
+  run_fixed<FixedMotion>(lent, at_once, client, fixed_motion, [&](FixedMotion* motions, std::int64_t count) {
+    const SharedStep<Method>* const first = lent.copy(1, steps);
+    const auto all = static_cast<std::int64_t>(steps.size());
+    for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
+      lent.device.run({SharedMotions{.motions = motions,
+                                     .count = count,
+                                     .method = Method::id,
+                                     .steps = first + done,
+                                     .step_count = std::min(steps_of_a_launch, all - done)}});
+  });
 }
 
 void run_own(Lent& lent, std::string_view method, std::size_t at_once, const RunClient& client) {
   run_fixed<OwnMotion>(
       lent, at_once, client,
-      [](const OscillatorRun& run, const FixedMotion& motion) {
+      [](const OscillatorRun& run) {
         require_near(run);
-        return OwnMotion{motion, CosineSteps(motion.rates.w, run.t_end, run.h)};
+        return OwnMotion{fixed_motion(run), CosineSteps(run.system->parameters().w, run.t_end, run.h)};
       },
       [&](OwnMotion* motions, std::int64_t count) {
         OwnMotions all{.motions = motions,
@@ -288,42 +362,74 @@ void run_own(Lent& lent, std::string_view method, std::size_t at_once, const Run
       });
 }
 
+void run_steps_of_formulas(Lent& lent, std::string_view method, const FormulasThere& formulas,
+                           std::size_t at_once, const RunClient& client) {
+  run_fixed<FormulaStored>(
+      lent, at_once, client,
+      [&](const OscillatorRun& run) {
+        return FormulaStored{at_start(run.piece->system, 0, run), 1.0, FixedTimes(run.t_end, run.h),
+                             formulas.of(run)};
+      },
+      [&](FormulaStored* motions, std::int64_t count) {
+        FormulaSteps all{.motions = motions,
+                         .count = count,
+                         .method = method,
+                         .most_steps = steps_of_a_launch / 10,
+                         .codes = formulas.codes(),
+                         .left = nullptr};
+        run_to_end(lent, all);
+      },
+      in_lanes().formula_steps(method, {}));
+}
+
 }  // namespace
 
 MotionRunner motions_on(Device& device, std::size_t at_once) {
   const auto lent = std::make_shared<Lent>(device);
-  return {.adaptive = [lent, at_once](const AdaptiveSteps& steps) -> RunMotions {
-            if (!steps.steady) require_own_cosines();
-            return [=](const RunClient& client) {
-              run_adaptive(*lent, AdaptiveOscillators{steps}, at_once, client);
-            };
+  return {
+      .adaptive = [lent, at_once](const AdaptiveSteps& steps) -> RunMotions {
+        if (!steps.steady) require_own_cosines();
+        return [=](const RunClient& client) {
+          run_adaptive(*lent, AdaptiveOscillators{steps}, at_once, client);
+        };
+      },
+      .shared =
+          [lent, at_once](const SharedSteps& asked) {
+            RunMotions found;
+            with_explicit_method(asked.method, [&]<class Method>(const Method&) {
+              found = [=, steps = shared_steps<Method>(asked.w, asked.t_end, asked.h)](
+                          const RunClient& client) { run_shared<Method>(*lent, steps, at_once, client); };
+            });
+            return found;
           },
-          .shared =
-              [lent, at_once](const SharedSteps& asked) {
-                RunMotions found;
-                with_explicit_method(asked.method, [&]<class Method>(const Method&) {
-                  found = [=, steps = shared_steps<Method>(asked.w, asked.t_end, asked.h)](
-                              const RunClient& client) { run_shared<Method>(*lent, steps, at_once, client); };
-                });
-                return found;
-              },
-          .own_steps =
-              [lent, at_once](std::string_view method) {
-                RunMotions found;
-                with_explicit_method(method, [&]<class Method>(const Method&) {
-                  require_own_cosines();
-                  found = [=](const RunClient& client) { run_own(*lent, Method::id, at_once, client); };
-                });
-                return found;
-              },
-          .formulas = [lent, at_once](const AdaptiveSteps& steps,
-                                      const std::shared_ptr<const FormulaProgram>& formulas) -> RunMotions {
-            require_arithmetic(*formulas);
-            return [=](const RunClient& client) {
-              run_adaptive(*lent, AdaptiveFormulas{steps, formulas}, at_once, client);
-            };
+      .own_steps =
+          [lent, at_once](std::string_view method) {
+            RunMotions found;
+            with_explicit_method(method, [&]<class Method>(const Method&) {
+              require_own_cosines();
+              found = [=](const RunClient& client) { run_own(*lent, Method::id, at_once, client); };
+            });
+            return found;
           },
-          .is_device = true};
+      .formulas = [lent, at_once](const AdaptiveSteps& steps, const FormulaPrograms& programs) -> RunMotions {
+        for (const auto& each : programs) require_arithmetic(*each);
+        return [=, there = std::make_shared<const FormulasThere>(lent, programs)](const RunClient& client) {
+          run_adaptive(*lent, AdaptiveFormulas{steps, *there}, at_once, client);
+        };
+      },
+      .formula_steps =
+          [lent, at_once](std::string_view method, const FormulaPrograms& programs) {
+            RunMotions found;
+            with_explicit_method(method, [&]<class Method>(const Method&) {
+              for (const auto& each : programs) require_arithmetic(*each);
+              found = [=, there = std::make_shared<const FormulasThere>(lent, programs)](
+                          const RunClient& client) {
+                run_steps_of_formulas(*lent, Method::id, *there, at_once, client);
+              };
+            });
+            return found;
+          },
+      .is_device = true};
 }
 
 }  // namespace hmax

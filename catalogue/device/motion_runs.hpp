@@ -13,8 +13,8 @@ namespace hmax {
 /// @param device   outlives the runs
 /// @param at_once  motions of one call of the device, at most: a thread that has more takes several calls
 /// @throws InputError  from `adaptive` and `own_steps`, where cosines are not those of musl, and from their
-///                     runs, for forces of more than some 10^6 rad; from `formulas`, for operations that have
-///                     other bits there or are too many; and as Device
+///                     runs, for forces of more than some 10^6 rad; from `formulas` and `formula_steps`, for
+///                     operations that have other bits there or are too many; and as Device
 MotionRunner motions_on(Device& device, std::size_t at_once);
 
 }  // namespace hmax

@@ -88,9 +88,11 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
                             .most_attempts = adaptive_attempts,
                             .steady = true,
                             .arrival = destiny.arrival};
-  const RunMotions run = oscillator ? runner.adaptive(steps) : runner.formulas(steps, formulas);
+  const RunMotions run = oscillator ? runner.adaptive(steps) : runner.formulas(steps, {formulas});
   const std::optional<Oscillator> own = oscillator ? std::optional(*oscillator) : std::nullopt;
-  return [own, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
+  const FormulaPiece piece{
+      {formulas, !oscillator && system->is_autonomous()}, {0, destiny.longest}, destiny.longest};
+  return [own, piece, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
     std::vector<OscillatorRun> runs(starts.size());
     std::size_t begun = 0;
     const auto next = [&]() -> OscillatorRun* {
@@ -99,6 +101,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
         fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
         if (fates[begun] != undecided) continue;
         runs[begun] = {own ? &*own : nullptr, destiny.longest, y};
+        runs[begun].piece = &piece;
         return &runs[begun++];
       }
       return nullptr;

@@ -429,7 +429,7 @@ void add_phase(CLI::App& app, Console& console) {
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),
            "FOLDER");
-  options->device.add_to(command, "the motions of --basins and, of oscillators, of --bifurcation");
+  options->device.add_to(command, "the motions of --basins and --bifurcation");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);

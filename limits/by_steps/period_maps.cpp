@@ -10,6 +10,8 @@
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/models/planar.hpp"
 #include "core/errors.hpp"
+#include "core/parallel_for.hpp"
+#include "integrators/breakpoints.hpp"
 #include "integrators/control.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 
@@ -20,9 +22,10 @@ namespace {
 /// Steps of a period that are kept with their cosines; more are taken one motion at a time.
 constexpr std::int64_t most_shared_steps = 100'000;
 
-/// Oscillators, and the periods of their forces.
+/// Oscillators or formulas, and the periods of their forces.
 struct Driven {
   std::vector<Oscillator> systems;
+  std::vector<std::vector<FormulaPiece>> formulas;  ///< what a period of each is made of
   std::vector<double> periods;
   std::vector<double> sizes = {};  ///< of fixed steps
 
@@ -46,31 +49,84 @@ std::vector<Oscillator> oscillators(const std::function<Problem(std::size_t i)>&
   return systems;
 }
 
-/// A period of a motion whose image is asked for.
+/// The pieces of a period as run_by_pieces() has them, one where steps are fixed. Empty where a problem is
+/// none of formulas of the plane.
+std::vector<FormulaPiece> pieces_of(const Problem& problem, double period, bool fixed) {
+  const auto* system = std::get_if<AnySystem>(&problem.system);
+  const auto program = system && system->dim() == 2 ? system->formulas() : nullptr;
+  if (!program) return {};
+  // A copy: the derivatives beside it are not needed.
+  const PlanarFormulas formulas{std::make_shared<const FormulaProgram>(*program), system->is_autonomous()};
+  const Span<double> span{0, period};
+  const auto breaks = fixed ? std::vector<double>{} : detail::breakpoints_in(*system, span);
+  std::vector<FormulaPiece> pieces;
+  for (std::size_t i = 0; i <= breaks.size(); ++i) {
+    const bool first = i == 0, last = i == breaks.size();
+    const Span<double> between{first ? span.t0 : breaks[i - 1], last ? span.t_end : breaks[i]};
+    const auto piece = detail::piece_of(formulas, between, detail::rounding_of(span), !first, !last);
+    pieces.push_back({piece.system, piece.span, period});
+  }
+  return pieces;
+}
+
+/// Of all problems; empty where one has none.
+std::vector<std::vector<FormulaPiece>> formulas(const std::function<Problem(std::size_t i)>& problem_at,
+                                                const std::vector<double>& periods, bool fixed) {
+  const auto at = [&](std::size_t i) { return pieces_of(problem_at(i), periods[i], fixed); };
+  if (periods.empty() || at(0).empty()) return {};
+  auto all = parallel_map(periods.size(), at);
+  if (std::ranges::any_of(all, [](const auto& pieces) { return pieces.empty(); })) return {};
+  return all;
+}
+
+FormulaPrograms programs_of(const Driven& driven) {
+  FormulaPrograms programs;
+  for (const auto& pieces : driven.formulas) programs.push_back(pieces.front().system.program);
+  return programs;
+}
+
+/// A period of a motion whose image is asked for, or a piece of it.
 struct PeriodRun : OscillatorRun {
   MapCall call;
+  std::size_t number = 0;  ///< of the piece
 };
 
 /// Replaces states by their images until there are none left.
 void run_periods(const Driven& driven, const MapCalls& calls, const RunMotions& run) {
   std::deque<PeriodRun> runs;
-  std::vector<PeriodRun*> idle;
+  std::vector<PeriodRun*> idle, halfway;
+  const auto begin_piece = [&](PeriodRun& each) -> OscillatorRun* {
+    each.piece = &driven.formulas[each.call.map][each.number];
+    each.t_end = each.piece->span.t_end;
+    return &each;
+  };
   const auto next = [&]() -> OscillatorRun* {
+    if (!halfway.empty()) {
+      PeriodRun& each = *halfway.back();
+      halfway.pop_back();
+      return begin_piece(each);
+    }
     const auto call = calls.next();
     if (!call) return nullptr;
     if (idle.empty()) idle.push_back(&runs.emplace_back());
     PeriodRun& begun = *idle.back();
     idle.pop_back();
-    begun = {{&driven.systems[call->map], driven.periods[call->map], *call->state}, *call};
+    begun = {{driven.systems.empty() ? nullptr : &driven.systems[call->map], driven.periods[call->map],
+              *call->state},
+             *call};
     if (!driven.sizes.empty()) begun.h = driven.sizes[call->map];
-    return &begun;
+    return driven.formulas.empty() ? &begun : begin_piece(begun);
   };
   const auto ended = [&](OscillatorRun& each) {
     auto& run_of_call = static_cast<PeriodRun&>(each);
     const MapCall call = run_of_call.call;
+    const bool reached = each.outcome == Outcome::reached_end;
+    if (reached && each.piece && ++run_of_call.number < driven.formulas[call.map].size()) {
+      halfway.push_back(&run_of_call);
+      return;
+    }
     *call.state = each.y;
-    if (each.outcome != Outcome::reached_end)
-      call.state->setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (!reached) call.state->setConstant(std::numeric_limits<double>::quiet_NaN());
     idle.push_back(&run_of_call);
     calls.done(call);
   };
@@ -95,12 +151,19 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
                         const MotionRunner& runner) {
   if (steps && !periods.empty()) stroboscope(problem_at(0), periods.front(), steps);  // may throw
-  const auto driven = std::make_shared<Driven>(Driven{oscillators(problem_at, periods.size()), periods});
-  RunMotions run;
-  if (!driven->systems.empty() && !steps) {
-    run = runner.adaptive({stroboscope_tolerances, most_period_steps, false});
-  } else if (!driven->systems.empty()) {
+  const auto driven = std::make_shared<Driven>(Driven{oscillators(problem_at, periods.size()), {}, periods});
+  if (driven->systems.empty()) driven->formulas = formulas(problem_at, periods, steps.has_value());
+  const bool has_formulas = !driven->formulas.empty();
+  const AdaptiveSteps adaptive{stroboscope_tolerances, most_period_steps, false};
+  if (steps)
     for (const double period : periods) driven->sizes.push_back(size_of_steps(*steps, period));
+  RunMotions run;
+  if (has_formulas) {
+    run = steps ? runner.formula_steps(steps->method.id, programs_of(*driven))
+                : runner.formulas(adaptive, programs_of(*driven));
+  } else if (!driven->systems.empty() && !steps) {
+    run = runner.adaptive(adaptive);
+  } else if (!driven->systems.empty()) {
     if (driven->share_time() && fixed_step_count(periods.front(), steps->h) <= most_shared_steps)
       run = runner.shared({.method = steps->method.id,
                            .w = driven->systems.front().parameters().w,
@@ -112,8 +175,8 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
   if (run) return [driven, run](const MapCalls& calls) { run_periods(*driven, calls, run); };
   if (runner.is_device)
     throw InputError(
-        "--device gpu runs periods of oscillators, adaptive ones or those of an explicit Runge-Kutta method; "
-        "leave --device out");
+        "--device gpu runs periods of oscillators and of files of formulas, adaptive ones or those of an "
+        "explicit Runge-Kutta method; leave --device out");
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

@@ -32,10 +32,11 @@ VectorFunction stroboscope(const Problem& problem, double period, const std::opt
 ///
 /// Maps of oscillators are applied side by side: adaptive ones each at a time of its own,
 /// those of fixed steps of an explicit Runge-Kutta method at the same time, so that the cosine of the force
-/// is known beforehand for all periods; they need one w and one period. Others are applied one by one.
-/// @param problem_at  called by several threads at once where maps are applied one by one
+/// is known beforehand for all periods; they need one w and one period. Those of formulas go through the same
+/// steps, adaptive or of such a method. Others are applied one by one.
+/// @param problem_at  called by several threads at once where problems are no oscillators
 /// @param periods     [s], of each problem
-/// @param runner      where motions of oscillators go; it changes times, not images
+/// @param runner      where motions of oscillators and formulas go; it changes times, not images
 /// @throws InputError as steps_map() where the steps are fixed, and where a device does not run them
 MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,

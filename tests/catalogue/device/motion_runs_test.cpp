@@ -78,7 +78,7 @@ std::map<Outcome, std::size_t> expect_same_ends(const RunMotions& found, const R
   std::map<Outcome, std::size_t> outcomes;
   std::size_t unequal = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    unequal += there[i].outcome != here[i].outcome ||
+    unequal += there[i].outcome != here[i].outcome || there[i].attempts != here[i].attempts ||
                (is_bounded(here[i].y) && plane_bits(there[i].y) != plane_bits(here[i].y));
     ++outcomes[here[i].outcome];
   }
@@ -132,11 +132,14 @@ void expect_same_adaptive(Device& device) {
   EXPECT_GT(outcomes[Outcome::too_many_steps], 100U);
 }
 
-/// x' = v and v' as it is given.
-Problem formulas(const std::string& acceleration) {
-  return make_problem(
-      {.name = acceleration, .equations = {{"x", "v"}, {"v", acceleration}}, .y0 = {1, 0}, .t_end = 200},
-      "my.toml");
+/// x' = v and v' as it is given, maybe by a number p.
+Problem formulas(const std::string& acceleration, double p = 1) {
+  return make_problem({.name = acceleration,
+                       .equations = {{"x", "v"}, {"v", acceleration}},
+                       .parameters = {{"p", p}},
+                       .y0 = {1, 0},
+                       .t_end = 200},
+                      "my.toml");
 }
 
 /// In groups that are not those of rows.
@@ -151,18 +154,41 @@ std::vector<int> expect_same_fates(Device& device, const Problem& problem, const
   return fates;
 }
 
-/// The states at which runs of formulas end.
+/// The states at which runs of formulas end, by adaptive steps and by fixed ones: numbers differ from motion
+/// to motion, as do the sides of jumps that motions are on.
 void expect_same_ends_of_formulas(Device& device, const std::string& acceleration, double t_end,
                                   std::int64_t most_attempts = 4000) {
-  const Problem problem = formulas(acceleration);
-  const auto program = std::get<AnySystem>(problem.system).formulas();
+  SCOPED_TRACE(acceleration);
+  FormulaPrograms programs;
+  std::vector<FormulaPiece> pieces;
+  for (const double p : {1.0, 0.3, 2.0, -0.7, 0.0}) {
+    const Problem problem = formulas(acceleration, p);
+    const auto& system = std::get<AnySystem>(problem.system);
+    programs.push_back(system.formulas());
+    for (const double from : {-PlanarFormulas::forever, t_end / 5}) {
+      pieces.push_back({{system.formulas(), system.is_autonomous()}, {t_end / 10, t_end}, t_end});
+      pieces.back().system.confine(from, from < 0 ? -from : 4 * from);
+    }
+  }
   std::vector<OscillatorRun> runs;
-  for (const OscillatorRun& run : Ensemble(2000, 1.3).runs) runs.push_back({nullptr, t_end, run.y});
+  for (const OscillatorRun& run : Ensemble(2000, 1.3).runs)
+    runs.push_back({.system = nullptr,
+                    .t_end = t_end,
+                    .y = run.y,
+                    .h = t_end / (150.0 + static_cast<double>(runs.size() % 70)),
+                    .piece = &pieces[runs.size() % pieces.size()],
+                    .attempts = static_cast<std::int64_t>(runs.size() % 3)});
   const AdaptiveSteps steps{.tolerances = {1e-9, 1e-9}, .most_attempts = most_attempts, .steady = true};
-  auto outcomes = expect_same_ends(motions_on(device, 700).formulas(steps, program),
-                                   in_lanes().formulas(steps, program), runs);
-  EXPECT_GT(outcomes[most_attempts < 4000 ? Outcome::too_many_steps : Outcome::reached_end], 1000U)
-      << acceleration;
+  auto outcomes = expect_same_ends(motions_on(device, 700).formulas(steps, programs),
+                                   in_lanes().formulas(steps, programs), runs);
+  EXPECT_GT(outcomes[most_attempts < 4000 ? Outcome::too_many_steps : Outcome::reached_end], 1000U);
+  for (FormulaPiece& piece : pieces) piece.span.t0 = 0;
+  runs.resize(800);
+  for (const std::string_view method : {"rk4", "dormand_prince_54", "explicit_euler"}) {
+    outcomes = expect_same_ends(motions_on(device, 700).formula_steps(method, programs),
+                                in_lanes().formula_steps(method, programs), runs);
+    EXPECT_GT(outcomes[Outcome::reached_end], 400U);
+  }
 }
 
 /// Formulas: a pendulum with places of rest beside one another, one that is driven away, a spring that
@@ -190,10 +216,13 @@ void expect_same_fates_of_formulas(Device& device) {
   EXPECT_GT(rest, 4000);
   expect_same_ends_of_formulas(device, "sqrt(abs(x)) - max(x, min(v, 1))^4/90 - 0.7*v/(1 + x^2)", 7);
   expect_same_ends_of_formulas(device, "x > 1 ? -x - 40*(x - 1) : -x", 30, 25);
+  expect_same_ends_of_formulas(device, "(t < 3 ? p*t : 1) - x - x^3/9 - v/2", 7);
   if (!cosines_are_those_of_musl()) return;
   expect_same_ends_of_formulas(device, "-sin(3*x) - 0.2*v*(2 + cos(3*x))", 7);
   // Angles beyond those that a device reduces, in all of its digits.
   expect_same_ends_of_formulas(device, "-sin(1e7*x)", 1e-6);
+  expect_same_ends_of_formulas(device, "p*cos(3*t) - x^3 - v/5", 7);
+  expect_same_ends_of_formulas(device, "p*cos(3e7*t)/1e11 - x - v", 7);
 }
 
 /// Two places of rest, starts that are bound to leave, and a window with one of two places.
@@ -248,6 +277,9 @@ TEST(MotionRuns, RefuseWhatHasOtherBits) {
   for (int i = 2; i < 90; ++i) many += " + abs(x - " + std::to_string(i) + ")";
   EXPECT_THROW(fates(many), InputError);
   EXPECT_FALSE(runner.shared({.method = "radau_iia_5", .w = 1, .t_end = 1, .h = 0.1}));
+  const auto exponential = std::get<AnySystem>(formulas("-exp(x) - v").system).formulas();
+  EXPECT_THROW(runner.formula_steps("rk4", {exponential}), InputError);
+  EXPECT_FALSE(runner.formula_steps("radau_iia_5", {exponential}));
 }
 
 TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared(*device); }

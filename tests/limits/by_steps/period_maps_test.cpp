@@ -50,11 +50,19 @@ void expect_equal(const std::vector<VectorXd>& found, const std::vector<VectorXd
           << what << ", image " << i << ": " << found[i].transpose() << " and " << expected[i].transpose();
 }
 
+/// Those of the processor.
+std::vector<MotionRunner> all_lanes() {
+  std::vector<MotionRunner> runners;
+  for (const InstructionSet set : instruction_sets()) runners.push_back(in_lanes(set));
+  return runners;
+}
+
 /// More motions than there are lanes, each compared with what stroboscope() makes of it alone. Some have no
 /// image from the beginning.
 void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
                                       const std::vector<double>& periods,
-                                      const std::optional<FixedSteps>& steps, int count) {
+                                      const std::optional<FixedSteps>& steps, int count,
+                                      const std::vector<MotionRunner>& runners = all_lanes()) {
   std::vector<VectorXd> starts;
   for (int i = 0; i < 39; ++i) starts.push_back(Vector2d(std::sin(i), 2 * std::cos(3 * i)));
   starts.push_back(Vector2d(std::nan(""), 0));
@@ -67,9 +75,9 @@ void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
     std::vector<VectorXd>& all = expected.emplace_back();
     for (VectorXd y = starts[i]; static_cast<int>(all.size()) < count;) all.push_back(y = P(y));
   }
-  for (const InstructionSet set : instruction_sets()) {
+  for (std::size_t k = 0; k < runners.size(); ++k) {
     const MapEnsemble ensemble =
-        period_maps([&](std::size_t i) { return problems[i]; }, periods, steps, in_lanes(set));
+        period_maps([&](std::size_t i) { return problems[i]; }, periods, steps, runners[k]);
     std::vector<std::size_t> maps;
     for (std::size_t i = 0; i < starts.size(); ++i) maps.push_back(i % problems.size());
     std::vector<VectorXd> states = starts;
@@ -84,7 +92,7 @@ void expect_the_images_of_single_runs(const std::vector<Problem>& problems,
       ASSERT_EQ(done, starts.size());
       for (std::size_t i = 0; i < starts.size(); ++i)
         expect_equal({states[i]}, {expected[i][std::size_t(image)]},
-                     std::string(to_string(set)) + (steps ? " " + steps->method.id : "") + ", start " +
+                     "runner " + std::to_string(k) + (steps ? " " + steps->method.id : "") + ", start " +
                          std::to_string(i));
     }
   }
@@ -119,7 +127,7 @@ TEST(PeriodMaps, FixedStepsAreThoseOfSingleRuns) {
 
 TEST(PeriodMaps, GoOneByOneWhereLanesDoNotApply) {
   const double pi = std::acos(-1.0);
-  // An implicit method; frequencies that differ; formulas.
+  // An implicit method; frequencies that differ; formulas beside an oscillator, and of an implicit method.
   expect_the_images_of_single_runs(various(), std::vector<double>(7, 2 * pi),
                                    FixedSteps{find_method("trapezoidal"), 0.3}, 1);
   expect_the_images_of_single_runs({liver({{"w", 0.5}}), liver({{"w", 2}})}, {4 * pi, pi},
@@ -129,6 +137,65 @@ TEST(PeriodMaps, GoOneByOneWhereLanesDoNotApply) {
              "[equations]\nx = \"v\"\nv = \"cos(t) - x - 0.3*v\"\n[initial]\nx = 0.5\nv = 1\n");
   expect_the_images_of_single_runs({make_problem(scratch / "swing.toml"), liver({{"w", 1}})},
                                    {2 * pi, 2 * pi}, {}, 1);
+  expect_the_images_of_single_runs({make_problem(scratch / "swing.toml")}, {2 * pi},
+                                   FixedSteps{find_method("trapezoidal"), 0.3}, 1);
+}
+
+/// x' = v and v' as it is given, by numbers p.
+std::vector<Problem> formulas(const std::string& acceleration, const std::vector<double>& p) {
+  std::vector<Problem> problems;
+  for (const double value : p)
+    problems.push_back(make_problem({.name = acceleration,
+                                     .equations = {{"x", "v"}, {"v", acceleration}},
+                                     .parameters = {{"p", value}},
+                                     .y0 = {0.5, 1},
+                                     .t_end = 100},
+                                    "my.toml"));
+  return problems;
+}
+
+/// On the processor, and as a device runs them: smooth ones; those that time alone switches, at times that
+/// depend on p; one that has no force; some that run away or have no slope.
+TEST(PeriodMaps, OfFormulasAreThoseOfSingleRuns) {
+  HostDevice device;
+  std::vector<MotionRunner> runners{in_lanes(), motions_on(device, 5)};
+  const double period = 2 * std::acos(-1.0);
+  const auto expect = [&](const std::string& acceleration, int count) {
+    const auto problems = formulas(acceleration, {7.5, 1.0, 0.0, 0.37});
+    const std::vector<double> periods(problems.size(), period);
+    expect_the_images_of_single_runs(problems, periods, {}, count, runners);
+    for (const char* method : {"rk4", "dop_853", "dormand_prince_54", "explicit_euler"})
+      expect_the_images_of_single_runs(problems, periods, FixedSteps{find_method(method), 0.06}, count,
+                                       runners);
+  };
+  expect("p*abs(v)*x - x^3 - sqrt(x + 9)", 2);
+  expect("(t < 1 + p/3 ? 5 : t < 4 ? p : 0) - x^3 - 0.3*v", 3);
+  if (!cosines_are_those_of_musl()) runners.pop_back();
+  expect("p*cos(t) - x^3 - 0.05*v", 3);
+  expect("p*sign(sin(t))*max(0, cos(3*t)) - x - x^3 - 0.2*v", 2);
+  expect("sin(1e7*t)*p/1e13 - x", 1);
+}
+
+TEST(PeriodMaps, OfFormulasMakeTheDiagramOfSingleRunsOnADevice) {
+  HostDevice device;
+  const std::vector<double> values{5.305, 5.75, 7.5};
+  const auto problems = formulas("(t < pi ? p : -p) - x^3 - 0.05*v", values);
+  const auto problem_at = [&](std::size_t i) { return problems[i]; };
+  const std::vector<double> periods(values.size(), 2 * std::acos(-1.0));
+  for (const auto& steps :
+       {std::optional<FixedSteps>(), std::optional(FixedSteps{find_method("rk4"), 0.1})}) {
+    const auto diagram = [&](const MapEnsemble& maps) {
+      return bifurcation(maps, values, Vector2d(0.5, 1), 20, 16, false);
+    };
+    const auto single =
+        diagram(one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); }));
+    const auto there = diagram(period_maps(problem_at, periods, steps, motions_on(device, 3)));
+    ASSERT_EQ(there.size(), single.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      EXPECT_EQ(there[i].motion.followed, single[i].motion.followed);
+      expect_equal(there[i].motion.looks, single[i].motion.looks, std::to_string(values[i]));
+    }
+  }
 }
 
 /// The largest step that divides the period and is not longer than the one that is asked for.
@@ -214,6 +281,12 @@ TEST(PeriodMaps, SayWhatNoDeviceRuns) {
   };
   EXPECT_TRUE(make("rk4"));
   EXPECT_THROW(make("radau_iia_5"), InputError);
+  const auto expect_refused = [&](const Problem& problem) {
+    EXPECT_THROW(period_maps([&](std::size_t) { return problem; }, {6.0}, {}, motions_on(device, 3)),
+                 InputError);
+  };
+  expect_refused(make_problem("van_der_pol"));
+  expect_refused(formulas("p*tanh(t) - x", {1}).front());
 }
 
 }  // namespace
