@@ -187,7 +187,7 @@ class MatrixMaker {
 
   void place_springs() {
     BlockTerms terms(made_.blocks()), damped(made_.blocks());
-    for (const SpringSet& set : body_.spring_sets())
+    for (std::int32_t number = 0; const SpringSet& set : body_.spring_sets()) {
       for (std::size_t n = 0; n < set.size(); ++n) {
         const auto& [points, stiffness, damper] = set.spring(n);
         const auto append = [&](BlockTerms& to, std::size_t number) {
@@ -198,14 +198,13 @@ class MatrixMaker {
         };
         append(terms, made_.springs.size());
         const std::int32_t ends[2] = {number_[at(points[0])], number_[at(points[1])]};
-        made_.springs.push_back({stiffness,
-                                 set.length(n),
-                                 set.sliced()->cubic,  // NOLINT(bugprone-unchecked-optional-access): it suits
-                                 {ends[0], ends[1]}});
+        made_.springs.push_back({stiffness, set.length(n), {ends[0], ends[1]}, number});
         if (damper == 0) continue;
         append(damped, made_.dampers.size());
         made_.dampers.push_back({damper, {ends[0], ends[1]}});
       }
+      ++number;
+    }
     made_.spring_terms = lists_of(terms);
     made_.damper_terms = lists_of(damped);
   }

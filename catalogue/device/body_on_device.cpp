@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 
 #include "catalogue/device/device_program.hpp"
 #include "core/errors.hpp"
@@ -155,7 +156,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .tets = static_cast<std::int32_t>(p.mu.size()),
           .fibres = static_cast<std::int32_t>(p.fibre_corners.size()),
           .springs = static_cast<std::int32_t>(p.ends.size()),
-          .sets = static_cast<std::int32_t>(p.cubic.size()),
+          .sets = static_cast<std::int32_t>(body_.spring_sets().size()),
           .dampers = static_cast<std::int32_t>(p.damper.size()),
           .triangles = static_cast<std::int32_t>(p.skin.size()),
           .begin = there(p.begin),
@@ -175,7 +176,9 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .per_length = there(p.per_length),
           .tension = there(p.tension),
           .set_begin = there(p.set_begin),
-          .cubic = there(p.cubic),
+          .laws = there(laws()),
+          .has_other_laws =
+              std::ranges::any_of(body_.spring_sets(), [](const SpringSet& set) { return !set.sliced(); }),
           .damped = there(p.damped),
           .damper = there(p.damper),
           .skin = there(p.skin),
@@ -205,6 +208,29 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .damps = static_cast<std::int32_t>(p.damped_by.size()),
           .watch = static_cast<Real>(p.watch),
           .shared = static_cast<std::int32_t>(p.shared)};
+}
+
+template <class Real>
+std::vector<SetLaw<Real>> BodyOnDevice<Real>::laws() {
+  using Kind = typename SetLaw<Real>::Kind;
+  std::vector<SetLaw<Real>> all;
+  for (const SpringSet& set : body_.spring_sets()) {
+    SetLaw<Real>& own = all.emplace_back(SetLaw<Real>{.kind = Kind::cubic, .b = 0, .lines = {}});
+    if (const auto* const cubic = std::get_if<CubicSpring>(&set.law())) own.b = static_cast<Real>(cubic->b);
+    if (const auto* const exponential = std::get_if<ExponentialSpring>(&set.law())) {
+      own.kind = Kind::exponential;
+      own.b = static_cast<Real>(exponential->b);
+    }
+    if (const auto* const table = std::get_if<TableSpring>(&set.law())) {
+      const SpringLines<double> lines = table->lines();
+      const auto copy = [&](const double* from) {
+        return there(std::vector<double>(from, from + lines.count));
+      };
+      own.kind = Kind::table;
+      own.lines = {copy(lines.strain), copy(lines.value), copy(lines.rise), lines.count};
+    }
+  }
+  return all;
 }
 
 template <class Real>

@@ -102,6 +102,7 @@ class BodyOnDevice {
   }
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays();
+  [[nodiscard]] std::vector<SetLaw<Real>> laws();
   [[nodiscard]] SharedPressures<Real> pressures();
   /// Of an evaluation: volumes of tetrahedra and what patches read of them.
   [[nodiscard]] double bytes_of_pressures() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -90,9 +91,8 @@ struct Tetrahedra {
 /// The springs of a body, set after set.
 struct Springs {
   std::vector<std::array<Index, 2>> points;  ///< the near and the far end of each
-  std::vector<double> per_length, tension;
-  std::vector<std::size_t> end;  ///< of each set
-  std::vector<double> cubic;     ///< likewise
+  std::vector<double> per_length, tension;   ///< as of BodyArrays
+  std::vector<std::size_t> end;              ///< of each set
 };
 
 using Fibres = std::span<const FibreElements::Element>;
@@ -139,8 +139,6 @@ void append_springs(const SpringSet::Sliced& set, std::vector<Terms>& terms, Spr
       }
     for (const Index row : slice.rows) is_added[at(row / 4)] = true;
   }
-  springs.end.push_back(springs.points.size());
-  springs.cubic.push_back(set.cubic);
   for (std::size_t p = 0; p < terms.size(); ++p) {
     std::vector<Terms::Other>& others = terms[p].others;
     for (const std::int32_t spring : ends[p].far_before) others.push_back({Terms::spring, spring, 1});
@@ -148,6 +146,19 @@ void append_springs(const SpringSet::Sliced& set, std::vector<Terms>& terms, Spr
     for (const std::int32_t spring : ends[p].own) others.push_back({Terms::spring, spring, 0});
     if (others.size() > begin) terms[p].groups.push_back({begin, others.size()});
     for (const std::int32_t spring : ends[p].far_after) others.push_back({Terms::spring, spring, 1});
+  }
+}
+
+/// Of another law: one after the other, without sums.
+void append_springs(const SpringSet& set, std::vector<Terms>& terms, Springs& springs) {
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const SpringSet::Spring& each = set.spring(i);
+    for (std::size_t a = 0; a < 2; ++a)
+      terms[at(each.points[a])].others.push_back(
+          {Terms::spring, static_cast<std::int32_t>(springs.points.size()), a});
+    springs.points.push_back(each.points);
+    springs.per_length.push_back(set.length(i));
+    springs.tension.push_back(each.stiffness * set.length(i));
   }
 }
 
@@ -175,7 +186,11 @@ std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra
     for (std::size_t a = 0; a < 4; ++a)
       terms[at(fibres[n].points[a])].others.push_back({Terms::fibre, static_cast<std::int32_t>(n), a});
   for (const SpringSet& set : body.spring_sets()) {
-    append_springs(*set.sliced(), terms, springs);  // NOLINT(bugprone-unchecked-optional-access): it suits
+    if (const std::optional<SpringSet::Sliced> sliced = set.sliced())
+      append_springs(*sliced, terms, springs);
+    else
+      append_springs(set, terms, springs);
+    springs.end.push_back(springs.points.size());
     append_dampers(set, terms, dampers);
   }
   if (const Membrane* const skin = body.membrane())
@@ -253,7 +268,6 @@ class Cutter {
   BodyPatches finish() {
     made_.begin.push_back(here(points_.size()));
     made_.set_begin.push_back(static_cast<std::int32_t>(made_.ends.size()));
-    made_.cubic = springs_.cubic;
     made_.points = count_;
     if (parts_.of_pressures) place_pressures();
     place_numbers();
@@ -554,12 +568,9 @@ class Cutter {
 
 std::string unsuited_for_patches(const TissueBody& body) {
   const TissueSettings& settings = body.settings();
-  const std::vector<SpringSet>& springs = body.spring_sets();
   const ElementParts parts = body.element_parts();
   if (!parts.tetrahedra && !parts.of_pressures && !parts.of_ten_nodes && body.element_pieces() > 0)
     return "has other elements than those of the models of hmax";
-  if (!std::ranges::all_of(springs, [](const SpringSet& set) { return set.sliced().has_value(); }))
-    return "has springs that are neither linear nor cubic";
   if (!settings.tools.empty()) return "meets a tool";
   return {};
 }

@@ -34,7 +34,7 @@ struct BodyPatches {
   std::vector<double> fibre;
   bool fibres_of_small_strain = false;
   std::vector<PatchSpring> ends;
-  std::vector<double> per_length, tension, cubic, rest;
+  std::vector<double> per_length, tension, rest;
   std::vector<std::int32_t> set_begin;
   std::vector<PatchSpring> damped;
   std::vector<double> damper;

@@ -213,7 +213,7 @@ HMAX_DEVICE inline void fibre_forces(const BodyArrays<Real>& body, std::int32_t 
         f[i * slots + corners.slot[a]] = stress == 0 ? 0 : -(own[8] * stress * own[a] * now.along[i]);
 }
 
-/// d pull at the near end and -d pull at the far one, each at its slot.
+/// The pull at the near end of a spring and -pull at the far one, each at its slot.
 /// @param b  of phi = s + b s^3
 /// @param x  positions
 template <class Real>
@@ -223,17 +223,31 @@ HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t
   const Real* const L = body.per_length + spring;
   const Real* const tension = body.tension + spring;
   Real d[3];
-  for (int i = 0; i < 3; ++i) d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
+  ends.span(points, x, d);
   const Real pull = b == 0 ? kernel_loops::spring_pull<OneElement<Real>, false>(L, tension, b, d)
                            : kernel_loops::spring_pull<OneElement<Real>, true>(L, tension, b, d);
-  for (int i = 0; i < 3; ++i) {
-    d[i] = d[i] * pull;
-    if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = d[i];
-    if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -d[i];
-  }
+  for (int i = 0; i < 3; ++i) d[i] = d[i] * pull;
+  ends.pull_together(slots, d, f);
 }
 
-/// The pull at the near end of a damper and -pull at the far one, each at its slot.
+/// The same of a set of another law, as SpringSet::add_force() has it.
+template <class Real>
+HMAX_DEVICE inline void spring_forces(const BodyArrays<Real>& body, std::int32_t spring,
+                                      const SetLaw<Real>& law, std::int32_t points, std::int32_t slots,
+                                      const Real* x, Real* f) {
+  const PatchSpring ends = body.ends[spring];
+  Real d[3], pull[3];
+  ends.span(points, x, d);
+  const Real length = kernel_loops::direction<OneElement<Real>>(d, pull);
+  law.visit([&](const auto& own) {
+    const Real tension =
+        kernel_loops::spring_tension(own, body.tension[spring], body.per_length[spring], length);
+    for (int i = 0; i < 3; ++i) pull[i] = tension * pull[i];
+  });
+  ends.pull_together(slots, pull, f);
+}
+
+/// Those of a damper.
 /// @param x         positions
 /// @param velocity  velocity(p, i) of component i of point p of the patch
 template <class Real, class Velocity>
@@ -241,15 +255,10 @@ HMAX_DEVICE inline void damper_forces(const BodyArrays<Real>& body, std::int32_t
                                       std::int32_t slots, const Real* x, const Velocity& velocity, Real* f) {
   const PatchSpring ends = body.damped[damper];
   Real d[3], w[3], pull[3];
-  for (int i = 0; i < 3; ++i) {
-    d[i] = x[i * points + ends.point[1]] - x[i * points + ends.point[0]];
-    w[i] = velocity(ends.point[1], i) - velocity(ends.point[0], i);
-  }
+  ends.span(points, x, d);
+  for (int i = 0; i < 3; ++i) w[i] = velocity(ends.point[1], i) - velocity(ends.point[0], i);
   kernel_loops::damper_pull<OneElement<Real>>(body.damper[damper], d, w, pull);
-  for (int i = 0; i < 3; ++i) {
-    if (ends.slot[0] != PatchCorners::nowhere) f[i * slots + ends.slot[0]] = pull[i];
-    if (ends.slot[1] != PatchCorners::nowhere) f[i * slots + ends.slot[1]] = -pull[i];
-  }
+  ends.pull_together(slots, pull, f);
 }
 
 /// -pull at the corners 1 and 2 and their sum at corner 0, each at its slot.
@@ -457,9 +466,16 @@ HMAX_DEVICE inline void position_forces(Kind, const Block& block, const BodyStep
   const BodyArrays<Real>& body = step.body;
   const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
   for (std::int32_t set = 0; set < body.sets; ++set) {
-    const Real b = body.cubic[set];
-    block.each(of_set[set + 1] - of_set[set],
-               [&](std::int32_t n) { spring_forces(body, of_set[set] + n, b, points, slots, x, f); });
+    const auto each_spring = [&](const auto& law) {
+      block.each(of_set[set + 1] - of_set[set],
+                 [&](std::int32_t n) { spring_forces(body, of_set[set] + n, law, points, slots, x, f); });
+    };
+    if constexpr (Kind::has_more)
+      if (body.laws[set].kind != SetLaw<Real>::Kind::cubic) {
+        each_spring(body.laws[set]);
+        continue;
+      }
+    each_spring(body.laws[set].b);
   }
   if constexpr (Kind::has_more) {
     const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];

@@ -131,7 +131,8 @@ void with_kind(const MovePoints& move, const F& f) {
 }
 template <class F>
 void with_kind(const MatrixBlocks& blocks, const F& f) {
-  blocks.newton.matrix.has_more() ? f(std::true_type{}) : f(std::false_type{});
+  const bool has_more = blocks.newton.matrix.has_more() || blocks.step.body.has_other_laws;
+  has_more ? f(std::true_type{}) : f(std::false_type{});
 }
 
 /// Programs of one kind.

@@ -37,10 +37,10 @@ struct StiffTenNodes {
   [[nodiscard]] HMAX_DEVICE double mu() const { return moduli[1]; }
 };
 
-/// A spring, likewise: k [N/m], L [m], b of phi = s + b s^3.
+/// A spring, likewise: k [N/m], L [m].
 struct StiffSpring {
-  double stiffness, length, cubic;
-  std::int32_t end[2];
+  double stiffness, length;
+  std::int32_t end[2], set;
 };
 
 /// A damper between points of BodyArrays: c [N s/m].
@@ -338,7 +338,8 @@ HMAX_DEVICE inline void span_of(const MatrixBlocks& program, std::int32_t a, std
   }
 }
 
-/// Adds the springs of a block.
+/// Adds the springs of a block. @tparam more  as of BodyKind
+template <bool more>
 HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
                                     double (*K)[3]) {
   const BodyMatrix& matrix = program.newton.matrix;
@@ -347,7 +348,14 @@ HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t bl
     double d[3], e[3], B[3][3];
     span_of(program, spring.end[0], spring.end[1], d);
     const double length = kernel_loops::direction<OneElement<double>>(d, e);
-    kernel_loops::spring_stiffness(CubicSpring{spring.cubic}, spring.stiffness, spring.length, length, e, B);
+    const auto find = [&](const auto& law) {
+      kernel_loops::spring_stiffness(law, spring.stiffness, spring.length, length, e, B);
+    };
+    const SetLaw<double>& law = program.step.body.laws[spring.set];
+    if constexpr (more)
+      law.visit(find);
+    else
+      find(CubicSpring{law.b});
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) K[r][c] = is_diagonal ? K[r][c] + B[r][c] : K[r][c] - B[r][c];
   }
@@ -426,7 +434,7 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
   const bool is_diagonal = matrix.column[block] == point;
   double K[3][3] = {};
   if (matrix.sum) take_tetrahedra(matrix, block, is_diagonal, K);
-  if (matrix.springs) add_springs(program, block, is_diagonal, K);
+  if (matrix.springs) add_springs<more>(program, block, is_diagonal, K);
   const double mass = program.step.body.mass[program.newton.place[point]];
   double C[3][3];
   for (int r = 0; r < 3; ++r)

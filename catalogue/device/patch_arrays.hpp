@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/instructions/device_code.hpp"
+#include "problems/tissue/forces/kernels/spring_law.hpp"
 #include "problems/tissue/forces/kernels/tet_law.hpp"
 
 namespace hmax {
@@ -20,7 +21,8 @@ enum class PatchElements : std::uint8_t {
 };
 
 /// What is known of a body when its steps are compiled.
-/// @tparam more  whether it may have fibres, dampers or triangles, whose forces need more registers
+/// @tparam more  whether it may have fibres, dampers, triangles or springs of other laws, whose forces need
+///               more registers
 template <TetLaw law_of, PatchElements elements_of, bool more>
 struct BodyKind {
   static constexpr TetLaw law = law_of;
@@ -54,6 +56,20 @@ struct BodyTetrahedron {
 /// The ends of a spring in a patch, likewise: the near one and the far one.
 struct PatchSpring {
   std::uint16_t point[2], slot[2];
+
+  /// d = from the near to the far one. @param x  positions, shape (3, points)
+  template <class Real>
+  HMAX_DEVICE void span(std::int32_t points, const Real* x, Real* d) const {
+    for (int i = 0; i < 3; ++i) d[i] = x[i * points + point[1]] - x[i * points + point[0]];
+  }
+  /// Puts what pulls the near end and its opposite at their slots. @param f  shape (3, slots)
+  template <class Real>
+  HMAX_DEVICE void pull_together(std::int32_t slots, const Real* pull, Real* f) const {
+    for (int i = 0; i < 3; ++i) {
+      if (slot[0] != PatchCorners::nowhere) f[i * slots + slot[0]] = pull[i];
+      if (slot[1] != PatchCorners::nowhere) f[i * slots + slot[1]] = -pull[i];
+    }
+  }
 };
 
 /// A triangle of a skin in a patch, likewise.
@@ -75,6 +91,22 @@ struct PointSlots {
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
   std::int32_t own, rim, tet, average, fibre, push, damper, triangle;
+};
+
+/// The law of a set of springs, as SpringLaw has it.
+template <class Real>
+struct SetLaw {
+  enum class Kind : std::int32_t { cubic, exponential, table };
+  Kind kind;
+  Real b;  ///< of CubicSpring and ExponentialSpring
+  SpringLines<Real> lines;
+
+  /// Calls use(law) with a law that has phi(s) and slope(s).
+  template <class Use>
+  HMAX_DEVICE void visit(const Use& use) const {
+    if (kind == Kind::table) return use(lines);
+    kind == Kind::exponential ? use(ExponentialSpring{b}) : use(CubicSpring{b});
+  }
 };
 
 /// Pressures that tetrahedra share at their points, as NodalPressure has them.
@@ -112,9 +144,10 @@ struct BodyArrays {
   /// lambda / 2 and mu [Pa].
   const PatchTenNodes* ten_nodes;
   const PatchSpring* ends;           ///< of springs, shape (springs)
-  const Real *per_length, *tension;  ///< 1 / L [1/m], k L [N], shape (springs)
+  const Real *per_length, *tension;  ///< 1 / L [1/m], of other laws L [m]; k L [N]; shape (springs)
   const std::int32_t* set_begin;     ///< where those of a patch and a set begin, shape (patches sets + 1)
-  const Real* cubic;                 ///< b of phi = s + b s^3, of each set
+  const SetLaw<Real>* laws;          ///< of each set
+  bool has_other_laws;               ///< than linear and cubic ones
   const PatchSpring* damped;         ///< ends of dampers
   const Real* damper;                ///< c [N s/m] of each
   const PatchTriangle* skin;         ///< shape (triangles)
@@ -138,7 +171,8 @@ struct BodyArrays {
   std::int32_t damps;
   Real watch;           ///< a larger displacement [m] is told
   std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
-  [[nodiscard]] bool has_more() const { return fibres + dampers + triangles > 0; }  ///< see BodyKind
+  /// See BodyKind.
+  [[nodiscard]] bool has_more() const { return fibres + dampers + triangles > 0 || has_other_laws; }
   bool operator==(const BodyArrays&) const = default;
 };
 

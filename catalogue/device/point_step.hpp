@@ -113,14 +113,16 @@ HMAX_DEVICE inline void add_parts(const double* parts, double* f, double* K) {
 
 /// Likewise of the springs at point p, all of one set.
 HMAX_DEVICE inline void add_springs(const MovePoints& move, std::int32_t p, double* f, double* K) {
-  for (std::int32_t k = move.pieces.first[p]; k < move.pieces.first[p + 1]; ++k) {
-    const PointSpring& spring = move.spring[move.pieces.of[k] / 2];
-    double d[3];
-    for (int i = 0; i < 3; ++i)
-      d[i] = spring.rest[i] + iterate_at(move.step, i, spring.point[1]) -
-             iterate_at(move.step, i, spring.point[0]);
-    add_spring_at_point(CubicSpring{move.step.body.cubic[0]}, spring, move.pieces.of[k] % 2 == 0, d, f, K);
-  }
+  move.step.body.laws[0].visit([&](const auto& law) {
+    for (std::int32_t k = move.pieces.first[p]; k < move.pieces.first[p + 1]; ++k) {
+      const PointSpring& spring = move.spring[move.pieces.of[k] / 2];
+      double d[3];
+      for (int i = 0; i < 3; ++i)
+        d[i] = spring.rest[i] + iterate_at(move.step, i, spring.point[1]) -
+               iterate_at(move.step, i, spring.point[0]);
+      add_spring_at_point(law, spring, move.pieces.of[k] % 2 == 0, d, f, K);
+    }
+  });
 }
 
 /// f -= C v, and what of C belongs to point p alone.

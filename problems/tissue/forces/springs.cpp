@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "problems/digits.hpp"
+#include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
 
 namespace hmax {
@@ -87,16 +88,6 @@ class SpringSet::ByPoint {
   std::vector<std::size_t> first_, springs_;
 };
 
-double ExponentialSpring::phi(double s) const { return std::expm1(b * s) / b; }
-double ExponentialSpring::slope(double s) const { return std::exp(b * s); }
-double ExponentialSpring::integral(double s) const {
-  // (exp(x) - 1 - x) / b^2, whose first terms cancel for small x.
-  const double x = b * s;
-  if (std::abs(x) < 1e-2)
-    return s * s * (1 + x / 3 * (1 + x / 4 * (1 + x / 5 * (1 + x / 6 * (1 + x / 7))))) / 2;
-  return (std::expm1(x) - x) / (b * b);
-}
-
 TableSpring::TableSpring(std::vector<double> strain, std::vector<double> phi)
     : strain_(std::move(strain)), phi_(std::move(phi)) {
   if (strain_.size() < 2 || strain_.size() != phi_.size())
@@ -117,17 +108,8 @@ TableSpring::TableSpring(std::vector<double> strain, std::vector<double> phi)
     throw std::invalid_argument("a spring table has the tension " + shortest_digits(at_rest) +
                                 " at strain 0; let it pass through (0, 0)");
 }
-std::size_t TableSpring::line(double s) const {
-  const auto after = std::upper_bound(strain_.begin() + 1, strain_.end() - 1, s);
-  return static_cast<std::size_t>(after - strain_.begin()) - 1;
-}
-double TableSpring::phi(double s) const {
-  const std::size_t i = line(s);
-  return phi_[i] + slope_[i] * (s - strain_[i]);
-}
-double TableSpring::slope(double s) const { return slope_[line(s)]; }
 double TableSpring::up_to(double s) const {
-  const std::size_t i = line(s);
+  const std::size_t i = at(lines().line(s));
   const double d = s - strain_[i];
   return sum_[i] + d * (phi_[i] + slope_[i] * d / 2);
 }
@@ -250,7 +232,7 @@ void SpringSet::add_force(const NodeRows& x, NodeRows& f) const {
           const Span at(x, springs_[i].points);
           const double L = length_[i];
           pull_together(f, springs_[i].points,
-                        springs_[i].stiffness * L * law.phi((at.length - L) / L) * at.e);
+                        kernel_loops::spring_tension(law, springs_[i].stiffness * L, L, at.length) * at.e);
         }
       },
       law_);

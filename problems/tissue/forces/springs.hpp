@@ -21,16 +21,7 @@ namespace hmax {
 /// A spring law is a function phi of the strain s = (l - L) / L, from which a spring of stiffness k [N/m] has
 /// the tension T = k L phi(s) [N]. It answers with phi, its slope and its integral from 0.
 
-// LinearSpring and CubicSpring are those of kernels/spring_law.hpp.
-
-/// phi = (exp(b s) - 1) / b, the law of soft tissue in tension; pressed it gives way towards -1 / b.
-/// @source  [fung1993biomechanics]
-struct ExponentialSpring {
-  double b = 5;  ///< not 0
-  [[nodiscard]] double phi(double s) const;
-  [[nodiscard]] double slope(double s) const;
-  [[nodiscard]] double integral(double s) const;
-};
+// All but TableSpring are those of kernels/spring_law.hpp.
 
 /// Straight lines through measured points (strain, phi), prolonged beyond the first and the last. At a point
 /// the slope is that of the line to its right.
@@ -41,12 +32,15 @@ class TableSpring {
   /// @throws std::invalid_argument  when the strains do not ascend, the counts differ, or phi(0) is not 0: a
   ///         spring is at rest at its own length
   TableSpring(std::vector<double> strain, std::vector<double> phi);
-  [[nodiscard]] double phi(double s) const;
-  [[nodiscard]] double slope(double s) const;
+  [[nodiscard]] double phi(double s) const { return lines().phi(s); }
+  [[nodiscard]] double slope(double s) const { return lines().slope(s); }
   [[nodiscard]] double integral(double s) const;
+  /// @returns what lives as long as this
+  [[nodiscard]] SpringLines<double> lines() const {
+    return {strain_.data(), phi_.data(), slope_.data(), static_cast<std::int32_t>(slope_.size())};
+  }
 
  private:
-  [[nodiscard]] std::size_t line(double s) const;
   [[nodiscard]] double up_to(double s) const;  ///< integral from the first strain
   std::vector<double> strain_, phi_, slope_, sum_;
 };

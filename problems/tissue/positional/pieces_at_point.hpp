@@ -182,7 +182,8 @@ HMAX_DEVICE inline void add_spring_at_point(const Law& law, const PointSpring& s
   const double size = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), l = size < least ? least : size;
   double e[3], block[3][3];
   for (int i = 0; i < 3; ++i) e[i] = d[i] / l;
-  const double tension = spring.stiffness * spring.length * law.phi((l - spring.length) / spring.length);
+  const double tension =
+      kernel_loops::spring_tension(law, spring.stiffness * spring.length, spring.length, l);
   kernel_loops::spring_stiffness(law, spring.stiffness, spring.length, l, e, block);
   for (int i = 0; i < 3; ++i) f[i] = f[i] + (is_first ? tension : -tension) * e[i];
   for (int j = 0; j < 3; ++j)

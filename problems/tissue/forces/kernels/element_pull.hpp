@@ -209,6 +209,13 @@ HMAX_DEVICE inline Real direction(const Real* d, Real* e) {
   return length;
 }
 
+/// k L phi(s) of one spring of any law [N], which pulls its near end along e.
+/// @param law  phi(s), see springs.hpp;  @param tension, rest, length  k L [N], L and l [m]
+template <class Law, class Real>
+HMAX_DEVICE inline Real spring_tension(const Law& law, Real tension, Real rest, Real length) {
+  return tension * static_cast<Real>(law.phi((length - rest) / rest));
+}
+
 /// c (e.w) e, the pull of one damper c [N s/m] at the near end, as SpringSet::add_damper_force() has it.
 /// @param d, w  from the near to the far end: position [m], velocity [m/s]
 template <class Lanes, class Real>
