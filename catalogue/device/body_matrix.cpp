@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/rest_shape.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
@@ -47,6 +48,7 @@ class MatrixMaker {
     }
     if (const QuadraticElements* const elements = body_.element_parts().of_ten_nodes)
       place_ten_nodes(elements->elements());
+    if (const FibreElements* const fibres = body_.element_parts().fibres) place_fibres(*fibres);
     if (!body_.spring_sets().empty()) place_springs();
     if (body_.membrane()) place_skin(*body_.membrane());
     return std::move(made_);
@@ -121,14 +123,10 @@ class MatrixMaker {
         }
   }
 
-  /// Of small strain: the elements come before all else.
+  /// Of small strain: the elements come before all else, also before their fibres.
   void add_up_constant() {
     made_.constant.assign(9 * made_.blocks(), 0.0);
-    std::size_t left = body_.element_pieces();
-    body_.visit_rest_stiffness([&](std::span<const Index> points,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& K) {
-      if (left == 0) return;
-      --left;
+    const auto add = [&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
       for (std::size_t a = 0; a < points.size(); ++a)
         for (std::size_t b = 0; b < points.size(); ++b) {
           const std::int32_t i = free_[at(points[a])], j = free_[at(points[b])];
@@ -137,7 +135,16 @@ class MatrixMaker {
           for (std::size_t k = 0; k < 9; ++k)
             to[k] += K(static_cast<Eigen::Index>(3 * a + k / 3), static_cast<Eigen::Index>(3 * b + k % 3));
         }
-    });
+    };
+    if (const FibreElements* const fibres = body_.element_parts().fibres)
+      return fibres->matrix().visit_stiffness(NodeRows(at(body_.mesh().point_count())), add);
+    std::size_t left = body_.element_pieces();
+    body_.visit_rest_stiffness(
+        [&](std::span<const Index> points, const Eigen::Ref<const Eigen::MatrixXd>& K) {
+          if (left == 0) return;
+          --left;
+          add(points, K);
+        });
   }
 
   /// Those of TetElements, in the order of the mesh.
@@ -147,10 +154,7 @@ class MatrixMaker {
     for (Index t = 0; t < static_cast<Index>(mesh.tetrahedron_count()); ++t) {
       std::array<Index, 4> points;
       for (std::size_t a = 0; a < 4; ++a) points[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
-      for (std::int32_t a = 0; a < 4; ++a)
-        for (std::int32_t b = 0; b < 4; ++b)
-          if (const std::int32_t i = free_[at(points[at(a)])], j = free_[at(points[at(b)])]; i >= 0 && j >= 0)
-            terms[block(i, j)].push_back(16 * t + 4 * a + b);
+      append_pairs(points, t, terms);
       const RestShape rest(mesh, points);
       const TissueMaterial& material = body_.settings().materials[at(mesh.region(t))];
       const Lame moduli = lame(material.young, material.poisson);
@@ -185,16 +189,38 @@ class MatrixMaker {
     made_.terms = lists_of(terms);
   }
 
+  /// Appends 16 times the element + 4 a + b to the blocks of its corners a and b.
+  void append_pairs(const std::array<Index, 4>& points, std::int32_t element, BlockTerms& terms) const {
+    for (std::int32_t a = 0; a < 4; ++a)
+      for (std::int32_t b = 0; b < 4; ++b)
+        if (const std::int32_t i = free_[at(points[at(a)])], j = free_[at(points[at(b)])]; i >= 0 && j >= 0)
+          terms[block(i, j)].push_back(16 * element + 4 * a + b);
+  }
+
+  void place_fibres(const FibreElements& fibres) {
+    BlockTerms terms(made_.blocks());
+    for (const FibreElements::Element& from : fibres.fibres()) {
+      append_pairs(from.points, static_cast<std::int32_t>(made_.fibres.size()), terms);
+      StiffFibre& to = made_.fibres.emplace_back();
+      std::ranges::copy(from.slopes, to.slopes);
+      std::ranges::copy(from.direction, to.direction);
+      to.young = from.young;
+      to.volume = from.volume;
+      for (std::size_t a = 0; a < 4; ++a) to.corner[a] = number_[at(from.points[a])];
+    }
+    made_.fibre_terms = lists_of(terms);
+  }
+
   void place_springs() {
     BlockTerms terms(made_.blocks()), damped(made_.blocks());
     for (std::int32_t number = 0; const SpringSet& set : body_.spring_sets()) {
       for (std::size_t n = 0; n < set.size(); ++n) {
         const auto& [points, stiffness, damper] = set.spring(n);
-        const auto append = [&](BlockTerms& to, std::size_t number) {
+        const auto append = [&](BlockTerms& to, std::size_t term) {
           for (const Index a : points)
             for (const Index b : points)
               if (free_[at(a)] >= 0 && free_[at(b)] >= 0)
-                to[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(number));
+                to[block(free_[at(a)], free_[at(b)])].push_back(static_cast<std::int32_t>(term));
         };
         append(terms, made_.springs.size());
         const std::int32_t ends[2] = {number_[at(points[0])], number_[at(points[1])]};
@@ -275,18 +301,17 @@ MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t>
 
 std::string unsuited_for_matrix(const TissueBody& body) {
   const ElementParts parts = body.element_parts();
-  if (parts.fibres) return "has fibres, whose stiffness is not there";
   if (parts.of_pressures) return "has shared pressures, whose stiffness is not there";
   return {};
 }
 
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches) {
   const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
-  terms_ =
-      count(made.terms) + count(made.spring_terms) + count(made.damper_terms) + count(made.triangle_terms);
+  terms_ = count(made.terms) + count(made.fibre_terms) + count(made.spring_terms) + count(made.damper_terms) +
+           count(made.triangle_terms);
   flops_of_terms_ = (made.ten_nodes.empty() ? 260 : 1640) * count(made.terms) +
-                    60 * count(made.spring_terms) + 135 * count(made.damper_terms) +
-                    390 * count(made.triangle_terms);
+                    113 * count(made.fibre_terms) + 60 * count(made.spring_terms) +
+                    135 * count(made.damper_terms) + 390 * count(made.triangle_terms);
   const auto lists = [&](const MatrixArrays::Lists& from) {
     return TermLists{memory.copy(from.first), memory.copy(from.of)};
   };
@@ -303,6 +328,8 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
                     .terms = lists(made.terms),
                     .sum_of = memory.copy(made.sum_of),
                     .rim = memory.copy(made.rim),
+                    .fibres = made.fibres.empty() ? nullptr : memory.copy(made.fibres),
+                    .fibre_terms = lists(made.fibre_terms),
                     .springs = made.springs.empty() ? nullptr : memory.copy(made.springs),
                     .spring_terms = lists(made.spring_terms),
                     .triangles = made.triangles.empty() ? nullptr : memory.copy(made.triangles),

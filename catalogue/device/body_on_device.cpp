@@ -18,6 +18,10 @@ namespace {
 bool has_dampers(const TissueBody& body) {
   return std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers);
 }
+/// Than linear and cubic springs.
+bool has_other_laws(const TissueBody& body) {
+  return std::ranges::any_of(body.spring_sets(), [](const SpringSet& set) { return !set.sliced(); });
+}
 bool is_damped(const TissueBody& body) {
   return body.settings().alpha != 0 || body.settings().beta != 0 || has_dampers(body);
 }
@@ -41,7 +45,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
           body_patches(body, points_of_a_patch(body, bodies), device.facts().shared_memory / sizeof(Real))),
       loads_(body.settings().forces) {
   step_.bodies = bodies;  // which the sizes of its arrays depend on
-  step_ = {.body = arrays(),
+  step_ = {.body = arrays(patches_),
            .bodies = bodies,
            .move = Move::start,
            .h = 0,
@@ -148,8 +152,7 @@ std::vector<Real> BodyOnDevice<Real>::lumped_damping(std::span<const Eigen::Vect
 }
 
 template <class Real>
-BodyArrays<Real> BodyOnDevice<Real>::arrays() {
-  const BodyPatches& p = patches_;
+BodyArrays<Real> BodyOnDevice<Real>::arrays(const BodyPatches& p) {
   return {.patches = static_cast<std::int32_t>(p.begin.size()) - 1,
           .points = p.points,
           .free = p.free(),
@@ -177,8 +180,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays() {
           .tension = there(p.tension),
           .set_begin = there(p.set_begin),
           .laws = there(laws()),
-          .has_other_laws =
-              std::ranges::any_of(body_.spring_sets(), [](const SpringSet& set) { return !set.sliced(); }),
+          .has_other_laws = has_other_laws(body_),
           .damped = there(p.damped),
           .damper = there(p.damper),
           .skin = there(p.skin),

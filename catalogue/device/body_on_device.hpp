@@ -101,7 +101,7 @@ class BodyOnDevice {
     return memory_.copy(values);
   }
   const Real* there(const std::vector<double>& values);
-  [[nodiscard]] BodyArrays<Real> arrays();
+  [[nodiscard]] BodyArrays<Real> arrays(const BodyPatches& p);
   [[nodiscard]] std::vector<SetLaw<Real>> laws();
   [[nodiscard]] SharedPressures<Real> pressures();
   /// Of an evaluation: volumes of tetrahedra and what patches read of them.

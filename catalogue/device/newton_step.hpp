@@ -49,6 +49,12 @@ struct StiffDamper {
   std::int32_t end[2];
 };
 
+/// Fibres in a tetrahedron, likewise: g_a.a [1/m] of its corners, a, E_f [Pa], V [m^3].
+struct StiffFibre {
+  double slopes[4], direction[3], young, volume;
+  std::int32_t corner[4];
+};
+
 /// A triangle of a skin, likewise: Bm [1/m], row after row, V [m^3].
 struct StiffTriangle {
   double gradients[4], volume;
@@ -78,6 +84,8 @@ struct BodyMatrix {
   TermLists terms;
   const std::int32_t* sum_of;  ///< of each block of Green's strain: its sum, or ~sum of the transposed one
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
+  const StiffFibre* fibres;
+  TermLists fibre_terms;  ///< of each block, as `terms`
   const StiffSpring* springs;
   TermLists spring_terms;  ///< of each block
   const StiffTriangle* triangles;
@@ -88,7 +96,7 @@ struct BodyMatrix {
   double alpha;            ///< [1/s]
   double* values;          ///< A, shape (blocks, 9)
   double* diagonal;        ///< shape (dofs)
-  [[nodiscard]] bool has_more() const { return dampers || triangles; }  ///< as BodyArrays, but fibres
+  [[nodiscard]] bool has_more() const { return fibres || dampers || triangles; }  ///< as BodyArrays
   bool operator==(const BodyMatrix&) const = default;
 };
 
@@ -338,6 +346,26 @@ HMAX_DEVICE inline void span_of(const MatrixBlocks& program, std::int32_t a, std
   }
 }
 
+/// Adds the fibres of a block.
+HMAX_DEVICE inline void add_fibres(const MatrixBlocks& program, std::int64_t block, double (*K)[3]) {
+  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyArrays<double>& body = program.step.body;
+  const bool small_strain = body.fibres_of_small_strain;
+  for (std::int32_t n = matrix.fibre_terms.first[block]; n < matrix.fibre_terms.first[block + 1]; ++n) {
+    const std::int32_t term = matrix.fibre_terms.of[n];
+    const StiffFibre& fibre = matrix.fibres[term / 16];
+    double U[3][3], B[3][3];
+    edges(fibre.corner, body.points, program.step.q_next, U);
+    const auto now = kernel_loops::stretch_of_fibre<OneElement<double>>(U, fibre.slopes + 1, fibre.direction,
+                                                                        small_strain);
+    if (!kernel_loops::is_taut(now, small_strain)) continue;
+    kernel_loops::fibre_stiffness(now, fibre.young, fibre.volume, small_strain, B);
+    const double slopes = fibre.slopes[term / 4 % 4] * fibre.slopes[term % 4];
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) K[r][c] = K[r][c] + slopes * B[r][c];
+  }
+}
+
 /// Adds the springs of a block. @tparam more  as of BodyKind
 template <bool more>
 HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
@@ -434,6 +462,7 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
   const bool is_diagonal = matrix.column[block] == point;
   double K[3][3] = {};
   if (matrix.sum) take_tetrahedra(matrix, block, is_diagonal, K);
+  if (more && matrix.fibres) add_fibres(program, block, K);
   if (matrix.springs) add_springs<more>(program, block, is_diagonal, K);
   const double mass = program.step.body.mass[program.newton.place[point]];
   double C[3][3];

@@ -7,6 +7,7 @@
 
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
@@ -66,16 +67,13 @@ double FibreElements::tension(const Stretch& now, const Element& e) const {
   return kernel_loops::fibre_tension(now, e.young, small_strain_);
 }
 
-bool FibreElements::is_taut(const Stretch& now) const {
-  constexpr double rounding = 1e-12;  // a fibre at rest is taut however it was turned
-  return small_strain_ || now.square >= -rounding;
-}
-
-Matrix3d FibreElements::resistance(const Stretch& now, const Element& e) const {
-  const Eigen::Map<const Vector3d> n(now.along);
-  const Matrix3d along = n * n.transpose();
-  const double across = small_strain_ ? 0 : std::max(0.0, now.strain) / (1 + now.strain);
-  return e.volume * e.young * (along + across * (Matrix3d::Identity() - along));
+bool FibreElements::resists(const NodeRows& u, const Element& e, Matrix3d& B) const {
+  const Stretch now = stretch(u, e);
+  if (!kernel_loops::is_taut(now, small_strain_)) return false;
+  double block[3][3];
+  kernel_loops::fibre_stiffness(now, e.young, e.volume, small_strain_, block);
+  B = Eigen::Map<const Matrix3d>(block[0]);  // it is symmetric
+  return true;
 }
 
 double FibreElements::energy(const NodeRows& u) const {
@@ -117,9 +115,8 @@ void FibreElements::write_stiffness(const NodeRows& u, const BlockPattern& patte
   matrix_->write_stiffness(u, pattern, values);
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const Element& e = elements_[t];
-    const Stretch now = stretch(u, e);
-    if (!is_taut(now)) continue;
-    const Matrix3d B = resistance(now, e);
+    Matrix3d B;
+    if (!resists(u, e, B)) continue;
     for (Eigen::Index a = 0; a < 4; ++a)
       for (Eigen::Index b = 0; b < 4; ++b)
         pattern.add(values, slots_[t][at(4 * a + b)], e.points[at(b)],
@@ -136,9 +133,8 @@ void FibreElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& v
     if (next == elements_.end() || next->piece != piece) return visit(points, K);
     sum = K;
     for (; next != elements_.end() && next->piece == piece; ++next) {
-      const Stretch now = stretch(u, *next);
-      if (!is_taut(now)) continue;
-      const Matrix3d B = resistance(now, *next);
+      Matrix3d B;
+      if (!resists(u, *next, B)) continue;
       std::array<Eigen::Index, 4> place;
       for (std::size_t a = 0; a < 4; ++a)
         place[a] = std::ranges::find(points, next->points[a]) - points.begin();

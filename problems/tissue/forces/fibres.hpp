@@ -52,6 +52,8 @@ class FibreElements final : public Elements {
   /// Those of the matrix, then these.
   [[nodiscard]] ElementParts parts() const override;
 
+  /// What the fibres lie in.
+  [[nodiscard]] const Elements& matrix() const { return *matrix_; }
   /// The fibres of a tetrahedron.
   struct Element {
     Eigen::Index tetrahedron, piece;  ///< of the mesh, and of `matrix`
@@ -69,10 +71,9 @@ class FibreElements final : public Elements {
   [[nodiscard]] Stretch stretch(const NodeRows& u, const Element& e) const;
   /// E_f (l - 1) [Pa].
   [[nodiscard]] double tension(const Stretch& now, const Element& e) const;
-  /// Whether it resists more stretch.
-  [[nodiscard]] bool is_taut(const Stretch& now) const;
-  /// V E_f (n n^T + (1 - 1/l) (I - n n^T)) [N m]: the block of points i and j is g_i.a g_j.a times it.
-  [[nodiscard]] Eigen::Matrix3d resistance(const Stretch& now, const Element& e) const;
+  /// What the blocks of points i and j are g_i.a g_j.a times of, see fibre_stiffness(); false where there is
+  /// nothing, and B is not set.
+  bool resists(const NodeRows& u, const Element& e, Eigen::Matrix3d& B) const;
 
   std::shared_ptr<const Elements> matrix_;
   bool small_strain_;

@@ -238,6 +238,29 @@ void expect_same_newton(Device& device) {
   EXPECT_GT(solved.stats.linear_iterations, 10 * solved.stats.newton);
 }
 
+/// Linearly implicit Euler at 100 and 1000 Hz, of bodies whose stiffness is not that of tetrahedra alone.
+void expect_same_linearly_implicit(Device& device) {
+  constexpr const char* one = "newton_truncated:iterations=1,cg=20";
+  constexpr auto skin = SkinSettings::Kind::springs, membrane = SkinSettings::Kind::membrane;
+  const std::vector<Problem> bodies{
+      fibrous_body(uneven_body(2.5)),
+      fibrous_body(uneven_body(0, "fem_cauchy", skin), true),
+      fibrous_body(uneven_body(2.5, "fem_corotational")),
+      fibrous_body(uneven_body(2.5, "fem_neo_hookean"), true),
+      fibrous_body(driven_body()),
+      fibrous_body(uneven_body(2.5, "fem_quadratic"), true),
+      fibrous_body(moving_body(1e-3, "fem_green", membrane)),
+      pressed_body(pressed[0], fibrous_body(uneven_body(0, "fem_corotational")))};
+  for (const double h : {0.01, 0.001}) {
+    const RunSpec spec{.t_end = 10.01 * h, .h = h};
+    for (const Problem& body : bodies) expect_same(device, body, one, spec, 3);
+    for (const char* mesh : {"@liver", "@phantom"})
+      expect_same(device, fibrous.on(mesh, {{"g", 9.81}, {"beta", 1e-3}}), one, spec, 3);
+  }
+  for (const Problem& body : bodies)
+    expect_same(device, body, "newton_truncated:iterations=3,substeps=2,cg=4", {.t_end = 0.03, .h = 0.01}, 3);
+}
+
 /// Chosen steps: of every method that estimates its error, tolerances and controllers; the liver has
 /// several pieces of 256 numbers.
 void expect_same_choices(Device& device) {
@@ -418,6 +441,7 @@ TEST(HostDevice, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
   for (const bool backwards : {false, true}) {
     HostDevice device(backwards);
     expect_same_newton(device);
+    expect_same_linearly_implicit(device);
   }
 }
 
@@ -640,7 +664,10 @@ TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
   expect_same_choices(*device);
   expect_same_chosen_ends(*device);
 }
-TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) { expect_same_newton(*device); }
+TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
+  expect_same_newton(*device);
+  expect_same_linearly_implicit(*device);
+}
 TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }
 TEST_F(Gpu, MovesPointsWithTheBitsOfTheProcessor) { expect_same_points(*device); }
 TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_same_at_a_time(*device); }

@@ -30,7 +30,9 @@ void expect_same_stabilised(Device& device) {
        {uneven_body(2.5), uneven_body(0, "mass_spring"), uneven_body(2.5, "fem_green", skin),
         uneven_body(2.5, "fem_cauchy"), uneven_body(0, "fem_cauchy", skin),
         uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]),
-        driven_body(), driven_body(uneven_body(2.5, "fem_quadratic"))})
+        driven_body(), driven_body(uneven_body(2.5, "fem_quadratic")), fibrous_body(uneven_body(2.5)),
+        fibrous_body(uneven_body(2.5, "fem_cauchy")),
+        fibrous_body(driven_body(uneven_body(0, "fem_neo_hookean")), true)})
     each(body, {.t_end = 0.01001, .h = 1e-4});  // its last step is a sliver
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}, {"beta", 0.01}}},
@@ -42,6 +44,7 @@ void expect_same_stabilised(Device& device) {
            {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
            {"fem_quadratic@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
     each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
+  each(fibrous.on("@liver", {{"g", 9.81}, {"beta", 0.01}}), {.t_end = 0.0503, .h = 5e-3}, 7);
   const RunRecord stiffer =
       expect_same(device, make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
                   "rkc_2", {.t_end = 0.06, .h = 0.002});
@@ -61,7 +64,11 @@ void expect_same_radius(Device& device) {
        {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "fem_quadratic", "mass_spring"}) {
     for (const double beta : {0.0, 0.01})
       expect_it(make_problem(std::string(model) + "@liver", {.parameters = {{"beta", beta}}}));
-    if (model != std::string("mass_spring")) expect_it(uneven_body(0, model, SkinSettings::Kind::springs));
+    if (model != std::string("mass_spring")) {
+      expect_it(uneven_body(0, model, SkinSettings::Kind::springs));
+      expect_it(fibrous_body(uneven_body(0, model), true));
+      expect_it(fibrous_body(uneven_body(0, model, SkinSettings::Kind::springs)));
+    }
     expect_it(uneven_body(0, model, SkinSettings::Kind::membrane));
     expect_it(make_problem(std::string(model) + "@cube:n=3", {.parameters = {{"support_stiffness", 1e4}}}));
   }

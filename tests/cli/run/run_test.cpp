@@ -57,13 +57,12 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
                  "bodies on meshes");
   expect_refused(
       shell.hmax("run --mesh cube:n=3 --load tool --method symplectic_euler --h 1e-4 --device gpu"), "tool");
-  const Told fibres = shell.hmax(
-      "run --mesh cube:n=3 --set fibre_E=1000 --set fibre_x=1 --method newton_truncated --h 1e-2 --device "
-      "gpu");
-  expect_refused(fibres, "fibres");
+  const Told pressures = shell.hmax(
+      "run --mesh cube:n=3 --model fem_nodal_pressure --method newton_truncated --h 1e-2 --device gpu");
+  expect_refused(pressures, "shared pressures");
   EXPECT_TRUE(
-      says(fibres.err, "central_difference, newton_truncated:frozen=1 or an explicit Runge-Kutta method"))
-      << fibres.err << ": neither newton_truncated that is not frozen nor xpbd has fibres";
+      says(pressures.err, "central_difference, newton_truncated:frozen=1 or an explicit Runge-Kutta method"))
+      << pressures.err << ": neither newton_truncated that is not frozen nor xpbd has them";
 }
 
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {

@@ -1,4 +1,5 @@
-/// The stiffness of tetrahedra and of springs: the one source of processors and devices, as element_pull.hpp.
+/// The stiffness of tetrahedra, fibres and springs: the one source of processors and devices, as
+/// element_pull.hpp.
 #pragma once
 
 #include <cstddef>
@@ -194,6 +195,28 @@ HMAX_DEVICE inline void corotational_stiffness(const CorotationalParts<Lanes>& p
                      T[5] * (p[1] * q[2] + p[2] * q[1]);
       block[i][j] = squeezed * (Rg[a][i] * Rg[b][j]) + turned * turn;
       if (i == j) block[i][j] += along;
+    }
+}
+
+/// Whether a fibre resists more stretch.
+template <class V>
+HMAX_DEVICE inline bool is_taut(const FibreStretch<V>& now, bool small_strain) {
+  constexpr double rounding = 1e-12;  // a fibre at rest is taut however it was turned
+  return small_strain || now.square >= -rounding;
+}
+
+/// V E_f (n n^T + (1 - 1/l) (I - n n^T)) [N m] of a taut fibre, entry (i, j) at B[i][j]: the block of corners
+/// a and b is g_a.a g_b.a times it.
+/// @param young, volume  E_f [Pa], V [m^3]
+template <class V>
+HMAX_DEVICE inline void fibre_stiffness(const FibreStretch<V>& now, V young, V volume, bool small_strain,
+                                        V (*B)[3]) {
+  const V across = small_strain || !(now.strain > 0) ? 0 : now.strain / (1 + now.strain),
+          size = volume * young;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const V along = now.along[i] * now.along[j];
+      B[i][j] = size * (along + across * ((i == j ? 1 : 0) - along));
     }
 }
 
