@@ -47,7 +47,7 @@ class AdaptiveRuns {
   }
 
   void run() {
-    while (fill(), used_ > 0) {
+    while (fill(), used_ > 0 && !steps_.are_interrupted()) {
       lanes_.rk.use(used_);
       attempt_(own_);
       // Backwards, so that a lane that is moved has been judged.
@@ -169,7 +169,7 @@ void run_formulas_of(const RunClient& client, const AdaptiveSteps& steps) {
         [&] {
           attempt(rk, slope);
           rk.weigh(norm);
-          return true;
+          return !steps.are_interrupted();
         });
     run.outcome = motion.outcome();
     run.attempts = motion.attempts();

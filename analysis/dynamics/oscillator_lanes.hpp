@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -94,6 +95,12 @@ struct AdaptiveSteps {
   std::int64_t most_attempts;  ///< of a run, after which it ends as too_many_steps
   bool steady;                 ///< no force of any run changes in time: no cosine is computed
   std::optional<Arrival> arrival = {};
+  const std::atomic<bool>* interrupted =
+      nullptr;  ///< ends all runs once it is true: where they end is open then
+
+  [[nodiscard]] bool are_interrupted() const {
+    return interrupted && interrupted->load(std::memory_order_relaxed);
+  }
 };
 
 /// Steps of one size by a method of tableaux::All. All motions stand at the same time, so the cosines of the
@@ -117,6 +124,7 @@ struct MotionRunner {
   std::function<RunMotions(const AdaptiveSteps&, const FormulaPrograms&)> formulas = {};
   /// Fixed steps of each run's own size; empty where it is no such method.
   std::function<RunMotions(std::string_view method, const FormulaPrograms&)> formula_steps = {};
+  const std::atomic<bool>* interrupted = nullptr;  ///< what AdaptiveSteps are to have
   bool is_device = false;
 };
 

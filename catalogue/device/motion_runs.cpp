@@ -113,11 +113,11 @@ std::vector<OscillatorRun*> some_of(const RunClient& client, std::size_t at_once
   return runs;
 }
 
-/// One launch after the other until no motion is left.
-template <class Motions>
-void run_to_end(Lent& lent, Motions& all) {
+/// One launch after the other until no motion is left, or going() is false.
+template <class Motions, class Going>
+void run_to_end(Lent& lent, Motions& all, const Going& going) {
   std::vector<std::int32_t> left{1};
-  while (left[0] != 0) {
+  while (left[0] != 0 && going()) {
     left[0] = 0;
     all.left = lent.copy(3, left);
     lent.device.run({all});
@@ -263,7 +263,8 @@ void run_adaptive(Lent& lent, const Adaptive& adaptive, std::size_t at_once, con
         all.rule = steps.arrival->rule();
         all.rule.traps = lent.copy(2, steps.arrival->traps);
       }
-      run_to_end(lent, all);
+      run_to_end(lent, all, [&] { return !steps.are_interrupted(); });
+      if (steps.are_interrupted()) return;
       lent.read(ends, all.ends);
     }
     const auto take = [&](std::size_t i) {
@@ -358,7 +359,7 @@ void run_own(Lent& lent, std::string_view method, std::size_t at_once, const Run
                        .method = method,
                        .most_steps = steps_of_a_launch / 10,
                        .left = nullptr};
-        run_to_end(lent, all);
+        run_to_end(lent, all, [] { return true; });
       });
 }
 
@@ -377,7 +378,7 @@ void run_steps_of_formulas(Lent& lent, std::string_view method, const FormulasTh
                          .most_steps = steps_of_a_launch / 10,
                          .codes = formulas.codes(),
                          .left = nullptr};
-        run_to_end(lent, all);
+        run_to_end(lent, all, [] { return true; });
       },
       in_lanes().formula_steps(method, {}));
 }

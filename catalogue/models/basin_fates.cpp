@@ -1,5 +1,6 @@
 /// The fates of starts in the plane, one by one or many side by side.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -45,7 +46,8 @@ struct Destiny {
 }  // namespace
 
 std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
-                                                   const std::vector<Equilibrium>& equilibria) {
+                                                   const std::vector<Equilibrium>& equilibria,
+                                                   const std::atomic<bool>* interrupted) {
   const Destiny destiny(problem, window, equilibria);
   const Method method = find_method(problem.stiff ? "radau_iia_5" : "dop_853");
   const RunSpec spec{.t_end = destiny.longest,
@@ -59,7 +61,7 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
     try {
       const RunRecord record = method.bind(*own).run(spec, [&](double, const auto& y) {
         fate = destiny.of(y);
-        if (fate != undecided) throw Left{};
+        if (fate != undecided || (interrupted && *interrupted)) throw Left{};
       });
       if (record.outcome == Outcome::diverged || record.outcome == Outcome::step_too_small) return unbounded;
     } catch (const Left&) {
@@ -78,8 +80,8 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
       throw InputError(fmt::format(
           "--device gpu finds basins of the oscillators of the liver and of files of formulas, not of {}; leave --device out",
           problem.id));
-    return [fate_of = fate_of_starts(problem, window, equilibria)](std::span<const Vector2d> starts,
-                                                                   std::span<int> fates) {
+    return [fate_of = fate_of_starts(problem, window, equilibria, runner.interrupted)](
+               std::span<const Vector2d> starts, std::span<int> fates) {
       std::ranges::transform(starts, fates.begin(), fate_of);
     };
   }
@@ -87,13 +89,15 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
   const AdaptiveSteps steps{.tolerances = basin_tolerances,
                             .most_attempts = adaptive_attempts,
                             .steady = true,
-                            .arrival = destiny.arrival};
+                            .arrival = destiny.arrival,
+                            .interrupted = runner.interrupted};
   const RunMotions run = oscillator ? runner.adaptive(steps) : runner.formulas(steps, {formulas});
   const std::optional<Oscillator> own = oscillator ? std::optional(*oscillator) : std::nullopt;
   const FormulaPiece piece{
       {formulas, !oscillator && system->is_autonomous()}, {0, destiny.longest}, destiny.longest};
   return [own, piece, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
     std::vector<OscillatorRun> runs(starts.size());
+    std::ranges::fill(fates, undecided);
     std::size_t begun = 0;
     const auto next = [&]() -> OscillatorRun* {
       for (; begun < starts.size(); ++begun) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -61,9 +62,11 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
 /// left for a million window sizes, or undecided after the time in which the slowest equilibrium damps
 /// twenty times what a trap needs, or the problem's own if that is longer.
 /// @param problem     autonomous
-/// @param equilibria  of the field; those that are not stable attract nothing
+/// @param equilibria   of the field; those that are not stable attract nothing
+/// @param interrupted  leaves a start undecided once it is true
 std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem, const Window& window,
-                                                          const std::vector<Equilibrium>& equilibria);
+                                                          const std::vector<Equilibrium>& equilibria,
+                                                          const std::atomic<bool>* interrupted = nullptr);
 
 /// The same for many starts in one call, with the same fates. Runs of the oscillator go side by side, each
 /// with its own step control.

@@ -383,7 +383,9 @@ PhasePlane plane_of(const PhaseView& view) {
 }
 
 MotionRunner runner_on(Device* device, std::size_t at_once) {
-  return device ? motions_on(*device, at_once) : in_lanes();
+  MotionRunner runner = device ? motions_on(*device, at_once) : in_lanes();
+  runner.interrupted = &interrupt_flag();
+  return runner;
 }
 
 void add_time(Device* device, Json& document, std::string& text) {
