@@ -124,7 +124,7 @@ struct MotionRunner {
   std::function<RunMotions(const AdaptiveSteps&, const FormulaPrograms&)> formulas = {};
   /// Fixed steps of each run's own size; empty where it is no such method.
   std::function<RunMotions(std::string_view method, const FormulaPrograms&)> formula_steps = {};
-  const std::atomic<bool>* interrupted = nullptr;  ///< what AdaptiveSteps are to have
+  const std::atomic<bool>* interrupted = nullptr;  ///< of AdaptiveSteps of basins
   bool is_device = false;
 };
 

@@ -42,7 +42,6 @@ std::string_view name_of(Damping damping);
 
 /// M q'' + C q' + K q = 0, the motion near a state of a mechanical system of n degrees of freedom.
 /// With y = (q, v) its Jacobian is (0, I; -M^-1 K, -M^-1 C), shape (2 n, 2 n).
-// NOLINTNEXTLINE(bugprone-exception-escape): Eigen 3.4 copies sparse matrices that are moved
 struct MechanicalPart {
   MassMatrix<double> mass;  ///< M, shape (n, n) [kg], positive definite; a vector of n where it is diagonal
   AnyMatrix K;              ///< -dF/dq, shape (n, n) [N/m]

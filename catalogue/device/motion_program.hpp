@@ -35,7 +35,7 @@ struct OwnFormulas {
   std::int32_t number;
   double from, to;
 };
-struct StoredFormulas : AdaptiveStored {
+struct AdaptiveFormulaMotion : AdaptiveStored {
   OwnFormulas formulas;
 };
 
@@ -69,8 +69,8 @@ inline constexpr std::size_t most_registers = 128;
 
 /// Those of formulas.
 struct FormulaMotions : MotionsUnderWay {
-  StoredFormulas* motions;   ///< shape (count)
-  const FormulaCode* codes;  ///< of all formulas, by their numbers
+  AdaptiveFormulaMotion* motions;  ///< shape (count)
+  const FormulaCode* codes;        ///< of all formulas, by their numbers
 };
 
 /// A motion of fixed steps.
@@ -103,14 +103,14 @@ struct OwnMotions {
 };
 
 /// The same of formulas.
-struct FormulaStored : StoredMotion {
+struct FixedFormulaMotion : StoredMotion {
   double bounded;
   FixedTimes times;
   OwnFormulas formulas;
 };
 struct FormulaSteps {
   static constexpr std::int32_t threads = 128;
-  FormulaStored* motions;
+  FixedFormulaMotion* motions;
   std::int64_t count;
   std::string_view method;
   std::int64_t most_steps;
@@ -199,7 +199,7 @@ class ThreadFormulas {
 };
 
 HMAX_DEVICE inline void run_thread(std::true_type, const FormulaMotions& all, std::int64_t n) {
-  StoredFormulas& own = all.motions[n];
+  AdaptiveFormulaMotion& own = all.motions[n];
   if (own.motion.has_ended() || own.beyond) return;
   ThreadFormulas formulas(all.codes, own.formulas);
   LaneRk<tableaux::Dop853, 1> rk;
@@ -213,7 +213,7 @@ HMAX_DEVICE inline void run_thread(std::true_type, const FormulaMotions& all, st
 
 template <class Method>
 HMAX_DEVICE void run_thread(std::type_identity<Method>, const FormulaSteps& all, std::int64_t n) {
-  FormulaStored& own = all.motions[n];
+  FixedFormulaMotion& own = all.motions[n];
   if (own.times.are_done() || own.beyond || own.bounded == 0) return;
   ThreadFormulas formulas(all.codes, own.formulas);
   LaneRk<Method, 1> rk;

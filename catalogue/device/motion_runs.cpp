@@ -231,13 +231,15 @@ struct AdaptiveFormulas {
   const AdaptiveSteps& steps;
   const FormulasThere& formulas;
 
-  [[nodiscard]] StoredFormulas store(const OscillatorRun& run) const {
+  [[nodiscard]] AdaptiveFormulaMotion store(const OscillatorRun& run) const {
     const FormulaPiece& piece = *run.piece;
     return {{at_start(piece.system, piece.span.t0, run),
              AdaptiveMotion(steps.tolerances, piece.system, piece.span, piece.whole, run.y, run.attempts)},
             formulas.of(run)};
   }
-  [[nodiscard]] FormulaMotions motions(StoredFormulas* there) const { return {{}, there, formulas.codes()}; }
+  [[nodiscard]] FormulaMotions motions(AdaptiveFormulaMotion* there) const {
+    return {{}, there, formulas.codes()};
+  }
   [[nodiscard]] RunMotions processor() const { return in_lanes().formulas(steps, {}); }
 };
 
@@ -299,9 +301,9 @@ void require_arithmetic(const FormulaProgram& formulas) {
 }
 
 /// Fixed steps.
-/// @param store     store(run, motion): what lies on the device
-/// @param store     store(run): the motion at its start
-/// @param launches  launches(motions, count): all steps of motions that lie there
+/// @param store      store(run): the motion at its start
+/// @param launches   launches(motions, count): all steps of motions that lie there
+/// @param processor  runs what a device cannot tell
 template <class Motion, class Store, class Launches>
 void run_fixed(Lent& lent, std::size_t at_once, const RunClient& client, const Store& store,
                const Launches& launches, const RunMotions& processor = {}) {
@@ -365,13 +367,13 @@ void run_own(Lent& lent, std::string_view method, std::size_t at_once, const Run
 
 void run_steps_of_formulas(Lent& lent, std::string_view method, const FormulasThere& formulas,
                            std::size_t at_once, const RunClient& client) {
-  run_fixed<FormulaStored>(
+  run_fixed<FixedFormulaMotion>(
       lent, at_once, client,
       [&](const OscillatorRun& run) {
-        return FormulaStored{at_start(run.piece->system, 0, run), 1.0, FixedTimes(run.t_end, run.h),
-                             formulas.of(run)};
+        return FixedFormulaMotion{at_start(run.piece->system, 0, run), 1.0, FixedTimes(run.t_end, run.h),
+                                  formulas.of(run)};
       },
-      [&](FormulaStored* motions, std::int64_t count) {
+      [&](FixedFormulaMotion* motions, std::int64_t count) {
         FormulaSteps all{.motions = motions,
                          .count = count,
                          .method = method,

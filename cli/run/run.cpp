@@ -411,7 +411,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
   if (!options.control.empty() && method.own_control)
     throw InputError(fmt::format("{} has its own step size control; remove --control", method.id));
   if (!options.jacobian.empty() && !method.needs_jacobian)
-    throw InputError(method.parameter("frozen")
+    throw InputError(method.parameter("frozen") == 0
                          ? fmt::format("{} takes no --jacobian; {}:frozen=1 keeps that of the start",
                                        method.id, method.id.substr(0, method.id.find(':')))
                          : fmt::format("{} uses no Jacobian; leave --jacobian out", method.id));

@@ -175,8 +175,8 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
   if (run) return [driven, run](const MapCalls& calls) { run_periods(*driven, calls, run); };
   if (runner.is_device)
     throw InputError(
-        "--device gpu runs periods of oscillators and of files of formulas, adaptive ones or those of an "
-        "explicit Runge-Kutta method; leave --device out");
+        "--device gpu runs periods of oscillators and of files of formulas that begin at t0 = 0 or do not know t, "
+        "adaptive ones or those of an explicit Runge-Kutta method; leave --device out");
   return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
 }
 

@@ -71,8 +71,8 @@ class FibreElements final : public Elements {
   [[nodiscard]] Stretch stretch(const NodeRows& u, const Element& e) const;
   /// E_f (l - 1) [Pa].
   [[nodiscard]] double tension(const Stretch& now, const Element& e) const;
-  /// What the blocks of points i and j are g_i.a g_j.a times of, see fibre_stiffness(); false where there is
-  /// nothing, and B is not set.
+  /// Sets B of fibre_stiffness(): the block of points i and j is g_i.a g_j.a B. False where the fibre is
+  /// slack, and B is not set.
   bool resists(const NodeRows& u, const Element& e, Eigen::Matrix3d& B) const;
 
   std::shared_ptr<const Elements> matrix_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -303,10 +304,13 @@ TEST_F(Gpu, TellsItsSpeed) {
   std::vector<OscillatorRun> runs;
   for (const Oscillator& system : systems) runs.push_back({&system, period, {0.5, 1}});
   const MotionRunner runner = motions_on(*device, many);
+  double wall = 0;  // [s] of the last one, with first steps and copies
   const auto seconds_of = [&](const RunMotions& run) {
     ends_of(run, runs);  // warm
     static_cast<void>(device->seconds());
+    const auto begin = std::chrono::steady_clock::now();
     ends_of(run, runs);
+    wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return device->seconds();
   };
   const double fixed = seconds_of(
@@ -315,6 +319,7 @@ TEST_F(Gpu, TellsItsSpeed) {
   if (!cosines_are_those_of_musl()) return;
   const double adaptive =
       seconds_of(runner.adaptive({.tolerances = {1e-6, 1e-9}, .most_attempts = 1'000'000, .steady = false}));
+  RecordProperty("adaptive_periods_per_wall_second", std::to_string(double{many} / wall));
   for (OscillatorRun& run : runs) run.h = period / double{steps_of_period};
   RecordProperty("rk4_own_steps_per_second",
                  std::to_string(double{many} * steps_of_period / seconds_of(runner.own_steps("rk4"))));

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "bench/timing/reference.hpp"
+#include "catalogue/device/host_device.hpp"
+#include "catalogue/device/motion_runs.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "problems/oscillator/liver_problems.hpp"
@@ -163,18 +165,21 @@ void expect_the_fates_of_single_runs(const Problem& problem, const Window& windo
 /// Motions for which only an interruption is an end: some 20 million steps each.
 TEST(Fates, AreUndecidedOnceInterrupted) {
   const std::atomic<bool> interrupted = true;
-  MotionRunner runner = in_lanes();
-  runner.interrupted = &interrupted;
+  HostDevice device;
+  std::vector<MotionRunner> runners{in_lanes(), motions_on(device, 64)};
+  for (MotionRunner& runner : runners) runner.interrupted = &interrupted;
   const Window window{{-3, -3}, {3, 3}};
-  const std::vector<Vector2d> starts(100, Vector2d(2, 1));
+  const std::vector<Vector2d> starts(9, Vector2d(2, 1));
   const std::vector<std::pair<std::string, double>> slow{{"k1", -1}, {"k3", 1}, {"c", 1e5}};
   for (const Problem& problem :
        {liver(slow), frozen(liver(slow, "liver_forced"), 0),
         make_problem({.name = "slow", .equations = {{"x", "v"}, {"v", "x - x^3 - 1e5*v"}}, .y0 = {1, 0}},
                      "my.toml")}) {
-    std::vector<int> fates(starts.size(), 77);
-    fates_of_starts(problem, window, equilibria_of(problem, window), runner)(starts, fates);
-    EXPECT_EQ(fates, std::vector<int>(starts.size(), undecided)) << problem.id;
+    for (const MotionRunner& runner : runners) {
+      std::vector<int> fates(starts.size(), 77);
+      fates_of_starts(problem, window, equilibria_of(problem, window), runner)(starts, fates);
+      EXPECT_EQ(fates, std::vector<int>(starts.size(), undecided)) << problem.id;
+    }
   }
   const Problem alone = liver(slow);
   EXPECT_EQ(fate_of_starts(alone, window, equilibria_of(alone, window), &interrupted)({2, 1}), undecided);
