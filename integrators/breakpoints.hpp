@@ -87,6 +87,20 @@ Piece<Sys, Real> piece_of(const Sys& system, Span<Real> piece, Real margin, bool
   }
 }
 
+/// The pieces of a span, each confined to its side of the breakpoints at its ends.
+/// @param breaks  in the order of the span, inside of it; none: one piece, not confined
+template <System Sys, class Real>
+std::vector<Piece<Sys, Real>> pieces_of(const Sys& system, Span<Real> span, const std::vector<Real>& breaks) {
+  const Real margin = rounding_of(span);
+  std::vector<Piece<Sys, Real>> pieces;
+  for (std::size_t i = 0; i <= breaks.size(); ++i) {
+    const bool first = i == 0, last = i == breaks.size();
+    const Span<Real> between{first ? span.t0 : breaks[i - 1], last ? span.t_end : breaks[i]};
+    pieces.push_back(piece_of(system, between, margin, !first, !last));
+  }
+  return pieces;
+}
+
 }  // namespace detail
 
 /// A run of chosen steps over `span`, one piece after the other between the breakpoints that the system
@@ -108,19 +122,13 @@ RunEnd<real_of<typename Sys::State>> run_by_pieces(const Sys& system, Span<real_
   std::vector<Real> breaks;
   if constexpr (BreakpointSystem<Sys>) breaks = detail::breakpoints_in(system, span);
   if (breaks.empty()) return with_note(run(system, span, max_steps));
-  const Real margin = detail::rounding_of(span);
   RunEnd<Real> end{Outcome::reached_end, span.t0, {}};
   Stats stats;
-  Real from = span.t0;
-  for (std::size_t i = 0; i <= breaks.size(); ++i) {
-    const bool last = i == breaks.size();
-    const auto piece =
-        detail::piece_of(system, Span<Real>{from, last ? span.t_end : breaks[i]}, margin, i > 0, !last);
+  for (const auto& piece : detail::pieces_of(system, span, breaks)) {
     end = run(piece.system, piece.span, max_steps - stats.steps - stats.rejected);
     stats += end.stats;
     end.stats = stats;
     if (end.outcome != Outcome::reached_end) return with_note(end);
-    if (!last) from = breaks[i];
   }
   return end;
 }

@@ -60,12 +60,8 @@ std::vector<FormulaPiece> pieces_of(const Problem& problem, double period, bool 
   const Span<double> span{0, period};
   const auto breaks = fixed ? std::vector<double>{} : detail::breakpoints_in(*system, span);
   std::vector<FormulaPiece> pieces;
-  for (std::size_t i = 0; i <= breaks.size(); ++i) {
-    const bool first = i == 0, last = i == breaks.size();
-    const Span<double> between{first ? span.t0 : breaks[i - 1], last ? span.t_end : breaks[i]};
-    const auto piece = detail::piece_of(formulas, between, detail::rounding_of(span), !first, !last);
+  for (const auto& piece : detail::pieces_of(formulas, span, breaks))
     pieces.push_back({piece.system, piece.span, period});
-  }
   return pieces;
 }
 
