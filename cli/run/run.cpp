@@ -610,6 +610,7 @@ void add_run(CLI::App& app, Console& console) {
       {"hmax run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10",
        "hmax run --problem liver_benchmark --material female_fat:heavy --method rk4 --h 0.05",
        "hmax run --mesh phantom --model fem_green --method linearly_implicit_euler --h 0.01 --t-end 0.2",
+       // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): it goes on in the next line
        "hmax run --mesh phantom --load tool --method linearly_implicit_euler --h 0.01 --t-end 0.6 --picture "
        "results/runs/tool.svg",
        "hmax run --mesh liver --load breathing --method symplectic_euler --h 0.001 --t-end 4 --output "

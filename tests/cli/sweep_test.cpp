@@ -3,6 +3,7 @@
 #include <string>
 #include <sys/wait.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "results/store.hpp"
@@ -149,10 +150,7 @@ TEST(PrecisionCommand, MeasuresInShardsAndAnswersFromTheMergedStore) {
   const Shell shell;
   const std::string whole =
       "precision --methods rk4,ode45 --h 0.1,0.05 --rtol 1e-4,1e-6 --t-end 5 --json --store ";
-  for (int i = 1; i <= 3; ++i) {
-    const std::string number = std::to_string(i);
-    shell.text(whole + number + ".sqlite --shard " + number + "/3");
-  }
+  for (int i = 1; i <= 3; ++i) shell.text(fmt::format("{}{}.sqlite --shard {}/3", whole, i, i));
   ASSERT_EQ(shell.hmax("merge all.sqlite 1.sqlite 2.sqlite 3.sqlite").exit_code, 0);
   const Told merged = shell.hmax(whole + "all.sqlite"), serial = shell.hmax(whole + "serial.sqlite");
   ASSERT_EQ(merged.json().size(), 4U);
