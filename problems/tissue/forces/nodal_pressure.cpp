@@ -9,6 +9,7 @@
 
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
+#include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
 
 namespace hmax {
@@ -157,29 +158,25 @@ void NodalPressure::add_force(const NodeRows& u, NodeRows& f) const {
   }
 }
 
-ElementStiffness NodalPressure::stiffness(std::size_t element, const Scratch& now) const {
-  const Element& e = elements_[element];
-  const Matrix3d H = now.H[element].matrix(), F = Matrix3d::Identity() + H;
-  const StableNeoHookean law(H, e.own);
-  const double p = pressure(e, now);
-  return element_stiffness(e.rest, [&](const Matrix3d& dF) -> Matrix3d {
-    return law.differential(dF) + p * cofactor_differential(F, dF);
-  });
-}
-
-void NodalPressure::gather_gradients(Scratch& now) const {
+template <class OfElement>
+void NodalPressure::visit_elements(Scratch& now, const OfElement& of_element) const {
+  using namespace kernel_loops;
   now.G.assign(points_.size(), Vector3d::Zero());
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const Element& e = elements_[i];
-    // dJ/du of point b is C g_b.
-    const Matrix3d inner = e.rest.volume / 4 * cofactors(Matrix3d(Matrix3d::Identity() + now.H[i].matrix())) *
-                           e.rest.gradients.transpose();
+    const double V = e.rest.volume;
+    NeoHookeanParts<OneElement<double>> parts;
+    e.rest.write_rows(parts.g + 1);
+    first_gradient(parts.g);
+    neo_hookean_parts_of(now.H[i].rows, V * e.own.lambda / 2, V * e.own.mu, parts, V * pressure(e, now));
     for (std::size_t a = 0; a < 4; ++a) {
       Vector3d* const G = now.G.data() + averages_[at(e.averages[a])].first;
-      G[e.place[4 * a]] -= inner.rowwise().sum();
-      for (std::size_t b = 1; b < 4; ++b)
-        G[e.place[4 * a + b]] += inner.col(static_cast<Eigen::Index>(b) - 1);
+      // dJ/du of point b is C g_b.
+      for (std::size_t b = 0; b < 4; ++b)
+        for (int k = 0; k < 3; ++k) G[e.place[4 * a + b]][k] += V / 4 * parts.Cg[b][k];
     }
+    of_element(i, symmetric_stiffness<4>(
+                      [&](int a, int b, double(*block)[3]) { neo_hookean_stiffness(parts, a, b, block); }));
   }
   for (const Average& average : averages_)
     for (std::size_t i = average.first; i < average.last; ++i)
@@ -190,11 +187,9 @@ void NodalPressure::write_stiffness(const NodeRows& u, const BlockPattern& patte
   std::fill_n(values, pattern.entries(), 0.0);
   Scratch& now = scratch();
   average(u, now);
-  gather_gradients(now);
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const ElementStiffness K = stiffness(e, now);
+  visit_elements(now, [&](std::size_t e, const ElementStiffness& K) {
     pattern.add_element(values, element_slots_[e], elements_[e].points, K);
-  }
+  });
   for (const Average& average : averages_) {
     const Index* slot = slots_.data() + average.first_slot;
     for (std::size_t i = average.first; i < average.last; ++i)
@@ -206,8 +201,7 @@ void NodalPressure::write_stiffness(const NodeRows& u, const BlockPattern& patte
 void NodalPressure::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {
   Scratch now;  // of its own: a visitor may ask for forces
   average(u, now);
-  gather_gradients(now);
-  for (std::size_t e = 0; e < elements_.size(); ++e) visit(elements_[e].points, stiffness(e, now));
+  visit_elements(now, [&](std::size_t e, const ElementStiffness& K) { visit(elements_[e].points, K); });
   for (const Average& average : averages_) {
     const Eigen::Map<const Eigen::VectorXd> G(now.G[average.first].data(),
                                               static_cast<Eigen::Index>(3 * (average.last - average.first)));

@@ -82,11 +82,11 @@ class NodalPressure final : public Elements {
   void find_slots(const BlockPattern& pattern);
   /// Sets H and change.
   void average(const NodeRows& u, Scratch& now) const;
-  /// Sets G after average().
-  void gather_gradients(Scratch& now) const;
+  /// Calls of_element(e, K) for each element, and sets G on the way, after average().
+  template <class OfElement>
+  void visit_elements(Scratch& now, const OfElement& of_element) const;
   [[nodiscard]] double pressure(const Element& e, const Scratch& now) const;
   [[nodiscard]] double energy_density(std::size_t element, const Scratch& now) const;
-  [[nodiscard]] ElementStiffness stiffness(std::size_t element, const Scratch& now) const;
 
   std::vector<Element> elements_;
   std::vector<Average> averages_;

@@ -10,6 +10,7 @@
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
+#include "problems/tissue/forces/tet_elements.hpp"
 
 namespace hmax {
 
@@ -106,7 +107,7 @@ void QuadraticElements::add_force(const NodeRows& u, NodeRows& f) const {
 
 QuadraticElements::Stiffness QuadraticElements::stiffness(const NodeRows& u, const Element& e) {
   using Lanes = OneElement<double>;
-  double U[10][3], block[3][3];
+  double U[10][3];
   moves(u, e, U);
   std::array<kernel_loops::NeoHookeanParts<Lanes, 10>, 4> parts;
   for (int g = 0; g < 4; ++g) {
@@ -114,15 +115,10 @@ QuadraticElements::Stiffness QuadraticElements::stiffness(const NodeRows& u, con
       for (int j = 0; j < 3; ++j) parts[at(g)].g[a][j] = e.gradient(g, a, j);
     kernel_loops::ten_node_parts(U, e, g, parts[at(g)]);
   }
-  Stiffness K;
-  for (int a = 0; a < 10; ++a)
-    for (int b = a; b < 10; ++b) {
-      kernel_loops::ten_node_stiffness(
-          [&](int g) -> const auto& { return parts[at(g)]; }, a, b, block);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
-    }
-  return K;
+  return symmetric_stiffness<10>([&](int a, int b, double(*block)[3]) {
+    kernel_loops::ten_node_stiffness(
+        [&](int g) -> const auto& { return parts[at(g)]; }, a, b, block);
+  });
 }
 
 void QuadraticElements::visit_stiffness(const NodeRows& u, const StiffnessVisitor& visit) const {

@@ -20,19 +20,12 @@ template <class Parts, class MakeParts, class BlockOf>
 ElementStiffness stiffness_of(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
                               const RestShape& rest, const Lame& lame, const MakeParts& make_parts,
                               const BlockOf& block_of) {
-  double U[3][3], block[3][3];
+  double U[3][3];
   edge_vectors(u, points, U);
   Parts parts;
   rest.write_rows(parts.g + 1);
   make_parts(U, rest.volume * lame.lambda / 2, rest.volume * lame.mu, parts);
-  ElementStiffness K;
-  for (int a = 0; a < 4; ++a)
-    for (int b = a; b < 4; ++b) {
-      block_of(parts, a, b, block);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
-    }
-  return K;
+  return symmetric_stiffness<4>([&](int a, int b, double(*block)[3]) { block_of(parts, a, b, block); });
 }
 
 }  // namespace

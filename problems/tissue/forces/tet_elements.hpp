@@ -67,6 +67,21 @@ ElementStiffness element_stiffness(const RestShape& rest, const Differential& di
   return K;
 }
 
+/// K of an element of some points from its blocks on and above the diagonal.
+/// @param block_of  block_of(a, b, block) writes that of points a <= b
+template <int points, class BlockOf>
+Eigen::Matrix<double, 3 * points, 3 * points> symmetric_stiffness(const BlockOf& block_of) {
+  Eigen::Matrix<double, 3 * points, 3 * points> K;
+  double block[3][3];
+  for (int a = 0; a < points; ++a)
+    for (int b = a; b < points; ++b) {
+      block_of(a, b, block);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) K(3 * a + i, 3 * b + j) = K(3 * b + j, 3 * a + i) = block[i][j];
+    }
+  return K;
+}
+
 /// K of an element of StableNeoHookean, or of Corotational.
 /// @param law  its kernel
 [[nodiscard]] ElementStiffness kernel_stiffness(TetLaw law, const NodeRows& u,

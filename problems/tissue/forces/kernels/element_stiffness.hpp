@@ -9,6 +9,12 @@
 
 namespace hmax::kernel_loops {
 
+/// Sets g_0 = -(g_1 + g_2 + g_3).
+template <class V>
+HMAX_DEVICE inline void first_gradient(V (*g)[3]) {
+  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+}
+
 /// What the stiffness of Green's strain is made of: gradients g_a, h_a = F g_a, lambda h_a, mu h_a, mu B and
 /// c, see TissueKernels::green_stiffness. Not used are lh[0] and mh[3].
 template <class Lanes>
@@ -26,7 +32,7 @@ HMAX_DEVICE inline void stiffness_parts(const V (*U)[3], V half, V mu, Stiffness
   for (int i = 0; i < 3; ++i) F[i][i] += Lanes::splat(1);
   for (int a = 1; a < 4; ++a)
     for (int i = 0; i < 3; ++i) h[a][i] = dot<Lanes>(F[i], g[a]);
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  first_gradient(g);
   for (int i = 0; i < 3; ++i) h[0][i] = -(h[1][i] + h[2][i] + h[3][i]);
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) B[symmetric(i, j)] = dot<Lanes>(F[i], F[j]);
@@ -62,9 +68,10 @@ struct NeoHookeanParts {
 
 /// @param H  the displacement gradient
 /// @param parts  has the gradients g_a
-template <class Lanes, int points, class V>
+/// @param pressure  V times one that is added to that of the solid, or nothing, as of neo_hookean_stress()
+template <class Lanes, int points, class V, class... Pressure>
 HMAX_DEVICE inline void neo_hookean_parts_of(const V (*H)[3], V half, V mu,
-                                             NeoHookeanParts<Lanes, points>& parts) {
+                                             NeoHookeanParts<Lanes, points>& parts, Pressure... pressure) {
   auto& [g, Fg, Cg, F, straight, stretched, squeezed, turned] = parts;
   V K[3][3];
   const V trace = H[0][0] + H[1][1] + H[2][2], one = Lanes::splat(1);
@@ -82,7 +89,7 @@ HMAX_DEVICE inline void neo_hookean_parts_of(const V (*H)[3], V half, V mu,
   straight = shear * (one - one / n);
   stretched = (shear + shear) / (n * n);
   squeezed = (half + half) + Lanes::splat(5.0 / 6) * mu;
-  turned = squeezed * volume - Lanes::splat(0.75) * shear;
+  turned = ((squeezed * volume - Lanes::splat(0.75) * shear) + ... + pressure);
 }
 
 /// @param U  as of displacement_gradient()
@@ -92,7 +99,7 @@ HMAX_DEVICE inline void neo_hookean_parts(const V (*U)[3], V half, V mu, NeoHook
   auto& g = parts.g;
   V H[3][3];
   displacement_gradient<Lanes>(U, g + 1, H);
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  first_gradient(g);
   neo_hookean_parts_of(H, half, mu, parts);
 }
 
@@ -161,7 +168,7 @@ HMAX_DEVICE inline void corotational_parts(const V (*U)[3], V half, V mu, Corota
   V H[3][3], e[3][3];
   displacement_gradient<Lanes>(U, g + 1, H);
   nearest_rotation<Lanes, Number>(H, R);
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  first_gradient(g);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       e[i][j] = H[i][j] - R[i][j];
