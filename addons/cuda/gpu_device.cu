@@ -2,15 +2,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cuda_runtime.h>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <cuda_runtime.h>
-
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/device.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "core/errors.hpp"
 
 namespace hmax {
@@ -23,7 +23,7 @@ void check(cudaError_t error, const char* what) {
   if (error == cudaSuccess) return;
   static_cast<void>(cudaGetLastError());  // it is told here, and not of what comes after it
   throw InputError(std::string("the GPU ") + what + ": " + cudaGetErrorString(error) +
-                     "; see nvidia-smi, or leave out --device");
+                   "; see nvidia-smi, or leave out --device");
 }
 
 struct CudaBlock {
@@ -48,7 +48,8 @@ __global__ void __launch_bounds__(P::threads) run_blocks(const P program) {
 /// Calls f(kernel, program) with the kernel of the program.
 template <class F>
 void with_kernel(const DeviceProgram& program, const F& f) {
-  program.visit([&]<class P>(const P& own) { with_kind(own, [&]<class Kind>(Kind) { f(run_blocks<Kind, P>, own); }); });
+  program.visit(
+      [&]<class P>(const P& own) { with_kind(own, [&]<class Kind>(Kind) { f(run_blocks<Kind, P>, own); }); });
 }
 
 /// Programs as a graph.
@@ -99,8 +100,10 @@ class Gpu final : public Device {
     check(cudaDriverGetVersion(&driver), "has no driver");
     check(cudaRuntimeGetVersion(&runtime), "has no run time");
     check(cudaDeviceGetAttribute(&khz, cudaDevAttrClockRate, 0), "does not tell its clock");
-    check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, 0), "does not tell its memory clock");
-    check(cudaDeviceGetAttribute(&ratio, cudaDevAttrSingleToDoublePrecisionPerfRatio, 0), "does not tell its speed");
+    check(cudaDeviceGetAttribute(&memory_khz, cudaDevAttrMemoryClockRate, 0),
+          "does not tell its memory clock");
+    check(cudaDeviceGetAttribute(&ratio, cudaDevAttrSingleToDoublePrecisionPerfRatio, 0),
+          "does not tell its speed");
     // 128 single-precision units in a multiprocessor; 64 in those of 6.0, 7 and 8.0.
     const int kind = card_.major * 10 + card_.minor;
     const double units = kind == 60 || card_.major == 7 || kind == 80 ? 64 : 128;
@@ -122,20 +125,30 @@ class Gpu final : public Device {
   void release(void* memory) override {
     std::erase_if(memory_, [&](const auto& each) { return each.get() == memory; });
   }
-  void write(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyHostToDevice); }
-  void read(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToHost); }
-  void copy(void* to, const void* from, std::size_t bytes) override { move(to, from, bytes, cudaMemcpyDeviceToDevice); }
+  void write(void* to, const void* from, std::size_t bytes) override {
+    move(to, from, bytes, cudaMemcpyHostToDevice);
+  }
+  void read(void* to, const void* from, std::size_t bytes) override {
+    move(to, from, bytes, cudaMemcpyDeviceToHost);
+  }
+  void copy(void* to, const void* from, std::size_t bytes) override {
+    move(to, from, bytes, cudaMemcpyDeviceToDevice);
+  }
 
   using Device::run;
   void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override {
     for (const DeviceProgram& program : programs) make_room(program);
-    const auto of_graph = static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / programs.size()));
+    const auto of_graph =
+        static_cast<std::int64_t>(std::max<std::size_t>(1, launches_of_a_graph / programs.size()));
     // Programs that are never the same again, as those of chosen steps, are worth no graph.
-    const bool repeats = (programs.size() > 1 || times > 1) &&
-                         std::all_of(programs.begin(), programs.end(), [](const auto& own) { return own.is(own); });
-    const cudaGraphExec_t graph = repeats && times >= of_graph ? graph_of(programs, of_graph, loads) : nullptr;
+    const bool repeats =
+        (programs.size() > 1 || times > 1) &&
+        std::all_of(programs.begin(), programs.end(), [](const auto& own) { return own.is(own); });
+    const cudaGraphExec_t graph =
+        repeats && times >= of_graph ? graph_of(programs, of_graph, loads) : nullptr;
     timed([&] {
-      for (; graph && times >= of_graph; times -= of_graph) check(cudaGraphLaunch(graph, stream_), "does not step");
+      for (; graph && times >= of_graph; times -= of_graph)
+        check(cudaGraphLaunch(graph, stream_), "does not step");
       launch(programs, times, loads);
     });
   }
@@ -156,7 +169,8 @@ class Gpu final : public Device {
     with_kernel(program, [](auto kernel, const auto& own) {
       const std::size_t bytes = shared_bytes_of(own);
       if (bytes > shared_by_default)
-        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                   static_cast<int>(bytes)),
               "has too little shared memory");
     });
   }
@@ -171,9 +185,10 @@ class Gpu final : public Device {
     if (before > 0) count_evaluations<<<1, 1, 0, stream_>>>(loads.before, before);
   }
 
-  /// The graph of these programs, one of those that are kept where it is there. A run of long steps has up to three:
-  /// of two steps, there and back, of an odd one and of the last one; frames of one step have two.
-  cudaGraphExec_t graph_of(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) {
+  /// The graph of these programs, one of those that are kept where it is there. A run of long steps has up to
+  /// three: of two steps, there and back, of an odd one and of the last one; frames of one step have two.
+  cudaGraphExec_t graph_of(std::span<const DeviceProgram> programs, std::int64_t times,
+                           LoadEvaluations loads) {
     const auto is_it = [&](const ProgramGraph& each) {
       return each.graph && each.loads == loads &&
              std::equal(programs.begin(), programs.end(), each.of.begin(), each.of.end(),

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "catalogue/device/device.hpp"
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "catalogue/methods/bind.hpp"
 #include "core/errors.hpp"
 #include "integrators/breakpoints.hpp"

@@ -6,6 +6,7 @@
 
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/fibres.hpp"
+#include "problems/tissue/forces/nodal_pressure.hpp"
 #include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/rest_shape.hpp"
 #include "problems/tissue/forces/tet_blocks.hpp"
@@ -46,6 +47,7 @@ class MatrixMaker {
       if (made_.law == TetLaw::small_strain) add_up_constant();
       if (made_.law == TetLaw::neo_hookean || made_.law == TetLaw::corotational) place_elements();
     }
+    if (const NodalPressure* const elements = body_.element_parts().of_pressures) place_shared(*elements);
     if (const QuadraticElements* const elements = body_.element_parts().of_ten_nodes)
       place_ten_nodes(elements->elements());
     if (const FibreElements* const fibres = body_.element_parts().fibres) place_fibres(*fibres);
@@ -158,14 +160,54 @@ class MatrixMaker {
       const RestShape rest(mesh, points);
       const TissueMaterial& material = body_.settings().materials[at(mesh.region(t))];
       const Lame moduli = lame(material.young, material.poisson);
-      StiffTet& tet = made_.tets.emplace_back();
-      for (std::size_t k = 0; k < 9; ++k)
-        tet.gradients[k] = rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
-      tet.half_lambda = rest.volume * moduli.lambda / 2;
-      tet.mu = rest.volume * moduli.mu;
-      for (std::size_t a = 0; a < 4; ++a) tet.corner[a] = number_[at(points[a])];
+      made_.tets.push_back(stiff_tet(points, rest, moduli));
     }
     made_.terms = lists_of(terms);
+  }
+
+  [[nodiscard]] StiffTet stiff_tet(const std::array<Index, 4>& points, const RestShape& rest,
+                                   const Lame& moduli) const {
+    StiffTet tet;
+    tet.half_lambda = rest.volume * moduli.lambda / 2;
+    tet.mu = rest.volume * moduli.mu;
+    for (std::size_t k = 0; k < 9; ++k)
+      tet.gradients[k] = rest.gradients(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3));
+    for (std::size_t a = 0; a < 4; ++a) tet.corner[a] = number_[at(points[a])];
+    return tet;
+  }
+
+  void place_shared(const NodalPressure& pressures) {
+    made_.law = TetLaw::neo_hookean;
+    made_.averages = static_cast<std::int32_t>(pressures.averages().size());
+    BlockTerms terms(made_.blocks());
+    struct Term {
+      std::int32_t point, average, of;  // of a gradient: 4 times the element + its corner
+      auto operator<=>(const Term&) const = default;
+    };
+    std::vector<Term> of_gradients;
+    for (const NodalPressure::Element& e : pressures.elements()) {
+      const auto number = static_cast<std::int32_t>(made_.tets.size());
+      append_pairs(e.points, number, terms);
+      made_.tets.push_back(stiff_tet(e.points, e.rest, e.own));
+      std::ranges::copy(e.averages, made_.shares.emplace_back(StiffShares{e.rest.volume, {}}).average);
+      for (std::int32_t b = 0; b < 4; ++b)
+        if (const std::int32_t point = free_[at(e.points[at(b)])]; point >= 0)
+          for (const Index average : e.averages) of_gradients.push_back({point, average, 4 * number + b});
+    }
+    made_.terms = lists_of(terms);
+    std::ranges::sort(of_gradients);
+    BlockTerms at_point(body_.free_points().size()), of_average;
+    for (std::size_t n = 0; n < of_gradients.size(); ++n) {
+      const auto& [point, average, of] = of_gradients[n];
+      std::vector<std::int32_t>& around = at_point[at(point)];
+      if (around.empty() || around.back() != average) {
+        around.push_back(average);
+        of_average.emplace_back();
+      }
+      of_average.back().push_back(of);
+    }
+    made_.averages_at_point = lists_of(at_point);
+    made_.gradient_terms = lists_of(of_average);
   }
 
   void place_ten_nodes(std::span<const QuadraticElements::Element> elements) {
@@ -299,11 +341,25 @@ MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t>
   return MatrixMaker(body, number).finish();
 }
 
-std::string unsuited_for_matrix(const TissueBody& body) {
-  const ElementParts parts = body.element_parts();
-  if (parts.of_pressures) return "has shared pressures, whose stiffness is not there";
-  return {};
+namespace {
+
+TermLists there_of(DeviceMemory& memory, const MatrixArrays::Lists& from) {
+  return {memory.copy(from.first), memory.copy(from.of)};
 }
+
+StiffPressures pressures_of(DeviceMemory& memory, const MatrixArrays& made) {
+  if (made.shares.empty()) return {};
+  const std::size_t gradients = made.averages_at_point.of.size();
+  return {.averages = made.averages,
+          .gradients = static_cast<std::int32_t>(gradients),
+          .tets = memory.copy(made.shares),
+          .at_point = there_of(memory, made.averages_at_point),
+          .terms = there_of(memory, made.gradient_terms),
+          .gradient = memory.room<double>(3 * gradients),
+          .pressure = memory.room<double>(at(made.averages))};
+}
+
+}  // namespace
 
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches) {
   const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
@@ -311,58 +367,61 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
            count(made.triangle_terms);
   flops_of_terms_ = (made.ten_nodes.empty() ? 260 : 1640) * count(made.terms) +
                     113 * count(made.fibre_terms) + 60 * count(made.spring_terms) +
-                    135 * count(made.damper_terms) + 390 * count(made.triangle_terms);
-  const auto lists = [&](const MatrixArrays::Lists& from) {
-    return TermLists{memory.copy(from.first), memory.copy(from.of)};
-  };
-  arrays_.matrix = {.points = patches.free(),
-                    .blocks = static_cast<std::int32_t>(made.blocks()),
-                    .sums = static_cast<std::int32_t>(made.sums()),
-                    .first = memory.copy(made.first),
-                    .row = memory.copy(made.row),
-                    .column = memory.copy(made.column),
-                    .law = made.law,
-                    .tets = memory.copy(made.tets),
-                    .ten_nodes = made.ten_nodes.empty() ? nullptr : memory.copy(made.ten_nodes),
-                    .sum = nullptr,
-                    .terms = lists(made.terms),
-                    .sum_of = memory.copy(made.sum_of),
-                    .rim = memory.copy(made.rim),
-                    .fibres = made.fibres.empty() ? nullptr : memory.copy(made.fibres),
-                    .fibre_terms = lists(made.fibre_terms),
-                    .springs = made.springs.empty() ? nullptr : memory.copy(made.springs),
-                    .spring_terms = lists(made.spring_terms),
-                    .triangles = made.triangles.empty() ? nullptr : memory.copy(made.triangles),
-                    .triangle_terms = lists(made.triangle_terms),
-                    .dampers = made.dampers.empty() ? nullptr : memory.copy(made.dampers),
-                    .damper_terms = lists(made.damper_terms),
-                    .damping = made.damping.empty() ? nullptr : memory.copy(made.damping),
-                    .alpha = made.alpha,
-                    .values = memory.room<double>(9 * made.blocks()),
-                    .diagonal = nullptr};
+                    135 * count(made.damper_terms) + 390 * count(made.triangle_terms) +
+                    130 * count(made.gradient_terms);
+  std::vector<double> around(at(made.averages));  // how many gradients an average has
+  for (const std::int32_t average : made.averages_at_point.of) ++around[at(average)];
+  for (const double each : around) flops_of_terms_ += 18 * each * each;
+  const auto lists = [&](const MatrixArrays::Lists& from) { return there_of(memory, from); };
+  there_ = {.points = patches.free(),
+            .blocks = static_cast<std::int32_t>(made.blocks()),
+            .sums = static_cast<std::int32_t>(made.sums()),
+            .first = memory.copy(made.first),
+            .row = memory.copy(made.row),
+            .column = memory.copy(made.column),
+            .law = made.law,
+            .tets = memory.copy(made.tets),
+            .ten_nodes = made.ten_nodes.empty() ? nullptr : memory.copy(made.ten_nodes),
+            .sum = nullptr,
+            .terms = lists(made.terms),
+            .sum_of = memory.copy(made.sum_of),
+            .rim = memory.copy(made.rim),
+            .pressures = pressures_of(memory, made),
+            .fibres = made.fibres.empty() ? nullptr : memory.copy(made.fibres),
+            .fibre_terms = lists(made.fibre_terms),
+            .springs = made.springs.empty() ? nullptr : memory.copy(made.springs),
+            .spring_terms = lists(made.spring_terms),
+            .triangles = made.triangles.empty() ? nullptr : memory.copy(made.triangles),
+            .triangle_terms = lists(made.triangle_terms),
+            .dampers = made.dampers.empty() ? nullptr : memory.copy(made.dampers),
+            .damper_terms = lists(made.damper_terms),
+            .damping = made.damping.empty() ? nullptr : memory.copy(made.damping),
+            .alpha = made.alpha,
+            .values = memory.room<double>(9 * made.blocks()),
+            .diagonal = nullptr,
+            .place = memory.copy(patches.order)};
   if (const std::size_t numbers = std::max(9 * made.sums(), made.constant.size()); numbers > 0)
-    arrays_.matrix.sum = memory.room<double>(numbers);
+    there_.sum = memory.room<double>(numbers);
   if (!made.constant.empty())
-    memory.device().write(arrays_.matrix.sum, made.constant.data(), sizeof(double) * made.constant.size());
-  arrays_.matrix.diagonal = memory.room<double>(static_cast<std::size_t>(arrays_.dofs()));
-  arrays_.place = memory.copy(patches.order);
+    memory.device().write(there_.sum, made.constant.data(), sizeof(double) * made.constant.size());
+  there_.diagonal = memory.room<double>(static_cast<std::size_t>(there_.dofs()));
 }
 
-void MatrixOnDevice::append(const NewtonArrays& arrays, const BodyStep<double>& step,
-                            std::vector<DeviceProgram>& programs) {
-  if (arrays.matrix.sums > 0)
-    programs.push_back({TetStiffness{arrays.matrix, step.q_next, step.body.points}});
-  programs.push_back({MatrixBlocks{arrays, step, step.evaluation}});
+void MatrixOnDevice::append(double h, const BodyStep<double>& step,
+                            std::vector<DeviceProgram>& programs) const {
+  const TetStiffness tets{there_, step.q_next, step.body.points};
+  if (there_.pressures.tets) programs.push_back({PressureGradients{tets, step.body.pressures}});
+  if (there_.sums > 0) programs.push_back({tets});
+  programs.push_back({MatrixBlocks{there_, h, step, step.evaluation}});
 }
 
-double MatrixOnDevice::flops() const { return flops_of_terms_ + 20.0 * arrays_.matrix.blocks; }
+double MatrixOnDevice::flops() const { return flops_of_terms_ + 20.0 * there_.blocks; }
 
 double MatrixOnDevice::bytes() const {
   constexpr double number = sizeof(double), place = sizeof(std::int32_t);
-  const BodyMatrix& matrix = arrays_.matrix;
   const double constant =
-      (matrix.sum && matrix.sums == 0 ? 9 * number : 0) + (matrix.damping ? 9 * number : 0);
-  return place * terms_ + 2 * 9 * number * matrix.sums + (9 * number + constant + 3 * place) * matrix.blocks;
+      (there_.sum && there_.sums == 0 ? 9 * number : 0) + (there_.damping ? 9 * number : 0);
+  return place * terms_ + 2 * 9 * number * there_.sums + (9 * number + constant + 3 * place) * there_.blocks;
 }
 
 }  // namespace hmax

@@ -1,15 +1,14 @@
-/// The stiffness and damping of a body, for newton_step.hpp.
+/// The stiffness and damping of a body, for stiffness_step.hpp.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -23,6 +22,9 @@ struct MatrixArrays {
   TetLaw law = TetLaw::green;
   std::vector<StiffTet> tets;
   std::vector<StiffTenNodes> ten_nodes;
+  std::vector<StiffShares> shares;
+  std::int32_t averages = 0;                ///< that tetrahedra share
+  Lists averages_at_point, gradient_terms;  ///< see StiffPressures
   Lists terms, fibre_terms, spring_terms, triangle_terms, damper_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffFibre> fibres;
@@ -46,27 +48,22 @@ MatrixArrays matrix_arrays(const TissueBody& body, std::span<const std::int32_t>
 /// Its pattern alone.
 MatrixArrays pattern_arrays(const TissueBody& body);
 
-/// Why the stiffness of a body that has patches is not found there, "has ..."; empty where it is.
-std::string unsuited_for_matrix(const TissueBody& body);
-
 /// The same in the memory of a device, and the programs that add it up.
 class MatrixOnDevice {
  public:
   /// @param memory  outlives this
   MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches);
 
-  /// NewtonArrays with the matrix and the places of points alone.
-  [[nodiscard]] const NewtonArrays& arrays() const { return arrays_; }
-  /// Appends A = K + C / h + M / h^2 at step.q_next, which is K for an infinite h.
-  /// @param arrays  those of above, with more or not, and h
-  static void append(const NewtonArrays& arrays, const BodyStep<double>& step,
-                     std::vector<DeviceProgram>& programs);
+  [[nodiscard]] const BodyMatrix& there() const { return there_; }
+  /// Appends A = K + C / h + M / h^2 at step.q_next, which is K for an infinite h. Volumes that tetrahedra
+  /// share are known there, see append_volumes().
+  void append(double h, const BodyStep<double>& step, std::vector<DeviceProgram>& programs) const;
   /// Of one assembly.
   [[nodiscard]] double flops() const;
   [[nodiscard]] double bytes() const;
 
  private:
-  NewtonArrays arrays_{};
+  BodyMatrix there_{};
   double terms_, flops_of_terms_;  ///< of the lists
 };
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <variant>
 
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "core/errors.hpp"
 
 namespace hmax {
@@ -411,7 +411,7 @@ void BodyOnDevice<Real>::append_recurrence(BodyStep<double> step, std::vector<De
       if (j == 0 && known) {
         programs.push_back({KnownStage<double>{step, *known}});
       } else {
-        programs.push_back({step});
+        append_step(step, programs);
         ++step.evaluation;
       }
       step.move = Move::recurrence;
@@ -487,11 +487,13 @@ void BodyOnDevice<Real>::advance(double h, std::int64_t count) {
   switch (method_.kind) {
     case DeviceMethod::Kind::symplectic_euler:
       return run(count, moves(Move::symplectic_euler));
-    case DeviceMethod::Kind::kicks:
-      device_.run({FirstKick<Real>{step_}});
+    case DeviceMethod::Kind::kicks: {
+      const DeviceProgram first{FirstKick<Real>{step_}};
+      device_.run({&first, 1}, 1, {});
       std::swap(step_.q, step_.q_next);
       run(count - 1, moves(Move::kick_drift));
       return run(1, moves(Move::kick));
+    }
     case DeviceMethod::Kind::runge_kutta:
     case DeviceMethod::Kind::stabilised:
       return run(count, [this](const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {

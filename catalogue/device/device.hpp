@@ -51,8 +51,6 @@ class Device {
 
   /// Programs one after the other, over and over again.
   virtual void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) = 0;
-  /// One that has no loads, once; see device_program.hpp.
-  inline void run(const DeviceProgram& program);
   /// What programs have taken since the last call [s], by events of the device.
   [[nodiscard]] virtual double seconds() = 0;
 };

@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "catalogue/device/body_step.hpp"
+#include "catalogue/device/programs/body_step.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/positional/compliant_constraints.hpp"
 

@@ -73,10 +73,6 @@ struct DeviceMethod {
     if (kind == Kind::stabilised) return "stabilised methods";
     return is_iterated() ? "methods of iterations" : nullptr;
   }
-  /// Whether the device adds up the stiffness of the body.
-  [[nodiscard]] bool assembles() const {
-    return kind == Kind::stabilised || (kind == Kind::newton && !iterated.frozen);
-  }
   /// Of truncated Newton: Jacobians of so many steps.
   [[nodiscard]] std::int64_t jacobians(std::int64_t steps) const {
     if (kind != Kind::newton) return 0;

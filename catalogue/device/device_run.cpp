@@ -162,7 +162,6 @@ std::string unsuited_for_device(const Problem& problem, const Method& method) {
   if (known->kind == Kind::newton && known->iterated.programs() > IteratedSteps::most_programs)
     return "has steps of more than some " + std::to_string(IteratedSteps::most_programs / 2) +
            " conjugate gradients, the most that a step has on a GPU";
-  if (why.empty() && known->assembles()) why = unsuited_for_matrix(body);
   if (why.empty() && known->kind == Kind::stabilised) why = unsuited_for_radius(body);
   return why.empty() ? why : "does not run this body on a GPU: it " + why;
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 
 namespace hmax {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "core/errors.hpp"
 #include "core/instructions/cosines.hpp"
 
@@ -33,6 +33,8 @@ class Lent {
 
   Device& device;
   std::mutex one_at_a_time;
+
+  void run(const DeviceProgram& program) { device.run({&program, 1}, 1, {}); }
 
   /// Room for so many, the same one in each call of the same place.
   template <class T>
@@ -120,7 +122,7 @@ void run_to_end(Lent& lent, Motions& all, const Going& going) {
   while (left[0] != 0 && going()) {
     left[0] = 0;
     all.left = lent.copy(3, left);
-    lent.device.run({all});
+    lent.run({all});
     lent.read(left, all.left);
   }
 }
@@ -340,11 +342,11 @@ void run_shared(Lent& lent, const std::vector<SharedStep<Method>>& steps, std::s
     const SharedStep<Method>* const first = lent.copy(1, steps);
     const auto all = static_cast<std::int64_t>(steps.size());
     for (std::int64_t done = 0; done < all; done += steps_of_a_launch)
-      lent.device.run({SharedMotions{.motions = motions,
-                                     .count = count,
-                                     .method = Method::id,
-                                     .steps = first + done,
-                                     .step_count = std::min(steps_of_a_launch, all - done)}});
+      lent.run({SharedMotions{.motions = motions,
+                              .count = count,
+                              .method = Method::id,
+                              .steps = first + done,
+                              .step_count = std::min(steps_of_a_launch, all - done)}});
   });
 }
 

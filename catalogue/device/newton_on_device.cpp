@@ -11,10 +11,11 @@ NewtonOnDevice::NewtonOnDevice(DeviceMemory& memory, const TissueBody& body, con
       steps_(steps),
       pattern_(steps.frozen ? pattern_arrays(body) : MatrixArrays{}),
       matrix_(memory, steps.frozen ? pattern_ : matrix_arrays(body, patches.number), patches),
-      arrays_(matrix_.arrays()),
+      arrays_{},
       kept_(memory.room<std::int64_t>(1)) {
-  const auto dofs = static_cast<std::size_t>(arrays_.dofs()),
-             pieces = static_cast<std::size_t>(arrays_.pieces());
+  arrays_.matrix = matrix_.there();
+  const auto dofs = static_cast<std::size_t>(arrays_.matrix.dofs()),
+             pieces = static_cast<std::size_t>(arrays_.matrix.pieces());
   for (double** const each : {&arrays_.inertial, &arrays_.residual, &arrays_.z, &arrays_.p[0], &arrays_.p[1],
                               &arrays_.Ap, &arrays_.dq})
     *each = memory.room<double>(dofs);
@@ -34,7 +35,7 @@ void NewtonOnDevice::append(const BodyStep<double>& step, double h,
   force.v = step.v_next;
   for (std::int32_t i = 0; i < steps_.iterations; ++i) {
     append_step(force, programs);
-    if (!steps_.frozen) MatrixOnDevice::append(newton, step, programs);
+    if (!steps_.frozen) matrix_.append(h, step, programs);
     programs.push_back({GradientBegin{{newton, 0}, step}});
     for (std::int32_t k = 0; k < steps_.gradients; ++k) {
       programs.push_back({GradientProduct{{newton, k}}});
@@ -68,7 +69,7 @@ void NewtonOnDevice::prepare(double h) {
   Device& device = memory_.device();
   device.write(arrays_.matrix.values, entries.data(), sizeof(double) * entries.size());
   device.write(arrays_.matrix.diagonal, diagonal.data(),
-               static_cast<std::size_t>(arrays_.dofs()) * sizeof(double));
+               static_cast<std::size_t>(arrays_.matrix.dofs()) * sizeof(double));
   h_ = h;
 }
 
@@ -76,14 +77,14 @@ void NewtonOnDevice::keep() { memory_.device().copy(kept_, arrays_.iterations, s
 void NewtonOnDevice::go_back() { memory_.device().copy(arrays_.iterations, kept_, sizeof *kept_); }
 
 double NewtonOnDevice::flops() const {
-  const double blocks = arrays_.matrix.blocks, dofs = arrays_.dofs();
+  const double blocks = arrays_.matrix.blocks, dofs = arrays_.matrix.dofs();
   const double gradients = static_cast<double>(steps_.gradients) * (18 * blocks + 13 * dofs);
   return static_cast<double>(steps_.all()) * ((steps_.frozen ? 0 : matrix_.flops()) + gradients + 12 * dofs);
 }
 
 double NewtonOnDevice::bytes() const {
   constexpr double number = sizeof(double), place = sizeof(std::int32_t);
-  const double blocks = arrays_.matrix.blocks, dofs = arrays_.dofs();
+  const double blocks = arrays_.matrix.blocks, dofs = arrays_.matrix.dofs();
   const double gradients =
       static_cast<double>(steps_.gradients) * ((9 * number + place) * blocks + 13 * number * dofs);
   return static_cast<double>(steps_.all()) *

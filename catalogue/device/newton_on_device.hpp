@@ -8,7 +8,7 @@
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 
 namespace hmax {
 

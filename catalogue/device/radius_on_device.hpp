@@ -12,7 +12,7 @@
 #include "catalogue/device/body_matrix.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
-#include "catalogue/device/device_program.hpp"
+#include "catalogue/device/programs/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -58,11 +58,12 @@ class RadiusOnDevice {
     BoundPieces bound = bound_;
     bound.mass = step.body.mass;
     std::vector<DeviceProgram> programs;
-    MatrixOnDevice::append(bound.newton, step, programs);
+    append_volumes(step, programs);
+    matrix_->append(std::numeric_limits<double>::infinity(), step, programs);
     programs.push_back({bound});
     Device& device = memory_.device();
     device.run(programs, 1, {});
-    std::vector<double> largest(2 * static_cast<std::size_t>(bound.newton.pieces()));
+    std::vector<double> largest(2 * static_cast<std::size_t>(bound.matrix.pieces()));
     device.read(largest.data(), bound.largest, sizeof(double) * largest.size());
     double column = largest[0], row = largest[1];
     for (std::size_t n = 2; n < largest.size(); n += 2) {
@@ -80,17 +81,16 @@ class RadiusOnDevice {
   }
 
  private:
-  [[nodiscard]] std::int32_t blocks() const { return bound_.newton.matrix.blocks; }
+  [[nodiscard]] std::int32_t blocks() const { return bound_.matrix.blocks; }
 
   void place_matrix(const TissueBody& body, const BodyPatches& patches) {
     const MatrixArrays made = matrix_arrays(body, patches.number);
     std::vector<std::int32_t> transposed;
     for (std::size_t n = 0; n < made.blocks(); ++n)
       transposed.push_back(static_cast<std::int32_t>(made.block(made.column[n], made.row[n])));
-    bound_.newton = matrix_.emplace(memory_, made, patches).arrays();
-    bound_.newton.h = std::numeric_limits<double>::infinity();  // of a matrix that is K alone
+    bound_.matrix = matrix_.emplace(memory_, made, patches).there();
     bound_.transposed = memory_.copy(transposed);
-    bound_.largest = memory_.room<double>(2 * static_cast<std::size_t>(bound_.newton.pieces()));
+    bound_.largest = memory_.room<double>(2 * static_cast<std::size_t>(bound_.matrix.pieces()));
   }
 
   DeviceMemory& memory_;

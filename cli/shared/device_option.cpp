@@ -83,9 +83,8 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   const std::string why = unsuited_for_device(problem, method);
   if (why.empty()) return;
   std::string others;
-  for (const char* id :
-       {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rkc_2", "rkl_2",
-        "newton_truncated", "newton_truncated:frozen=1", "vbd", "xpbd", "pbd"}) {
+  for (const char* id : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                         "rkc_2", "rkl_2", "newton_truncated", "vbd", "xpbd", "pbd"}) {
     const Method other = find_method(id);
     if ((!other.unsuited || other.unsuited(problem).empty()) && unsuited_for_device(problem, other).empty())
       others += std::string(others.empty() ? "" : ", ") + id;

@@ -16,7 +16,7 @@
 #include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/host_device.hpp"
-#include "catalogue/device/point_step.hpp"
+#include "catalogue/device/programs/point_step.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/tissue/positional_body.hpp"
@@ -250,12 +250,18 @@ void expect_same_linearly_implicit(Device& device) {
       fibrous_body(driven_body()),
       fibrous_body(uneven_body(2.5, "fem_quadratic"), true),
       fibrous_body(moving_body(1e-3, "fem_green", membrane)),
+      held_body(),
+      uneven_body(0, "fem_nodal_pressure", skin),
+      fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure")), true),
+      moving_body(1e-3, "fem_nodal_pressure", membrane),
+      pressed_body(pressed[0], "fem_nodal_pressure"),
       pressed_body(pressed[0], fibrous_body(uneven_body(0, "fem_corotational")))};
   for (const double h : {0.01, 0.001}) {
     const RunSpec spec{.t_end = 10.01 * h, .h = h};
     for (const Problem& body : bodies) expect_same(device, body, one, spec, 3);
-    for (const char* mesh : {"@liver", "@phantom"})
-      expect_same(device, fibrous.on(mesh, {{"g", 9.81}, {"beta", 1e-3}}), one, spec, 3);
+    for (const Parts& parts : {fibrous, of_pressures})
+      for (const char* mesh : {"@liver", "@phantom"})
+        expect_same(device, parts.on(mesh, {{"g", 9.81}, {"beta", 1e-3}}), one, spec, 3);
   }
   for (const Problem& body : bodies)
     expect_same(device, body, "newton_truncated:iterations=3,substeps=2,cg=4", {.t_end = 0.03, .h = 0.01}, 3);

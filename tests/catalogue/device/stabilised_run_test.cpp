@@ -32,7 +32,8 @@ void expect_same_stabilised(Device& device) {
         uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"), pressed_body(pressed[0]),
         driven_body(), driven_body(uneven_body(2.5, "fem_quadratic")), fibrous_body(uneven_body(2.5)),
         fibrous_body(uneven_body(2.5, "fem_cauchy")),
-        fibrous_body(driven_body(uneven_body(0, "fem_neo_hookean")), true)})
+        fibrous_body(driven_body(uneven_body(0, "fem_neo_hookean")), true),
+        fibrous_body(driven_body(uneven_body(2.5, "fem_nodal_pressure")))})
     each(body, {.t_end = 0.01001, .h = 1e-4});  // its last step is a sliver
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}, {"beta", 0.01}}},
@@ -42,6 +43,7 @@ void expect_same_stabilised(Device& device) {
            {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
            {"fem_cauchy@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}},
+           {"fem_nodal_pressure@liver", {{"g", 9.81}, {"beta", 0.01}}},
            {"fem_quadratic@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 0.1}}}})
     each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
   each(fibrous.on("@liver", {{"g", 9.81}, {"beta", 0.01}}), {.t_end = 0.0503, .h = 5e-3}, 7);
@@ -60,8 +62,8 @@ void expect_same_radius(Device& device) {
     there.find_radius(there.step().q);
     EXPECT_EQ(there.longest_step(), longest_stabilized_step<Rkc2>(problem.body->spectral_radius(0, y)));
   };
-  for (const char* model :
-       {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "fem_quadratic", "mass_spring"}) {
+  for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational",
+                            "fem_nodal_pressure", "fem_quadratic", "mass_spring"}) {
     for (const double beta : {0.0, 0.01})
       expect_it(make_problem(std::string(model) + "@liver", {.parameters = {{"beta", beta}}}));
     if (model != std::string("mass_spring")) {
@@ -86,8 +88,8 @@ void expect_same_chosen_stabilised(Device& device) {
   };
   for (const double rtol : {1e-1, 1e-3, 1e-5}) {
     const RunSpec spec{.t_end = 0.02, .rtol = rtol, .atol = 1e-3 * rtol};
-    for (const char* model :
-         {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational", "fem_quadratic", "mass_spring"})
+    for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational",
+                              "fem_nodal_pressure", "fem_quadratic", "mass_spring"})
       each(uneven_body(2.5, model), spec);
     each(driven_body(), spec);
   }

@@ -16,12 +16,11 @@
 #include <variant>
 #include <vector>
 
-#include "catalogue/device/body_step.hpp"
-#include "catalogue/device/device.hpp"
-#include "catalogue/device/motion_program.hpp"
-#include "catalogue/device/newton_step.hpp"
-#include "catalogue/device/point_step.hpp"
-#include "catalogue/device/positional_step.hpp"
+#include "catalogue/device/programs/body_step.hpp"
+#include "catalogue/device/programs/motion_program.hpp"
+#include "catalogue/device/programs/newton_step.hpp"
+#include "catalogue/device/programs/point_step.hpp"
+#include "catalogue/device/programs/positional_step.hpp"
 
 namespace hmax {
 
@@ -119,6 +118,7 @@ void with_kind(const ErrorPieces& errors, const F& f) {
 template <class F>
 void with_kind(const TetStiffness& stiffness, const F& f) {
   if (stiffness.matrix.ten_nodes) return f(OfTenNodes{});
+  if (stiffness.matrix.pressures.tets) return f(OfPressures{});
   if (stiffness.matrix.law == TetLaw::green) return f(LawConstant<TetLaw::green>{});
   if (stiffness.matrix.law == TetLaw::corotational) return f(LawConstant<TetLaw::corotational>{});
   f(LawConstant<TetLaw::neo_hookean>{});  // that of small strain is constant
@@ -131,7 +131,7 @@ void with_kind(const MovePoints& move, const F& f) {
 }
 template <class F>
 void with_kind(const MatrixBlocks& blocks, const F& f) {
-  const bool has_more = blocks.newton.matrix.has_more() || blocks.step.body.has_other_laws;
+  const bool has_more = blocks.matrix.has_more() || blocks.step.body.has_other_laws;
   has_more ? f(std::true_type{}) : f(std::false_type{});
 }
 
@@ -142,7 +142,7 @@ requires std::derived_from<P, DofProgram> || std::derived_from<P, PieceProgram> 
     std::same_as<P, VolumeShares<double>> || std::same_as<P, VolumeShares<float>> ||
     std::same_as<P, KnownStage<double>> || std::same_as<P, KnownStage<float>> ||
     std::same_as<P, SubstepBegin> || std::same_as<P, MeetColours> || std::same_as<P, PointIteration> ||
-    std::same_as<P, SubstepEnd> || std::same_as<P, FormulaMotions>
+    std::same_as<P, SubstepEnd> || std::same_as<P, FormulaMotions> || std::same_as<P, PressureGradients>
 void with_kind(const P&, const F& f) { f(std::true_type{}); }
 
 template <class F>
@@ -161,9 +161,9 @@ struct DeviceProgram {
   std::variant<BodyStep<double>, BodyStep<float>, BodySteps<double>, BodySteps<float>, VolumeShares<double>,
                VolumeShares<float>, FirstKick<double>, FirstKick<float>, KnownStage<double>,
                KnownStage<float>, ErrorPieces, AdaptiveMotions, FormulaMotions, FormulaSteps, SharedMotions,
-               OwnMotions, NewtonBegin, TetStiffness, MatrixBlocks, GradientBegin, GradientProduct,
-               GradientUpdate, NewtonEnd, BoundPieces, SubstepBegin, MeetColours, PointIteration, MovePoints,
-               SubstepEnd>
+               OwnMotions, NewtonBegin, PressureGradients, TetStiffness, MatrixBlocks, GradientBegin,
+               GradientProduct, GradientUpdate, NewtonEnd, BoundPieces, SubstepBegin, MeetColours,
+               PointIteration, MovePoints, SubstepEnd>
       of;
 
   template <class F>
@@ -190,14 +190,18 @@ struct DeviceProgram {
   }
 };
 
+/// Appends the volumes at step.q that tetrahedra share, where they do.
+template <class Real>
+void append_volumes(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
+  if (step.body.elements == PatchElements::of_pressures)
+    programs.push_back({VolumeShares<Real>{step, step.evaluation}});
+}
+
 /// Appends an evaluation of the forces at (step.q, step.v), and what its move makes of them.
 template <class Real>
 void append_step(const BodyStep<Real>& step, std::vector<DeviceProgram>& programs) {
-  if (step.body.elements == PatchElements::of_pressures)
-    programs.push_back({VolumeShares<Real>{step, step.evaluation}});
+  append_volumes(step, programs);
   programs.push_back({step});
 }
-
-inline void Device::run(const DeviceProgram& program) { run({&program, 1}, 1, {}); }
 
 }  // namespace hmax

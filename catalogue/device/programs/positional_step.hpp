@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "catalogue/device/body_step.hpp"
-#include "catalogue/device/newton_step.hpp"
+#include "catalogue/device/programs/body_step.hpp"
+#include "catalogue/device/programs/newton_step.hpp"
 #include "core/instructions/device_code.hpp"
 #include "integrators/positional/meet_constraint.hpp"
 #include "problems/tissue/positional/element_constraints.hpp"

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "catalogue/device/patch_arrays.hpp"
+#include "catalogue/device/programs/patch_arrays.hpp"
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/piece_sums.hpp"
 #include "integrators/error_norm.hpp"

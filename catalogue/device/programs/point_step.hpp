@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "catalogue/device/positional_step.hpp"
+#include "catalogue/device/programs/positional_step.hpp"
 #include "core/instructions/device_code.hpp"
 #include "integrators/positional/move_point.hpp"
 #include "problems/tissue/positional/pieces_at_point.hpp"

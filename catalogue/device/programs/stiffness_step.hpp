@@ -1,9 +1,4 @@
-/// Newton iterations of a body, each of a few conjugate gradients, as TruncatedNewton has them, and bounds of
-/// its stiffness: the programs of devices.
-///
-/// Vectors of degrees of freedom are in the order of the body, x, y, z of one free point after the other;
-/// displacements and velocities are stored as those of BodyStep. Whether conjugate gradients have ended is
-/// decided on the device: programs after that do nothing, so that steps are one list of programs.
+/// The stiffness and damping of a body and bounds of them: the programs of devices.
 #pragma once
 
 #include <cmath>
@@ -12,7 +7,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "catalogue/device/body_step.hpp"
+#include "catalogue/device/programs/body_step.hpp"
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/piece_sums.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
@@ -67,6 +62,23 @@ struct TermLists {
   bool operator==(const TermLists&) const = default;
 };
 
+/// What a tetrahedron shares with those around its corners: V [m^3], and the averages that it belongs to.
+struct StiffShares {
+  double volume;
+  std::int32_t average[4];
+};
+
+/// Pressures that tetrahedra share at their points, as NodalPressure has them.
+struct StiffPressures {
+  std::int32_t averages, gradients;  ///< how many there are; null: none
+  const StiffShares* tets;           ///< shape (tets)
+  TermLists at_point;  ///< the averages around each free point, ascending: those of the gradients
+  TermLists terms;     ///< of each gradient: 4 times the tetrahedron + its corner, in order
+  double* gradient;    ///< (lambda/V_a)^(1/2) G_a [N/m]^(1/2], shape (gradients, 3)
+  double* pressure;    ///< lambda (J_a - 1) [Pa], shape (averages)
+  bool operator==(const StiffPressures&) const = default;
+};
+
 /// A = K + C / h + M / h^2 in blocks of 3 x 3, row after row of blocks, entries of a block row after row. Its
 /// pattern is symmetric.
 struct BodyMatrix {
@@ -84,6 +96,7 @@ struct BodyMatrix {
   TermLists terms;
   const std::int32_t* sum_of;  ///< of each block of Green's strain: its sum, or ~sum of the transposed one
   const std::int32_t* rim;     ///< where the sums of a point with supported ones begin, shape (points + 1)
+  StiffPressures pressures;
   const StiffFibre* fibres;
   TermLists fibre_terms;  ///< of each block, as `terms`
   const StiffSpring* springs;
@@ -91,92 +104,18 @@ struct BodyMatrix {
   const StiffTriangle* triangles;
   TermLists triangle_terms;  ///< likewise: 9 times the triangle + 3 a + b of its corners
   const StiffDamper* dampers;
-  TermLists damper_terms;  ///< likewise
-  const double* damping;   ///< C of damping by stiffness, shape (blocks, 9); else null
-  double alpha;            ///< [1/s]
-  double* values;          ///< A, shape (blocks, 9)
-  double* diagonal;        ///< shape (dofs)
+  TermLists damper_terms;     ///< likewise
+  const double* damping;      ///< C of damping by stiffness, shape (blocks, 9); else null
+  double alpha;               ///< [1/s]
+  double* values;             ///< A, shape (blocks, 9)
+  double* diagonal;           ///< shape (dofs)
+  const std::int32_t* place;  ///< of each free point of the body: its number in BodyArrays
   [[nodiscard]] bool has_more() const { return fibres || dampers || triangles; }  ///< as BodyArrays
   bool operator==(const BodyMatrix&) const = default;
-};
 
-/// What is known when iteration k begins its product.
-struct GradientState {
-  double rz, least;    ///< r.z; the norm of a residual that is one of rounding
-  std::int32_t ended;  ///< before this iteration
-  std::int32_t flat;   ///< in it: its direction has no curvature
-};
-
-/// What the programs of an iteration share.
-struct NewtonArrays {
-  BodyMatrix matrix;
-  double h;
-  const std::int32_t* place;  ///< of each free point of the body: its number in BodyArrays
-  double *inertial, *residual, *z, *p[2], *Ap, *dq;  ///< shape (dofs)
-  double *rr, *rz, *pAp;                             ///< products, of each piece
-  GradientState* states;                             ///< of conjugate gradients
-  std::int64_t* iterations;                          ///< how many there were
-  bool operator==(const NewtonArrays&) const = default;
-
-  [[nodiscard]] HMAX_DEVICE std::int32_t dofs() const { return 3 * matrix.points; }
+  [[nodiscard]] HMAX_DEVICE std::int32_t dofs() const { return 3 * points; }
   [[nodiscard]] HMAX_DEVICE std::int32_t pieces() const { return (dofs() + piece_size - 1) / piece_size; }
 };
-
-/// Where degree of freedom n of the body stands among displacements and among velocities.
-struct DofPlace {
-  std::int64_t at, dof;
-  HMAX_DEVICE DofPlace(const NewtonArrays& arrays, const BodyStep<double>& step, std::int64_t n)
-      : at(n % 3 * step.body.points + arrays.place[n / 3]),
-        dof(n % 3 * step.body.free + arrays.place[n / 3]) {}
-};
-
-/// A program for each degree of freedom, and the body that it moves: from step.q to step.q_next, where the
-/// iterate is kept, with its velocities in step.v_next.
-struct DofProgram {
-  static constexpr std::int32_t threads = piece_size;
-  NewtonArrays newton;
-  BodyStep<double> step;
-  bool operator==(const DofProgram&) const = default;
-};
-
-/// The first guess: q + h v, and where supports stand.
-struct NewtonBegin : DofProgram {
-  std::int32_t evaluation;  ///< of BodyStep
-  bool operator==(const NewtonBegin&) const = default;
-};
-/// The end of an iteration: dq is added.
-struct NewtonEnd : DofProgram {
-  bool operator==(const NewtonEnd&) const = default;
-};
-
-HMAX_DEVICE inline std::int64_t count_of(const DofProgram& program) { return program.newton.dofs(); }
-/// Those of points that are not free come after those of the body.
-HMAX_DEVICE inline std::int64_t count_of(const NewtonBegin& begin) {
-  return begin.step.body.motions > 0 ? 3 * static_cast<std::int64_t>(begin.step.body.points)
-                                     : begin.newton.dofs();
-}
-HMAX_DEVICE inline void run_thread(std::true_type, const NewtonBegin& begin, std::int64_t n) {
-  if (n >= begin.newton.dofs()) {
-    const BodyStep<double>& step = begin.step;
-    const auto point = static_cast<std::int32_t>(n / 3), i = static_cast<std::int32_t>(n % 3);
-    step.q_next[static_cast<std::int64_t>(i) * step.body.points + point] =
-        held_motion(step.body, loads_of(step, begin.evaluation), point, i);
-    return;
-  }
-  const DofPlace place(begin.newton, begin.step, n);
-  const double h = begin.newton.h, q = begin.step.q[place.at], moved = q + h * begin.step.v[place.dof];
-  begin.newton.inertial[n] = moved;
-  begin.step.q_next[place.at] = moved;
-  begin.step.v_next[place.dof] = (moved - q) / h;
-}
-HMAX_DEVICE inline void run_thread(std::true_type, const NewtonEnd& end, std::int64_t n) {
-  const DofPlace place(end.newton, end.step, n);
-  const double q = end.step.q_next[place.at] + end.newton.dq[n];
-  const double v = (q - end.step.q[place.at]) / end.newton.h;
-  watch(end.step, q, v);
-  end.step.q_next[place.at] = q;
-  end.step.v_next[place.dof] = v;
-}
 
 /// What tetrahedra add.
 struct TetStiffness {
@@ -211,15 +150,18 @@ HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::green>, const StiffTet& te
 }
 
 /// The block (a, b) of the neo-Hookean solid, row i at entries[i].
+/// @param pressure  as of neo_hookean_parts_of()
+template <class... Pressure>
 HMAX_DEVICE inline void tet_block(LawConstant<TetLaw::neo_hookean>, const StiffTet& tet, const double (*U)[3],
-                                  std::int32_t a, std::int32_t b, double (*entries)[3]) {
+                                  std::int32_t a, std::int32_t b, double (*entries)[3],
+                                  Pressure... pressure) {
   kernel_loops::NeoHookeanParts<OneElement<double>, 2> own;
   double g[4][3], H[3][3];
   for (int k = 0; k < 9; ++k) g[k / 3 + 1][k % 3] = tet.gradients[k];
-  for (int i = 0; i < 3; ++i) g[0][i] = -(g[1][i] + g[2][i] + g[3][i]);
+  kernel_loops::first_gradient(g);
   for (int i = 0; i < 3; ++i) own.g[0][i] = at_corner(g, a, i), own.g[1][i] = at_corner(g, b, i);
   kernel_loops::displacement_gradient<OneElement<double>>(U, g + 1, H);
-  kernel_loops::neo_hookean_parts_of(H, tet.half_lambda, tet.mu, own);
+  kernel_loops::neo_hookean_parts_of(H, tet.half_lambda, tet.mu, own, pressure...);
   kernel_loops::neo_hookean_stiffness(own, 0, 1, entries);
 }
 
@@ -246,12 +188,39 @@ HMAX_DEVICE inline void term_block(LawConstant<law> kind, const TetStiffness& st
                                    double (*entries)[3]) {
   const StiffTet& tet = stiffness.matrix.tets[term / 16];
   double U[3][3];
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < 3; ++i) {
-      const double* const u = stiffness.q + static_cast<std::int64_t>(i) * stiffness.points;
-      U[a][i] = u[tet.corner[a + 1]] - u[tet.corner[0]];
-    }
+  edges(tet.corner, stiffness.points, stiffness.q, U);
   tet_block(kind, tet, U, term / 4 % 4, term % 4, entries);
+}
+
+/// The same of those that share their pressures.
+using OfPressures = std::integral_constant<PatchElements, PatchElements::of_pressures>;
+HMAX_DEVICE inline void term_block(OfPressures, const TetStiffness& stiffness, std::int32_t term,
+                                   double (*entries)[3]) {
+  const StiffPressures& shared = stiffness.matrix.pressures;
+  const StiffTet& tet = stiffness.matrix.tets[term / 16];
+  const StiffShares& own = shared.tets[term / 16];
+  double U[3][3], sum = 0;
+  edges(tet.corner, stiffness.points, stiffness.q, U);
+  for (const std::int32_t average : own.average) sum = sum + shared.pressure[average];
+  tet_block(LawConstant<TetLaw::neo_hookean>{}, tet, U, term / 4 % 4, term % 4, entries,
+            own.volume * (sum / 4));
+}
+
+/// Adds what the averages around both points of a block have of it.
+HMAX_DEVICE inline void add_averages(const BodyMatrix& matrix, std::int64_t block, double* sum) {
+  const TermLists& at_point = matrix.pressures.at_point;
+  const std::int32_t row = matrix.row[block], column = matrix.column[block];
+  std::int32_t i = at_point.first[row], j = at_point.first[column];
+  while (i < at_point.first[row + 1] && j < at_point.first[column + 1]) {
+    const std::int32_t of_i = at_point.of[i], of_j = at_point.of[j];
+    if (of_i == of_j) {
+      const double* const G = matrix.pressures.gradient;
+      for (int m = 0; m < 9; ++m)
+        sum[m] = sum[m] + G[std::int64_t{3} * i + m / 3] * G[std::int64_t{3} * j + m % 3];
+    }
+    i += of_i <= of_j ? 1 : 0;
+    j += of_j <= of_i ? 1 : 0;
+  }
 }
 
 /// The same of elements of ten nodes.
@@ -286,18 +255,58 @@ HMAX_DEVICE void run_thread(Kind kind, const TetStiffness& stiffness, std::int64
     term_block(kind, stiffness, matrix.terms.of[k], entries);
     for (int m = 0; m < 9; ++m) sum[m] = sum[m] + entries[m / 3][m % 3];
   }
+  if constexpr (std::is_same_v<Kind, OfPressures>) add_averages(matrix, n, sum);
   for (int m = 0; m < 9; ++m) matrix.sum[9 * n + m] = sum[m];
+}
+
+/// The pressures of all averages, and how their volumes change with the free points around them.
+struct PressureGradients {
+  static constexpr std::int32_t threads = 128;
+  TetStiffness of;
+  SharedPressures<double> shared;  ///< with the shares of VolumeShares at the same displacements
+  bool operator==(const PressureGradients&) const = default;
+};
+/// Those of the averages come after the gradients.
+HMAX_DEVICE inline std::int64_t count_of(const PressureGradients& program) {
+  return std::int64_t{program.of.matrix.pressures.gradients} + program.of.matrix.pressures.averages;
+}
+HMAX_DEVICE inline void run_thread(std::true_type, const PressureGradients& program, std::int64_t n) {
+  const BodyMatrix& matrix = program.of.matrix;
+  const StiffPressures& own = matrix.pressures;
+  if (n >= own.gradients) {
+    const auto average = static_cast<std::int32_t>(n - own.gradients);
+    own.pressure[average] = shared_pressure(program.shared, average, program.shared.shares);
+    return;
+  }
+  double G[3] = {};
+  for (std::int32_t k = own.terms.first[n]; k < own.terms.first[n + 1]; ++k) {
+    const std::int32_t number = own.terms.of[k] / 4;
+    const StiffTet& tet = matrix.tets[number];
+    kernel_loops::NeoHookeanParts<OneElement<double>, 1> parts;
+    double U[3][3], g[4][3], H[3][3];
+    for (int m = 0; m < 9; ++m) g[m / 3 + 1][m % 3] = tet.gradients[m];
+    kernel_loops::first_gradient(g);
+    for (int i = 0; i < 3; ++i) parts.g[0][i] = at_corner(g, own.terms.of[k] % 4, i);
+    edges(tet.corner, program.of.points, program.of.q, U);
+    kernel_loops::displacement_gradient<OneElement<double>>(U, g + 1, H);
+    kernel_loops::neo_hookean_parts_of(H, tet.half_lambda, tet.mu, parts);
+    for (int i = 0; i < 3; ++i) G[i] = G[i] + own.tets[number].volume / 4 * parts.Cg[0][i];
+  }
+  const std::int32_t average = own.at_point.of[n];
+  const double scale = std::sqrt(program.shared.lambda[average] / program.shared.around[average]);
+  for (int i = 0; i < 3; ++i) own.gradient[3 * n + i] = G[i] * scale;
 }
 
 /// All blocks of the matrix.
 struct MatrixBlocks {
   static constexpr std::int32_t threads = 128;
-  NewtonArrays newton;
+  BodyMatrix matrix;
+  double h;
   BodyStep<double> step;    ///< of the iterate, step.q_next
   std::int32_t evaluation;  ///< of BodyStep
   bool operator==(const MatrixBlocks&) const = default;
 };
-HMAX_DEVICE inline std::int64_t count_of(const MatrixBlocks& program) { return program.newton.matrix.blocks; }
+HMAX_DEVICE inline std::int64_t count_of(const MatrixBlocks& program) { return program.matrix.blocks; }
 
 /// Entry (r, c) of the sum of a pair of points, or of the transposed one.
 HMAX_DEVICE inline double of_pair(const BodyMatrix& matrix, std::int32_t pair, bool transposed, int r,
@@ -348,7 +357,7 @@ HMAX_DEVICE inline void span_of(const MatrixBlocks& program, std::int32_t a, std
 
 /// Adds the fibres of a block.
 HMAX_DEVICE inline void add_fibres(const MatrixBlocks& program, std::int64_t block, double (*K)[3]) {
-  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyMatrix& matrix = program.matrix;
   const BodyArrays<double>& body = program.step.body;
   const bool small_strain = body.fibres_of_small_strain;
   for (std::int32_t n = matrix.fibre_terms.first[block]; n < matrix.fibre_terms.first[block + 1]; ++n) {
@@ -370,7 +379,7 @@ HMAX_DEVICE inline void add_fibres(const MatrixBlocks& program, std::int64_t blo
 template <bool more>
 HMAX_DEVICE inline void add_springs(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
                                     double (*K)[3]) {
-  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyMatrix& matrix = program.matrix;
   for (std::int32_t n = matrix.spring_terms.first[block]; n < matrix.spring_terms.first[block + 1]; ++n) {
     const StiffSpring& spring = matrix.springs[matrix.spring_terms.of[n]];
     double d[3], e[3], B[3][3];
@@ -414,7 +423,7 @@ HMAX_DEVICE inline void triangle_block(const MatrixBlocks& program, const StiffT
 
 /// Adds the triangles of a block.
 HMAX_DEVICE inline void add_triangles(const MatrixBlocks& program, std::int64_t block, double (*K)[3]) {
-  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyMatrix& matrix = program.matrix;
   for (std::int32_t n = matrix.triangle_terms.first[block]; n < matrix.triangle_terms.first[block + 1]; ++n) {
     const std::int32_t term = matrix.triangle_terms.of[n];
     double B[3][3];
@@ -427,7 +436,7 @@ HMAX_DEVICE inline void add_triangles(const MatrixBlocks& program, std::int64_t 
 /// Adds what the dampers of a block have of K and of C.
 HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t block, bool is_diagonal,
                                     double (*K)[3], double (*C)[3]) {
-  const BodyMatrix& matrix = program.newton.matrix;
+  const BodyMatrix& matrix = program.matrix;
   const BodyStep<double>& step = program.step;
   const double* const loads = loads_of(step, program.evaluation);
   for (std::int32_t n = matrix.damper_terms.first[block]; n < matrix.damper_terms.first[block + 1]; ++n) {
@@ -456,15 +465,15 @@ HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t bl
 template <bool more>
 HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks& program,
                                    std::int64_t block) {
-  const BodyMatrix& matrix = program.newton.matrix;
-  const double h = program.newton.h;
+  const BodyMatrix& matrix = program.matrix;
+  const double h = program.h;
   const std::int32_t point = matrix.row[block];
   const bool is_diagonal = matrix.column[block] == point;
   double K[3][3] = {};
   if (matrix.sum) take_tetrahedra(matrix, block, is_diagonal, K);
   if (more && matrix.fibres) add_fibres(program, block, K);
   if (matrix.springs) add_springs<more>(program, block, is_diagonal, K);
-  const double mass = program.step.body.mass[program.newton.place[point]];
+  const double mass = program.step.body.mass[program.matrix.place[point]];
   double C[3][3];
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c)
@@ -474,7 +483,7 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
   if (more && matrix.triangles) add_triangles(program, block, K);
   const double* const anchor = program.step.body.anchor;
   for (int r = 0; anchor && is_diagonal && r < 3; ++r)
-    K[r][r] = K[r][r] + anchor[program.newton.place[point]];
+    K[r][r] = K[r][r] + anchor[program.matrix.place[point]];
   if (more && matrix.dampers) add_dampers(program, block, is_diagonal, K, C);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
@@ -485,175 +494,30 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
     }
 }
 
-/// A program of pieces of the degrees of freedom, a block of threads for each.
-struct PieceProgram {
-  static constexpr std::int32_t threads = piece_size;
-  NewtonArrays newton;
-  std::int32_t iteration;  ///< of conjugate gradients
-  bool operator==(const PieceProgram&) const = default;
-};
-inline std::int64_t blocks_of(const PieceProgram& program) { return program.newton.pieces(); }
-/// A piece of numbers, and partial sums.
-inline std::size_t shared_bytes_of(const PieceProgram&) { return 2 * sizeof(double) * piece_size; }
-
-/// The residual at the iterate of `step`, whose force is step.a, and dq = 0.
-struct GradientBegin : PieceProgram {
-  BodyStep<double> step;
-  bool operator==(const GradientBegin&) const = default;
-};
-/// p = z + (r.z / r.z of the iteration before) p and A p.
-struct GradientProduct : PieceProgram {
-  bool operator==(const GradientProduct&) const = default;
-};
-/// dq += (r.z / p.Ap) p, the residual after it, and z.
-struct GradientUpdate : PieceProgram {
-  bool operator==(const GradientUpdate&) const = default;
-};
-
-/// to[number] = the product of two vectors over piece `number`. @param shared  shape (2 piece_size)
-template <class Block>
-HMAX_DEVICE inline void multiply_piece(const Block& block, std::int32_t number, std::int32_t here,
-                                       const double* a, const double* b, double* shared, double* to) {
-  const std::int64_t first = static_cast<std::int64_t>(number) * piece_size;
-  block.barrier();
-  block.each(here, [&](std::int32_t n) { shared[n] = a[first + n] * b[first + n]; });
-  block.barrier();
-  add_up<lanes_of_a_piece>(block, here, shared, shared + piece_size);
-  block.each(1, [&](std::int32_t) { to[number] = shared[piece_size]; });
-}
-
-/// The sum of the products of all pieces, for all threads of a block.
-template <class Block>
-HMAX_DEVICE inline double sum_of_pieces(const Block& block, std::int32_t pieces, const double* products,
-                                        double* shared) {
-  add_up<piece_size>(block, pieces, products, shared);
-  const double sum = shared[0];
-  block.barrier();
-  return sum;
-}
-
 /// How many degrees of freedom a piece has.
-HMAX_DEVICE inline std::int32_t numbers_of_piece(const NewtonArrays& newton, std::int32_t number) {
-  const std::int32_t left = newton.dofs() - number * piece_size;
+HMAX_DEVICE inline std::int32_t numbers_of_piece(const BodyMatrix& matrix, std::int32_t number) {
+  const std::int32_t left = matrix.dofs() - number * piece_size;
   return left < piece_size ? left : piece_size;
-}
-
-/// z of the residual, and the products r.r and r.z of a piece.
-template <class Block>
-HMAX_DEVICE inline void end_residual(const Block& block, const NewtonArrays& newton, std::int32_t number,
-                                     std::int32_t here, double* shared) {
-  multiply_piece(block, number, here, newton.residual, newton.residual, shared, newton.rr);
-  multiply_piece(block, number, here, newton.residual, newton.z, shared, newton.rz);
-}
-
-template <class Block>
-HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientBegin& begin,
-                           std::int32_t number, void* shared) {
-  const NewtonArrays& newton = begin.newton;
-  const std::int32_t here = numbers_of_piece(newton, number);
-  const double h = newton.h;
-  block.each(here, [&](std::int32_t k) {
-    const std::int32_t n = number * piece_size + k;
-    const DofPlace place(newton, begin.step, n);
-    const double mass = begin.step.body.mass[newton.place[n / 3]];
-    const double r =
-        begin.step.a[place.dof] - mass / (h * h) * (begin.step.q_next[place.at] - newton.inertial[n]);
-    newton.residual[n] = r;
-    newton.z[n] = r / newton.matrix.diagonal[n];
-    newton.dq[n] = 0;
-  });
-  end_residual(block, newton, number, here, static_cast<double*>(shared));
-}
-
-/// Row n of A times z + beta p, p left out in the first iteration, column by column as Eigen adds them up.
-HMAX_DEVICE inline double row_product(const NewtonArrays& newton, std::int32_t n, const double* p,
-                                      double beta) {
-  const BodyMatrix& matrix = newton.matrix;
-  double sum = 0;
-  for (std::int32_t k = matrix.first[n / 3]; k < matrix.first[n / 3 + 1]; ++k)
-    for (int c = 0; c < 3; ++c) {
-      const std::int32_t m = 3 * matrix.column[k] + c;
-      const double x = p ? newton.z[m] + beta * p[m] : newton.z[m];
-      sum = sum + matrix.values[std::int64_t{9} * k + (3 * (n % 3) + c)] * x;
-    }
-  return sum;
-}
-
-template <class Block>
-HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientProduct& product,
-                           std::int32_t number, void* shared_memory) {
-  const NewtonArrays& newton = product.newton;
-  const std::int32_t k = product.iteration, pieces = newton.pieces(), here = numbers_of_piece(newton, number);
-  double* const shared = static_cast<double*>(shared_memory);
-  GradientState* const states = newton.states;
-  const auto decide = [&](const GradientState& state) {
-    if (number == 0) block.each(1, [&](std::int32_t) { states[k] = state; });
-  };
-  if (k > 0 && (states[k - 1].ended != 0 || states[k - 1].flat != 0)) return decide({0, 0, 1, 0});
-  const double norm = std::sqrt(sum_of_pieces(block, pieces, newton.rr, shared)),
-               least = k == 0 ? 1e-14 * norm : states[k - 1].least;
-  if (!(norm > least)) return decide({0, 0, 1, 0});
-  const double rz = sum_of_pieces(block, pieces, newton.rz, shared);
-  decide({rz, least, 0, 0});
-  const double beta = k == 0 ? 0 : rz / states[k - 1].rz;
-  const double* const before = k == 0 ? nullptr : newton.p[(k + 1) % 2];
-  double* const p = newton.p[k % 2];
-  block.each(here, [&](std::int32_t m) {
-    const std::int32_t n = number * piece_size + m;
-    p[n] = before ? newton.z[n] + beta * before[n] : newton.z[n];
-    newton.Ap[n] = row_product(newton, n, before, beta);
-  });
-  multiply_piece(block, number, here, p, newton.Ap, shared, newton.pAp);
-}
-
-template <class Block>
-HMAX_DEVICE void run_block(std::true_type, const Block& block, const GradientUpdate& update,
-                           std::int32_t number, void* shared_memory) {
-  const NewtonArrays& newton = update.newton;
-  const std::int32_t here = numbers_of_piece(newton, number);
-  double* const shared = static_cast<double*>(shared_memory);
-  GradientState& state = newton.states[update.iteration];
-  if (state.ended != 0) return;
-  const double curvature = sum_of_pieces(block, newton.pieces(), newton.pAp, shared);
-  const bool is_flat = !(curvature > 0);
-  if (number == 0)
-    block.each(1, [&](std::int32_t) {
-      if (is_flat)
-        state.flat = 1;
-      else
-        ++*newton.iterations;
-    });
-  if (is_flat) return;
-  const double step = state.rz / curvature;
-  const double* const p = newton.p[update.iteration % 2];
-  block.each(here, [&](std::int32_t k) {
-    const std::int32_t n = number * piece_size + k;
-    newton.dq[n] = newton.dq[n] + step * p[n];
-    const double r = newton.residual[n] - step * newton.Ap[n];
-    newton.residual[n] = r;
-    newton.z[n] = r / newton.matrix.diagonal[n];
-  });
-  end_residual(block, newton, number, here, shared);
 }
 
 /// The largest sums of absolute values of M^(-1/2) A M^(-1/2) over a column and a row of a piece of the
 /// degrees of freedom, a block of threads for each: of TissueBody::bound_of().
 struct BoundPieces {
   static constexpr std::int32_t threads = piece_size;
-  NewtonArrays newton;
+  BodyMatrix matrix;
   const double* mass;              ///< as of BodyArrays
   const std::int32_t* transposed;  ///< of each block of the matrix
   double* largest;                 ///< shape (pieces, 2)
   bool operator==(const BoundPieces&) const = default;
 };
-inline std::int64_t blocks_of(const BoundPieces& bound) { return bound.newton.pieces(); }
+inline std::int64_t blocks_of(const BoundPieces& bound) { return bound.matrix.pieces(); }
 inline std::size_t shared_bytes_of(const BoundPieces&) { return 2 * sizeof(double) * piece_size; }
 
 /// The sums over column and row n, each from first to last as the processor adds them up.
 HMAX_DEVICE inline void sums_of_scaled(const BoundPieces& bound, std::int32_t n, double& column,
                                        double& row) {
-  const BodyMatrix& matrix = bound.newton.matrix;
-  const auto mass = [&](std::int32_t point) { return bound.mass[bound.newton.place[point]]; };
+  const BodyMatrix& matrix = bound.matrix;
+  const auto mass = [&](std::int32_t point) { return bound.mass[bound.matrix.place[point]]; };
   column = row = 0;
   for (std::int32_t k = matrix.first[n / 3]; k < matrix.first[n / 3 + 1]; ++k) {
     const double scale = std::sqrt(mass(n / 3) * mass(matrix.column[k]));
@@ -668,7 +532,7 @@ HMAX_DEVICE inline void sums_of_scaled(const BoundPieces& bound, std::int32_t n,
 template <class Block>
 HMAX_DEVICE void run_block(std::true_type, const Block& block, const BoundPieces& bound, std::int32_t number,
                            void* shared) {
-  const std::int32_t here = numbers_of_piece(bound.newton, number);
+  const std::int32_t here = numbers_of_piece(bound.matrix, number);
   double* const sums = static_cast<double*>(shared);
   block.each(here, [&](std::int32_t k) {
     sums_of_scaled(bound, number * piece_size + k, sums[k], sums[piece_size + k]);
