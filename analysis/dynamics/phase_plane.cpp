@@ -25,28 +25,46 @@ Vector2d at(const Window& window, double u, double v) {
   return window.lower + Vector2d(u, v).cwiseProduct(window.size());
 }
 
-/// Largest finite magnitudes of f and J over a grid: what "zero" is measured against.
-struct Scale {
-  Vector2d f = Vector2d::Zero();
-  Matrix2d J = Matrix2d::Zero();
-};
-
+/// Largest finite magnitudes of f or J over a grid: what "zero" is measured against.
 /// @param grid  intervals on each side: (grid + 1)^2 points
-Scale scale_of(const PlanarField& field, const Window& window, int grid) {
-  Scale scale;
+template <class Of>
+auto largest_over(const Window& window, int grid, const Of& of) {
+  auto largest = of(window.lower);
+  largest.setZero();
   for (int i = 0; i <= grid; ++i)
     for (int j = 0; j <= grid; ++j) {
-      const Vector2d y = at(window, double(i) / grid, double(j) / grid);
-      const Vector2d f = field.rhs(y).cwiseAbs();
-      const Matrix2d J = field.jacobian(y).cwiseAbs();
-      if (f.allFinite()) scale.f = scale.f.cwiseMax(f);
-      if (J.allFinite()) scale.J = scale.J.cwiseMax(J);
+      const auto sizes = of(at(window, double(i) / grid, double(j) / grid)).cwiseAbs().eval();
+      if (sizes.allFinite()) largest = largest.cwiseMax(sizes);
     }
-  return scale;
+  return largest;
+}
+
+/// What coordinates of y are measured against: rounding errs by shares of them, whatever the window.
+Vector2d sizes_of(const Vector2d& y, const Window& window) {
+  return y.cwiseAbs().cwiseMax(1e-12 * window.size());
+}
+
+/// What is as far from y as y is from zero.
+Window around(const Vector2d& y, const Window& window) {
+  const Vector2d reach = sizes_of(y, window);
+  return {(y - reach).cwiseMax(window.lower), (y + reach).cwiseMin(window.upper)};
+}
+
+/// The equilibrium at y.
+Equilibrium equilibrium_at(const PlanarField& field, const Window& window, const Vector2d& y) {
+  const Matrix2d J = field.jacobian(y);
+  return {y, classify(J, largest_over(around(y, window), 8, field.jacobian)), eigenvalues_2x2(J)};
+}
+
+/// Whether two are one, but for rounding.
+bool are_one(const Vector2d& a, const Vector2d& b, const Window& window) {
+  const Vector2d size = sizes_of(a, window).cwiseMax(sizes_of(b, window));
+  return ((a - b).cwiseAbs().array() <= 1e-6 * size.array()).all();
 }
 
 /// Newton's method from y, in units of the window; nothing when it does not arrive inside the window.
-std::optional<Vector2d> newton(const PlanarField& field, const Window& window, const Scale& scale,
+/// @param scale  sizes of f
+std::optional<Vector2d> newton(const PlanarField& field, const Window& window, const Vector2d& scale,
                                Vector2d y) {
   // Linear convergence at a double root gains one bit a step, so many more steps than at a simple one.
   constexpr int most_steps = 120;
@@ -62,20 +80,24 @@ std::optional<Vector2d> newton(const PlanarField& field, const Window& window, c
     if (!d.allFinite()) return std::nullopt;
     const double length = d.norm();
     if (length > 1) d /= length;  // near a fold of f the full step may leave for infinity
-    y += d.cwiseProduct(size);
-    if (length < 1e-14) break;
+    d = d.cwiseProduct(size);
+    y += d;
+    if ((d.cwiseAbs().array() < 1e-14 * sizes_of(y, window).array()).all()) break;
   }
   const Vector2d f = field.rhs(y).cwiseAbs();
-  if (!f.allFinite() || (f.array() > 1e-12 * scale.f.array()).any()) return std::nullopt;
+  if (!f.allFinite() || (f.array() > 1e-12 * scale.array()).any()) return std::nullopt;
   const Vector2d slack = 1e-9 * size;
   if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
     return std::nullopt;
+  const Vector2d tolerated = f.cwiseMax(1e-15 * largest_over(around(y, window), 8, field.rhs));
   for (int i = 0; i < 2; ++i) {  // a coordinate that is zero to rounding is printed as 0
-    Vector2d rounded = y;
-    rounded(i) = 0;
-    const bool negligible = std::abs(y(i)) < 1e-7 * size(i);
-    const Vector2d tolerated = f.cwiseMax(1e-15 * scale.f);
-    if (negligible && (field.rhs(rounded).cwiseAbs().array() <= tolerated.array()).all()) y = rounded;
+    Vector2d rounded = y, half = y;
+    rounded(i) = 0, half(i) /= 2;
+    const auto vanishes = [&](const Vector2d& there) {
+      return (field.rhs(there).cwiseAbs().array() <= tolerated.array()).all();
+    };
+    // f vanishes at another equilibrium too, but not on the way.
+    if (std::abs(y(i)) < 1e-7 * size(i) && vanishes(rounded) && vanishes(half)) y = rounded;
   }
   return y;
 }
@@ -141,7 +163,7 @@ EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
   const double D = J.determinant();
   // The largest determinant that entries of these sizes can make.
   const double largest = std::abs(scale(0, 0) * scale(1, 1)) + std::abs(scale(0, 1) * scale(1, 0));
-  if (!(std::abs(D) > 1e-8 * largest)) return EquilibriumType::degenerate;
+  if (!(std::abs(D) > 1e-7 * largest)) return EquilibriumType::degenerate;
   if (D < 0) return EquilibriumType::saddle;
   // The rounding of T itself, and the damping ratio T / (2 sqrt D) below which a focus is called a centre.
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * J.diagonal().cwiseAbs().sum();
@@ -158,29 +180,25 @@ EquilibriumType classify(const Matrix2d& J) { return classify(J, J); }
 std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
                                             const Vector2d& start) {
   require_valid(window);
-  const Scale scale = scale_of(field, window, 15);
+  const Vector2d scale = largest_over(window, 15, field.rhs);
   const auto y = newton(field, window, scale, start);
   if (!y) return std::nullopt;
-  const Matrix2d J = field.jacobian(*y);
-  return Equilibrium{*y, classify(J, scale.J), eigenvalues_2x2(J)};
+  return equilibrium_at(field, window, *y);
 }
 
-// Newton's method from the centres of a grid of cells; points nearer than 1e-6 of the window are one.
+// Newton's method from the centres of a grid of cells.
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
   require_valid(window);
   if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
-  const Scale scale = scale_of(field, window, std::max(8, starts));
+  const Vector2d scale = largest_over(window, std::max(8, starts), field.rhs);
   std::vector<Equilibrium> found;
   for (int i = 0; i < starts; ++i)
     for (int j = 0; j < starts; ++j) {
       const auto y = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
       if (!y) continue;
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Equilibrium& e) {
-        return (e.state - *y).cwiseQuotient(window.size()).norm() < 1e-6;
-      });
-      if (known) continue;
-      const Matrix2d J = field.jacobian(*y);
-      found.push_back({*y, classify(J, scale.J), eigenvalues_2x2(J)});
+      const bool known = std::any_of(found.begin(), found.end(),
+                                     [&](const Equilibrium& e) { return are_one(e.state, *y, window); });
+      if (!known) found.push_back(equilibrium_at(field, window, *y));
     }
   std::sort(found.begin(), found.end(), [](const Equilibrium& a, const Equilibrium& b) {
     return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));

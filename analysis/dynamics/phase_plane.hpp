@@ -95,8 +95,8 @@ struct Equilibrium {
 ///   degenerate.
 /// A centre needs T to be zero to rounding: |T| <= 1e-12 of 2 sqrt(D), a damping ratio no measurement can
 /// tell from 0. A critically damped system (T^2 = 4 D) counts as a node.
-/// @param scale  typical magnitudes of the entries of J; D is zero when below 1e-8 of what these entries
-/// could make
+/// @param scale  typical magnitudes of the entries of J; D is zero when below 1e-7 of what these entries
+/// could make: a double root is known to the square root of rounding
 EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale);
 /// The same with the entries of J themselves as magnitudes.
 EquilibriumType classify(const Eigen::Matrix2d& J);

@@ -81,6 +81,35 @@ TEST(PhasePlane, TheDoubleWellHasASaddleBetweenTwoFoci) {
   EXPECT_NEAR(found[2].state(0), std::sqrt(0.7 / 0.8), 1e-14);
 }
 
+TEST(PhasePlane, FarWindowsHaveTheSameEquilibria) {
+  const CubicSpring well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
+  for (const double far : {10.0, 1e6, 1e9}) {
+    const auto found = find_equilibria(well, 0, {{-far, -far}, {far, far}});
+    ASSERT_EQ(found.size(), 3u) << far;
+    for (const double side : {-1.0, 1.0}) {
+      const Equilibrium& focus = found[side < 0 ? 0 : 2];
+      EXPECT_EQ(focus.type, EquilibriumType::stable_focus) << far;
+      EXPECT_NEAR(focus.state(0), side * std::sqrt(0.7 / 0.8), 1e-14) << far;
+    }
+    EXPECT_EQ(found[1].type, EquilibriumType::saddle) << far;
+    EXPECT_EQ(found[1].state, Vector2d::Zero()) << far;
+  }
+}
+
+TEST(PhasePlane, AFoldIsDegenerateInAnyWindow) {
+  // x^2 - 2 x + 1, whose terms cancel at its double root.
+  const PlanarField fold{[](const Vector2d& y) { return Vector2d(y(1), y(0) * y(0) - 2 * y(0) + 1); },
+                         [](const Vector2d& y) { return (Matrix2d() << 0, 1, 2 * y(0) - 2, 0).finished(); }};
+  for (const double far : {3.0, 1e3, 1e6, 1e9}) {
+    const auto found = find_equilibria(fold, {{-far, -far}, {far, far}});
+    ASSERT_FALSE(found.empty()) << far;
+    for (const Equilibrium& e : found) {
+      EXPECT_EQ(e.type, EquilibriumType::degenerate) << far;
+      EXPECT_NEAR(e.state(0), 1, 1e-7) << far;
+    }
+  }
+}
+
 TEST(PhasePlane, ASpringWithoutLinearPartIsDegenerate) {
   const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0}, 0, kWindow);
   ASSERT_EQ(found.size(), 1u);

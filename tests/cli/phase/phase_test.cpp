@@ -383,8 +383,9 @@ TEST(Phase, RefusesBasinsOfNothing) {
   expect_refused(shell.hmax("phase --problem van_der_pol --basins"), "nothing has a basin");
   expect_refused(shell.hmax("phase --problem liver_cubic --set c=0 --basins"),
                  "look elsewhere with --window");
-  expect_refused(shell.hmax("phase --problem liver_cubic --set k1=-1 --basins --window=-1e9,1e9,-1e9,1e9"),
-                 "some may have been missed: narrow --window");
+  expect_refused(
+      shell.hmax("phase --problem liver_cubic --set k1=-1 --basins --window=-1e20,1e20,-1e20,1e20"),
+      "some may have been missed: narrow --window");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1e6"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 10,"), "--cells");
