@@ -9,10 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/newton_on_device.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/positional_on_device.hpp"
 #include "catalogue/device/radius_on_device.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "catalogue/device/adaptive_on_device.hpp"
 #include "catalogue/device/body_on_device.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "core/errors.hpp"
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"

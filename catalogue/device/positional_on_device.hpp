@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/device_program.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "core/errors.hpp"
 #include "core/positional.hpp"
 #include "integrators/positional/vertex_block_descent.hpp"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "catalogue/device/body_matrix.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_program.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

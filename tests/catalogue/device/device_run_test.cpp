@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/device/body_on_device.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/host_device.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/point_step.hpp"
 #include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"

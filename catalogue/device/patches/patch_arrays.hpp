@@ -123,6 +123,13 @@ struct SharedPressures {
   bool operator==(const SharedPressures&) const = default;
 };
 
+/// Numbers that the threads of a block share: positions of `points`, forces of `slots`, pressures of
+/// averages.
+HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots,
+                                                  std::int64_t averages) {
+  return 3 * (points + slots) + averages;
+}
+
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
 /// x, y, z one array after the other; the points of a patch are neighbours, and those that stand still follow
 /// the free ones.

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "catalogue/device/body_step.hpp"
+#include "catalogue/device/patches/patch_arrays.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

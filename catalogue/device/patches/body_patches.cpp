@@ -1,4 +1,4 @@
-#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 
 #include <algorithm>
 #include <array>
