@@ -23,12 +23,13 @@ struct MatrixArrays {
   TetLaw law = TetLaw::green;
   std::vector<StiffTet> tets;
   std::vector<StiffTenNodes> ten_nodes;
-  Lists terms, fibre_terms, spring_terms, triangle_terms, damper_terms;
+  Lists terms, fibre_terms, spring_terms, triangle_terms, damper_terms, contact_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffFibre> fibres;
   std::vector<StiffSpring> springs;
   std::vector<StiffTriangle> triangles;
   std::vector<StiffDamper> dampers;
+  std::vector<StiffContact> contacts;
   double alpha = 0;
 
   [[nodiscard]] std::size_t blocks() const { return column.size(); }

@@ -74,7 +74,8 @@ struct BodyStep {
   std::int32_t*
       left;  ///< becomes 1 where a displacement is beyond `watch`, a velocity immense, or neither a number
   /// Of each evaluation the forces of the loads [N], shape (loads, 3), displacements [m] and velocities [m/s]
-  /// of supports, shape (motions, 2, 3), and rates [1/s]; of steady ones those of one evaluation.
+  /// of supports, shape (motions, 2, 3), places and velocities of tools, likewise, and rates [1/s]; of steady
+  /// ones those of one evaluation.
   const Real* loads;
   std::int32_t next_loads;        ///< numbers from one evaluation to the next; 0: loads are steady
   const std::int64_t* evaluated;  ///< how many evaluations `loads` has before those of a Device::run()
@@ -120,6 +121,16 @@ HMAX_DEVICE inline Real displacement_of(const BodyStep<Real>& step, std::int32_t
   return point < step.body.free
              ? step.q[(3 * static_cast<std::int64_t>(number) + i) * step.body.points + point]
              : held_motion(step.body, loads, point, i);
+}
+
+/// Component i of the velocity of a point.
+/// @param v      of the free points of its body
+/// @param loads  of the evaluation
+template <class Real>
+HMAX_DEVICE inline Real velocity_of(const BodyArrays<Real>& body, const Real* v, const Real* loads,
+                                    std::int32_t point, std::int32_t i) {
+  return point < body.free ? v[static_cast<std::int64_t>(i) * body.free + point]
+                           : held_motion(body, loads, point, 3 + i);
 }
 
 /// What tetrahedron `tet` of body `number` adds to the averages at its corners.
@@ -254,9 +265,10 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, const Real* loads
   Real all = (force + step.body.weight[dof - first]) - step.body.drag[p] * v;
   if (step.body.anchor && step.body.anchor[p] != 0) all = all - step.body.anchor[p] * q;
   if (step.body.damps > 0) all = all - damping_of(step, i, p, step.v + first);
-  for (std::int32_t n = 0; n < step.body.rates; ++n)
-    if (const Real rate = loads[step.body.first_rate + n]; rate != 0)
-      all = all - rate * step.body.support_drag[(3 * static_cast<std::int64_t>(n) + i) * step.body.free + p];
+  const SupportDrag<Real>& dragging = step.body.support_drag;
+  for (std::int32_t n = 0; n < dragging.rates; ++n)
+    if (const Real rate = loads[dragging.first + n]; rate != 0)
+      all = all - rate * dragging.drag[(3 * static_cast<std::int64_t>(n) + i) * step.body.free + p];
   if (step.move == Move::force) {
     step.a[dof] = all;
     return;
@@ -275,7 +287,7 @@ HMAX_DEVICE inline void move_point(const BodyStep<Real>& step, const Real* loads
   step.v_next[dof] = v;
 }
 
-/// Springs, dampers and triangles of a patch, each at its slots.
+/// Springs, dampers, triangles and tools of a patch, each at its slots.
 /// @param loads    of the evaluation
 /// @param of_body  of_body(p) is the number of point p of the patch in the body
 /// @param x        positions
@@ -300,15 +312,18 @@ HMAX_DEVICE inline void position_forces(Kind, const Block& block, const BodyStep
   }
   if constexpr (Kind::has_more) {
     const PatchBegin from = body.begin[patch], to = body.begin[patch + 1];
+    const Real* const v = step.v + 3 * static_cast<std::int64_t>(number) * body.free;
     const auto velocity = [&](std::int32_t p, std::int32_t i) {
-      const std::int32_t point = of_body(p);
-      return point < body.free ? step.v[(3 * static_cast<std::int64_t>(number) + i) * body.free + point]
-                               : held_motion(body, loads, point, 3 + i);
+      return velocity_of(body, v, loads, of_body(p), i);
     };
     block.each(to.damper - from.damper,
                [&](std::int32_t n) { damper_forces(body, from.damper + n, points, slots, x, velocity, f); });
     block.each(to.triangle - from.triangle,
                [&](std::int32_t n) { triangle_forces(body, from.triangle + n, points, slots, x, f); });
+    if constexpr (Kind::has_tools)
+      block.each(to.contact - from.contact, [&](std::int32_t n) {
+        contact_forces(body, from.contact + n, loads, points, slots, x, velocity, f);
+      });
   }
 }
 
@@ -357,7 +372,8 @@ HMAX_DEVICE void body_step(Kind kind, const Block& block, const BodyStep<Real>& 
                [&](std::int32_t n) { fibre_forces(body, from.fibre + n, points, slots, u, f); });
   const std::int32_t* const of_set = body.set_begin + static_cast<std::int64_t>(patch) * body.sets;
   if (of_set[body.sets] > of_set[0] ||
-      (Kind::has_more && (to.damper > from.damper || to.triangle > from.triangle))) {
+      (Kind::has_more &&
+       (to.damper > from.damper || to.triangle > from.triangle || to.contact > from.contact))) {
     block.barrier();
     block.each(points, [&](std::int32_t p) {
       const std::int32_t point = of_body(p);
@@ -384,7 +400,7 @@ struct BodySteps {
   std::int64_t times;  ///< over and over again
   std::int32_t bodies, shared;
   TetLaw law;
-  bool has_more;  ///< see BodyKind
+  PatchParts parts;
   PatchElements elements;
 };
 template <class Kind, class Block, class Real>

@@ -95,7 +95,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     const std::int64_t count =
         next.last ? 1 : std::min({most, steps.count() - 1 - done, seen_every - done % seen_every});
     body.keep();
-    body.find_radius(body.step().q);
+    body.find_radius(body.step().q, steps.begin(done));
     body.prepare(next.h);
     set_times(body, steps, done, count);
     body.advance(next.h, count);

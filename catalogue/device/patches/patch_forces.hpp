@@ -8,6 +8,7 @@
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/one_element.hpp"
+#include "problems/tissue/forces/kernels/tool_contact.hpp"
 
 namespace hmax {
 
@@ -180,6 +181,34 @@ HMAX_DEVICE inline void triangle_forces(const BodyArrays<Real>& body, std::int32
     for (int a = 0; a < 2; ++a)
       if (corners.slot[a + 1] != PatchCorners::nowhere) f[i * slots + corners.slot[a + 1]] = -pull[a][i];
   }
+}
+
+/// Where a tool is. @param loads  of the evaluation
+template <class Real>
+HMAX_DEVICE inline SpherePose<Real> pose_of(const BodyArrays<Real>& body, const Real* loads,
+                                            std::int32_t tool) {
+  const Real* const from = loads + body.tools.first + 6 * tool;
+  return {{from[0], from[1], from[2]}, {from[3], from[4], from[5]}};
+}
+
+/// Those of a tool on a triangle; 0 where they do not touch, which changes no sum that began at 0: such a sum
+/// is never -0.
+/// @param loads        of the evaluation
+/// @param x, velocity  as of damper_forces()
+template <class Real, class Velocity>
+HMAX_DEVICE inline void contact_forces(const BodyArrays<Real>& body, std::int32_t contact, const Real* loads,
+                                       std::int32_t points, std::int32_t slots, const Real* x,
+                                       const Velocity& velocity, Real* f) {
+  const PatchContact<Real> own = body.tools.contact[contact];
+  const PatchTriangle& corners = own.triangle;
+  Real force[3][3];
+  const bool is_touched = kernel_loops::contact_force(
+      body.tools.laws[own.tool], pose_of(body, loads, own.tool), own.samples,
+      [&](int a, int i) { return x[i * points + corners.point[a]]; },
+      [&](int a, int i) { return velocity(corners.point[a], i); }, force);
+  for (int a = 0; a < 3; ++a)
+    if (corners.slot[a] != PatchCorners::nowhere)
+      for (int i = 0; i < 3; ++i) f[i * slots + corners.slot[a]] = is_touched ? force[a][i] : 0;
 }
 
 }  // namespace hmax
