@@ -111,6 +111,8 @@ class SystemOnDevice {
       attempt_.times.push_back(processor_.inside(times[i]));
   }
 
+  void find_radius(double t, const State& y) const { attempt_.body.find_radius(y.q, processor_.inside(t)); }
+
   [[nodiscard]] bool admits(const State& y) const {
     return !attempt_.body.left() || hmax::admits(processor_, attempt_.body.get(y.q, y.v));
   }
@@ -135,7 +137,7 @@ class RungeKuttaOnDevice {
     const BodyStep<double>& there = attempt_.body.step();
     const DeviceMethod& method = attempt_.body.method();
     y_new = y.q == there.q ? StateOnDevice{there.q_next, there.v_next} : StateOnDevice{there.q, there.v};
-    if (radius_is_due_) attempt_.body.find_radius(y.q);
+    if (radius_is_due_) system.find_radius(t, y);
     radius_is_due_ = false;
     attempt_.body.prepare(h);
     attempt_.body.count_steps(1);

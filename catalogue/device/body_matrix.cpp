@@ -53,6 +53,7 @@ class MatrixMaker {
     if (const FibreElements* const fibres = body_.element_parts().fibres) place_fibres(*fibres);
     if (!body_.spring_sets().empty()) place_springs();
     if (body_.membrane()) place_skin(*body_.membrane());
+    if (!body_.contacts().empty()) place_contacts();
     return std::move(made_);
   }
 
@@ -284,15 +285,35 @@ class MatrixMaker {
       StiffTriangle& to = made_.triangles.emplace_back();
       std::ranges::copy(from.gradients, to.gradients);
       to.volume = from.volume;
-      for (std::size_t a = 0; a < 3; ++a) {
-        to.corner[a] = number_[at(from.points[a])];
-        for (std::size_t b = 0; b < 3; ++b)
-          if (const std::int32_t i = free_[at(from.points[a])], j = free_[at(from.points[b])];
-              i >= 0 && j >= 0)
-            terms[block(i, j)].push_back(static_cast<std::int32_t>(9 * n + 3 * a + b));
-      }
+      append_triangle(from.points, static_cast<std::int32_t>(n), to.corner, terms);
     }
     made_.triangle_terms = lists_of(terms);
+  }
+
+  void place_contacts() {
+    BlockTerms terms(made_.blocks());
+    for (std::int32_t tool = 0; const ToolContact& each : body_.contacts()) {
+      for (const ToolContact::Triangle& from : each.triangles()) {
+        const auto number = static_cast<std::int32_t>(made_.contacts.size());
+        StiffContact& to = made_.contacts.emplace_back();
+        to.tool = tool;
+        to.samples = from.samples;
+        append_triangle(from.points, number, to.corner, terms);
+      }
+      ++tool;
+    }
+    made_.contact_terms = lists_of(terms);
+  }
+
+  /// Appends 9 times the triangle + 3 a + b to the blocks of its corners a and b.
+  void append_triangle(const std::array<Index, 3>& points, std::int32_t triangle, std::int32_t* corner,
+                       BlockTerms& terms) const {
+    for (std::int32_t a = 0; a < 3; ++a) {
+      corner[a] = number_[at(points[at(a)])];
+      for (std::int32_t b = 0; b < 3; ++b)
+        if (const std::int32_t i = free_[at(points[at(a)])], j = free_[at(points[at(b)])]; i >= 0 && j >= 0)
+          terms[block(i, j)].push_back(9 * triangle + 3 * a + b);
+    }
   }
 
   const TissueBody& body_;
@@ -364,11 +385,12 @@ StiffPressures pressures_of(DeviceMemory& memory, const MatrixArrays& made) {
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches) {
   const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
   terms_ = count(made.terms) + count(made.fibre_terms) + count(made.spring_terms) + count(made.damper_terms) +
-           count(made.triangle_terms);
+           count(made.triangle_terms) + count(made.contact_terms);
+  // Of tools: the look at the box around each triangle, as of forces.
   flops_of_terms_ = (made.ten_nodes.empty() ? 260 : 1640) * count(made.terms) +
                     113 * count(made.fibre_terms) + 60 * count(made.spring_terms) +
                     135 * count(made.damper_terms) + 390 * count(made.triangle_terms) +
-                    130 * count(made.gradient_terms);
+                    18 * count(made.contact_terms) + 130 * count(made.gradient_terms);
   std::vector<double> around(at(made.averages));  // how many gradients an average has
   for (const std::int32_t average : made.averages_at_point.of) ++around[at(average)];
   for (const double each : around) flops_of_terms_ += 18 * each * each;
@@ -395,6 +417,7 @@ MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, c
             .triangle_terms = lists(made.triangle_terms),
             .dampers = made.dampers.empty() ? nullptr : memory.copy(made.dampers),
             .damper_terms = lists(made.damper_terms),
+            .contacts = {memory.copy(made.contacts), lists(made.contact_terms)},
             .damping = made.damping.empty() ? nullptr : memory.copy(made.damping),
             .alpha = made.alpha,
             .values = memory.room<double>(9 * made.blocks()),

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/programs/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -25,12 +25,13 @@ struct MatrixArrays {
   std::vector<StiffShares> shares;
   std::int32_t averages = 0;                ///< that tetrahedra share
   Lists averages_at_point, gradient_terms;  ///< see StiffPressures
-  Lists terms, fibre_terms, spring_terms, triangle_terms, damper_terms;
+  Lists terms, fibre_terms, spring_terms, triangle_terms, damper_terms, contact_terms;
   std::vector<double> constant, damping;  ///< empty: none
   std::vector<StiffFibre> fibres;
   std::vector<StiffSpring> springs;
   std::vector<StiffTriangle> triangles;
   std::vector<StiffDamper> dampers;
+  std::vector<StiffContact> contacts;
   double alpha = 0;
 
   [[nodiscard]] std::size_t blocks() const { return column.size(); }

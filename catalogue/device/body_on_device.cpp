@@ -23,7 +23,8 @@ bool has_other_laws(const TissueBody& body) {
   return std::ranges::any_of(body.spring_sets(), [](const SpringSet& set) { return !set.sliced(); });
 }
 bool is_damped(const TissueBody& body) {
-  return body.settings().alpha != 0 || body.settings().beta != 0 || has_dampers(body);
+  return body.settings().alpha != 0 || body.settings().beta != 0 || has_dampers(body) ||
+         std::ranges::any_of(body.settings().tools, [](const SphereTool& tool) { return tool.damping != 0; });
 }
 
 /// Of many bodies each is a patch, where it fits.
@@ -128,6 +129,11 @@ void BodyOnDevice<Real>::append_evaluation(double t, std::vector<Real>& table) c
       for (std::size_t s = 1; s < lot.size(); ++s) sum += (lot[s].profile.*of)(t)*lot[s].travel;
       for (const double each : sum) table.push_back(static_cast<Real>(each));
     }
+  for (const SphereTool& tool : body_.settings().tools) {
+    const SpherePose<double> pose = tool.pose(t);
+    for (const double each : pose.centre) table.push_back(static_cast<Real>(each));
+    for (const double each : pose.velocity) table.push_back(static_cast<Real>(each));
+  }
   for (const TimeProfile& profile : patches_.rates) table.push_back(static_cast<Real>(profile.rate(t)));
 }
 
@@ -188,6 +194,7 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays(const BodyPatches& p) {
           .skin_volume = there(p.skin_volume),
           .skin_modulus = static_cast<Real>(p.skin_modulus),
           .skin_poisson = static_cast<Real>(p.skin_poisson),
+          .tools = tools(),
           .rest = there(p.rest),
           .slots = there(p.slots),
           .groups = there(p.groups),
@@ -199,11 +206,9 @@ BodyArrays<Real> BodyOnDevice<Real>::arrays(const BodyPatches& p) {
           .mass = there(p.mass),
           .anchor = p.anchor.empty() ? nullptr : there(p.anchor),
           .motions = static_cast<std::int32_t>(p.motions.size()),
-          .first_motion = static_cast<std::int32_t>(numbers_of_a_load() * loads_.size()),
+          .first_motion = first_motion(),
           .moved_by = there(p.moved_by),
-          .rates = static_cast<std::int32_t>(p.rates.size()),
-          .first_rate = static_cast<std::int32_t>(numbers_of_an_evaluation() - p.rates.size()),
-          .support_drag = there(p.support_drag),
+          .support_drag = {static_cast<std::int32_t>(p.rates.size()), first_rate(), there(p.support_drag)},
           .damped_by = there(p.damped_by),
           .damping = there(p.damping),
           .damp_end = there(p.damp_end),
@@ -233,6 +238,19 @@ std::vector<SetLaw<Real>> BodyOnDevice<Real>::laws() {
     }
   }
   return all;
+}
+
+template <class Real>
+BodyTools<Real> BodyOnDevice<Real>::tools() {
+  std::vector<PatchContact<Real>> contacts;
+  for (const PatchContact<double>& each : patches_.contacts)
+    contacts.push_back(
+        {each.triangle, each.tool, {each.samples.divisions, static_cast<Real>(each.samples.share)}});
+  std::vector<SphereLaw<Real>> laws;
+  for (const SphereTool& tool : body_.settings().tools)
+    laws.push_back(
+        {static_cast<Real>(tool.radius), static_cast<Real>(tool.stiffness), static_cast<Real>(tool.damping)});
+  return {static_cast<std::int32_t>(contacts.size()), there(contacts), there(laws), first_tool()};
 }
 
 template <class Real>
@@ -335,7 +353,7 @@ void BodyOnDevice<Real>::run(std::span<const DeviceProgram> programs, std::int64
                                           .bodies = step_.bodies,
                                           .shared = step_.body.shared,
                                           .law = step_.body.law,
-                                          .has_more = step_.body.has_more(),
+                                          .parts = step_.body.parts(),
                                           .elements = step_.body.elements}};
   device_.run({&all, 1}, 1, {evaluated_, static_cast<std::int32_t>(times) * instants});
 }
@@ -422,9 +440,10 @@ void BodyOnDevice<Real>::append_recurrence(BodyStep<double> step, std::vector<De
 }
 
 template <class Real>
-void BodyOnDevice<Real>::find_radius(Real* q) {
+void BodyOnDevice<Real>::find_radius(Real* q, double t) {
   if constexpr (std::is_same_v<Real, double>) {
     if (!radius_) return;
+    if (is_driven()) set_times({&t, 1});
     BodyStep<double> step = step_;
     step.q = q;
     found_radius_ = radius_->at(step);
@@ -541,6 +560,8 @@ double BodyOnDevice<Real>::evaluations_of_a_step() const {
          static_cast<double>(std::max<std::int64_t>(1, counted_.steps));
 }
 
+// Of tools: the look at the box around each triangle. Samples near a tool are not counted, how many there are
+// changes from step to step.
 template <class Real>
 double BodyOnDevice<Real>::flops() const {
   constexpr std::array<double, tet_laws> of_tetrahedron{210, 140, 265, 640};
@@ -550,8 +571,8 @@ double BodyOnDevice<Real>::flops() const {
              ((is_of_ten_nodes() ? 2020 : of_tetrahedron[static_cast<std::size_t>(step_.body.law)]) *
                   step_.body.tets +
               79.0 * step_.body.pressures.tets + 57.0 * step_.body.fibres + 31.0 * step_.body.springs +
-              24.0 * step_.body.dampers + 101.0 * step_.body.triangles + 10.0 * 3 * step_.body.free +
-              6.0 * step_.body.damps);
+              24.0 * step_.body.dampers + 101.0 * step_.body.triangles + 18.0 * step_.body.tools.contacts +
+              10.0 * 3 * step_.body.free + 6.0 * step_.body.damps);
 }
 
 template <class Real>
@@ -581,6 +602,7 @@ double BodyOnDevice<Real>::bytes() const {
               static_cast<double>(sizeof(PatchSpring) + 2 * sizeof(Real)) * step_.body.springs +
               static_cast<double>(sizeof(PatchSpring) + sizeof(Real)) * step_.body.dampers +
               static_cast<double>(sizeof(PatchTriangle) + 5 * sizeof(Real)) * step_.body.triangles +
+              static_cast<double>(sizeof(PatchContact<Real>)) * step_.body.tools.contacts +
               number_and_place * step_.body.damps +
               number_and_place * static_cast<double>(patches_.rim.size()) +
               (3 * (1 + 4.0 * step_.bodies) + 2) * number * step_.body.free) +

@@ -9,10 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/device/newton_on_device.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/positional_on_device.hpp"
 #include "catalogue/device/radius_on_device.hpp"
 
@@ -55,9 +55,9 @@ class BodyOnDevice {
   void advance(double h, std::int64_t count);
   /// How many steps advance() may take at a time.
   [[nodiscard]] std::int64_t steps_at_once() const;
-  /// Of methods whose stages follow the spectral radius: finds that at displacements q, as of BodyStep.
-  /// Nothing of others.
-  void find_radius(Real* q);
+  /// Of methods whose stages follow the spectral radius: finds that at displacements q, as of BodyStep, and
+  /// time t [s], before the times of the step are told. Nothing of others.
+  void find_radius(Real* q, double t);
   /// What steps of h have in common: stages by the last radius that was found, a frozen matrix.
   void prepare(double h);
   /// The longest step that is stable with the most stages [s]; infinite of other methods.
@@ -103,6 +103,7 @@ class BodyOnDevice {
   const Real* there(const std::vector<double>& values);
   [[nodiscard]] BodyArrays<Real> arrays(const BodyPatches& p);
   [[nodiscard]] std::vector<SetLaw<Real>> laws();
+  [[nodiscard]] BodyTools<Real> tools();
   [[nodiscard]] SharedPressures<Real> pressures();
   /// Of an evaluation: volumes of tetrahedra and what patches read of them.
   [[nodiscard]] double bytes_of_pressures() const;
@@ -110,9 +111,19 @@ class BodyOnDevice {
   [[nodiscard]] double evaluations_of_a_step() const;
   /// Numbers of a load in the table: where programs push by themselves, its factor alone.
   [[nodiscard]] std::size_t numbers_of_a_load() const { return method_.is_positional() ? 1 : 3; }
-  /// Of all loads and supports.
+  /// Where numbers of an evaluation begin, those of one kind after the other: loads, motions of supports,
+  /// poses of tools, rates.
+  [[nodiscard]] std::int32_t first_motion() const {
+    return static_cast<std::int32_t>(numbers_of_a_load() * loads_.size());
+  }
+  [[nodiscard]] std::int32_t first_tool() const {
+    return first_motion() + 6 * static_cast<std::int32_t>(patches_.motions.size());
+  }
+  [[nodiscard]] std::int32_t first_rate() const {
+    return first_tool() + 6 * static_cast<std::int32_t>(body_.settings().tools.size());
+  }
   [[nodiscard]] std::size_t numbers_of_an_evaluation() const {
-    return numbers_of_a_load() * loads_.size() + 6 * patches_.motions.size() + patches_.rates.size();
+    return static_cast<std::size_t>(first_rate()) + patches_.rates.size();
   }
   void append_evaluation(double t, std::vector<Real>& table) const;
   /// diag(C) / m [1/s] at t = 0, of each body, shape (bodies, 3, free).

@@ -10,8 +10,8 @@
 
 #include "catalogue/device/adaptive_on_device.hpp"
 #include "catalogue/device/body_on_device.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "core/errors.hpp"
 #include "integrators/control.hpp"
 #include "integrators/state.hpp"
@@ -95,7 +95,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
     const std::int64_t count =
         next.last ? 1 : std::min({most, steps.count() - 1 - done, seen_every - done % seen_every});
     body.keep();
-    body.find_radius(body.step().q);
+    body.find_radius(body.step().q, steps.begin(done));
     body.prepare(next.h);
     set_times(body, steps, done, count);
     body.advance(next.h, count);

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "catalogue/device/body_matrix.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/programs/device_program.hpp"
 
 namespace hmax {

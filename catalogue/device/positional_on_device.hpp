@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
 #include "catalogue/device/device_method.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/programs/device_program.hpp"
 #include "core/errors.hpp"
 #include "core/positional.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "catalogue/device/body_matrix.hpp"
-#include "catalogue/device/body_patches.hpp"
 #include "catalogue/device/device.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 #include "catalogue/device/programs/device_program.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -24,11 +24,14 @@ inline std::string unsuited_for_radius(const TissueBody& body) {
   if (!std::ranges::all_of(body.settings().supports,
                            [](const Support& each) { return each.travel.isZero(0); }))
     return "has supports that move, and its spectral radius is not found there";
+  if (std::ranges::any_of(body.settings().tools, [](const SphereTool& tool) { return tool.damping != 0; }))
+    return "meets a tool that damps, and its spectral radius is not found there";
   return {};
 }
 
 /// TissueBody::spectral_radius(): the stiffness is added up and bounded on the device, and its bound is read
-/// back. Damping does not change, nor does the stiffness of small strain: their bounds are the processor's.
+/// back. Damping does not change, nor does the stiffness of small strain without tools: their bounds are the
+/// processor's.
 class RadiusOnDevice {
  public:
   /// @param memory  outlives this
@@ -37,7 +40,7 @@ class RadiusOnDevice {
     const Eigen::VectorXd still = Eigen::VectorXd::Zero(body.dofs());
     TissueBody::DofMatrix matrix;
     const TetBlocks* const tetrahedra = body.element_parts().tetrahedra;
-    if (body.spring_sets().empty() && !body.membrane() && tetrahedra &&
+    if (body.spring_sets().empty() && !body.membrane() && body.contacts().empty() && tetrahedra &&
         tetrahedra->law() == TetLaw::small_strain) {
       body.stiffness(0, still, still, matrix);
       stiffness_ = body.bound_of(matrix);
@@ -51,7 +54,7 @@ class RadiusOnDevice {
   /// Whether it is the same at all displacements.
   [[nodiscard]] bool is_constant() const { return !matrix_; }
 
-  /// At the displacements of step.q [1/s].
+  /// At the displacements of step.q, and where tools are at step.evaluation [1/s].
   [[nodiscard]] double at(BodyStep<double> step) const {
     if (is_constant()) return TissueBody::radius_of_bounds(stiffness_, damping_);
     step.q_next = step.q;

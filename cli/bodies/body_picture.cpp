@@ -96,7 +96,7 @@ BodyView body_view(const TissueBody& body, double t, const Eigen::VectorXd& q, B
   for (const SphereTool& tool : settings.tools) {
     const Eigen::Vector3d back =
         tool.travel.norm() > 0 ? Eigen::Vector3d(-tool.travel) : Eigen::Vector3d(0, 0, 1);
-    view.tools.push_back({space_point(tool.pose(t).centre), tool.radius, space_point(back)});
+    view.tools.push_back({space_point(Eigen::Vector3d(tool.pose(t).centre)), tool.radius, space_point(back)});
   }
   const Eigen::Vector3d middle = x.rowwise().mean();
   for (const PressingForce& force : settings.forces) {

@@ -155,6 +155,8 @@ class TissueBody {
   [[nodiscard]] const std::vector<SpringSet>& spring_sets() const { return springs_; }
   /// The skin of triangles; null where there is none.
   [[nodiscard]] const Membrane* membrane() const { return membrane_ ? &*membrane_ : nullptr; }
+  /// Of each tool.
+  [[nodiscard]] const std::vector<ToolContact>& contacts() const { return contacts_; }
 
  private:
   struct Scratch {

@@ -11,7 +11,6 @@
 namespace hmax {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// The largest distance of neighbouring samples [m]. A sphere rests on a triangle of samples at a distance s
@@ -24,6 +23,13 @@ double spacing_for(const SphereTool& tool) {
 /// A small tool on a large triangle is given no more than some ten thousand samples.
 constexpr double most_divisions = 150;
 
+/// Component i of the row of corner a of a triangle, for visit_touches().
+auto corners_of(const ToolContact::Triangle& triangle, const NodeRows& rows) {
+  return [&triangle, &rows](int a, int i) {
+    return as_vector(rows[at(triangle.points[static_cast<std::size_t>(a)])])[i];
+  };
+}
+
 }  // namespace
 
 ToolContact::ToolContact(const Eigen::Matrix3Xd& rest, const MeshTriangles& surface, const SphereTool& tool)
@@ -34,11 +40,11 @@ ToolContact::ToolContact(const Eigen::Matrix3Xd& rest, const MeshTriangles& surf
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const double n = std::clamp(std::ceil(longest / spacing), 1.0, most_divisions);
     triangles_.push_back({.points = {points[0], points[1], points[2]},
-                          .divisions = static_cast<int>(n),
-                          .share = (b - a).cross(c - a).norm() / (6 * n * n)});
+                          .samples = {.divisions = static_cast<std::int32_t>(n),
+                                      .share = (b - a).cross(c - a).norm() / (6 * n * n)}});
     // The front of the tool is on a sample when |arm - s path| = radius.
     const Vector3d path = tool.travel.stableNormalized();
-    visit_lattice(triangles_.back(), [&](const Vector3d& weights, double) {
+    triangles_.back().samples.visit([&](const double* weights, double) {
       const Vector3d arm = weights[0] * a + weights[1] * b + weights[2] * c - tool.start;
       const double along = arm.dot(path), aside = (arm - along * path).norm();
       if (arm.norm() < tool.radius)
@@ -50,110 +56,86 @@ ToolContact::ToolContact(const Eigen::Matrix3Xd& rest, const MeshTriangles& surf
 }
 
 template <class Visit>
-void ToolContact::visit_lattice(const Triangle& triangle, const Visit& visit) {
-  const int n = triangle.divisions;
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; i + j <= n; ++j) {
-      // A sample is a corner of one small triangle, of three on a side, of six inside.
-      const int sides = (i == 0) + (j == 0) + (i + j == n);
-      visit(Vector3d(i, j, n - i - j) / n, (sides == 0 ? 6 : sides == 1 ? 3 : 1) * triangle.share);
-    }
-}
-
-template <class Visit>
-void ToolContact::visit_samples(double t, const NodeRows& x, const NodeRows* v, const Visit& visit) const {
-  const SphereTool::Pose pose = tool_.pose(t);
-  const bool damps = v && tool_.damping != 0;
-  const Vector3d low = pose.centre.array() - tool_.radius, high = pose.centre.array() + tool_.radius;
-  for (const Triangle& triangle : triangles_) {
-    const TetMesh::Index a = triangle.points[0], b = triangle.points[1], c = triangle.points[2];
-    const auto xa = as_vector(x[at(a)]), xb = as_vector(x[at(b)]), xc = as_vector(x[at(c)]);
-    // Outside of the box around the tool, as nearly all are.
-    bool near = true;
-    for (int k = 0; near && k < 3; ++k)
-      near = std::min({xa[k], xb[k], xc[k]}) <= high[k] && std::max({xa[k], xb[k], xc[k]}) >= low[k];
-    if (!near) continue;
-    SphereTool::Touch touch;
-    visit_lattice(triangle, [&](const Vector3d& weights, double area) {
-      const Vector3d place = weights[0] * xa + weights[1] * xb + weights[2] * xc;
-      Vector3d velocity = pose.velocity;
-      if (damps)
-        velocity = weights[0] * as_vector((*v)[at(a)]) + weights[1] * as_vector((*v)[at(b)]) +
-                   weights[2] * as_vector((*v)[at(c)]);
-      if (tool_.touches(pose, place, velocity, touch)) visit(triangle, weights, area, touch);
-    });
-  }
+void ToolContact::visit_samples(double t, const NodeRows& x, const Visit& visit) const {
+  const SpherePose<double> pose = tool_.pose(t);
+  SphereLaw<double> law = tool_.law();
+  law.damping = 0;
+  for (const Triangle& triangle : triangles_)
+    kernel_loops::visit_touches(law, pose, triangle.samples, corners_of(triangle, x), corners_of(triangle, x),
+                                [&](const double* weights, double area, const SphereTouch<double>& touch) {
+                                  visit(triangle, weights, area, touch);
+                                });
 }
 
 double ToolContact::energy(double t, const NodeRows& x) const {
   double sum = 0;
-  visit_samples(t, x, nullptr,
-                [&](const Triangle&, const Vector3d&, double area, const SphereTool::Touch& touch) {
-                  sum += area * tool_.energy(touch);
-                });
+  visit_samples(t, x, [&](const Triangle&, const double*, double area, const SphereTouch<double>& touch) {
+    sum += area * tool_.law().energy(touch);
+  });
   return sum;
 }
 
 void ToolContact::add_force(double t, const NodeRows& x, const NodeRows& v, NodeRows& f) const {
-  visit_samples(
-      t, x, &v,
-      [&](const Triangle& triangle, const Vector3d& weights, double area, const SphereTool::Touch& touch) {
-        const Vector3d force = area * tool_.pressure(touch);
-        for (int a = 0; a < 3; ++a)
-          as_vector(f[at(triangle.points[static_cast<std::size_t>(a)])]) += weights[a] * force;
-      });
+  const SpherePose<double> pose = tool_.pose(t);
+  const SphereLaw<double> law = tool_.law();
+  double force[3][3];
+  for (const Triangle& triangle : triangles_)
+    if (kernel_loops::contact_force(law, pose, triangle.samples, corners_of(triangle, x),
+                                    corners_of(triangle, v), force))
+      for (std::size_t a = 0; a < 3; ++a)
+        as_vector(f[at(triangle.points[a])]) += Eigen::Map<const Vector3d>(force[a]);
 }
 
 template <class Derivative>
 void ToolContact::add_blocks(double t, const NodeRows& x, const NodeRows& v, const BlockPattern& pattern,
                              double* values, const Derivative& derivative) const {
-  // Summed over the samples of a triangle before they go to their places in the matrix.
-  const Triangle* last = nullptr;
-  std::array<Matrix3d, 9> sums;
-  const auto write = [&] {
-    if (!last) return;
-    const auto slots = pattern.slots(last->points);
-    for (std::size_t k = 0; k < 9; ++k) pattern.add(values, slots[k], last->points[k % 3], sums[k]);
-  };
-  visit_samples(
-      t, x, &v,
-      [&](const Triangle& triangle, const Vector3d& weights, double area, const SphereTool::Touch& touch) {
-        if (&triangle != last) {
-          write();
-          last = &triangle;
-          sums.fill(Matrix3d::Zero());
-        }
-        const Matrix3d block = area * derivative(touch);
-        for (std::size_t k = 0; k < 9; ++k) {
-          const auto a = static_cast<Eigen::Index>(k / 3), b = static_cast<Eigen::Index>(k % 3);
-          sums[k] += weights[a] * weights[b] * block;
-        }
-      });
-  write();
+  using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const SpherePose<double> pose = tool_.pose(t);
+  const SphereLaw<double> law = tool_.law();
+  double D[3][3], sums[6][3][3];  // of pairs of corners: as b_a b_b, they do not ask for their order
+  for (const Triangle& triangle : triangles_) {
+    bool is_touched = false;
+    kernel_loops::visit_touches(law, pose, triangle.samples, corners_of(triangle, x), corners_of(triangle, v),
+                                [&](const double* b, double area, const SphereTouch<double>& touch) {
+                                  if (!is_touched) std::fill_n(&sums[0][0][0], 54, 0.0);
+                                  is_touched = true;
+                                  derivative(law, touch, D);
+                                  for (int a = 0; a < 3; ++a)
+                                    for (int c = a; c < 3; ++c)
+                                      kernel_loops::add_sample(area, b[a] * b[c], D,
+                                                               sums[kernel_loops::symmetric(a, c)]);
+                                });
+    if (!is_touched) continue;
+    const auto slots = pattern.slots(triangle.points);
+    for (std::size_t k = 0; k < 9; ++k)
+      pattern.add(
+          values, slots[k], triangle.points[k % 3],
+          Eigen::Map<const Block>(
+              &sums[kernel_loops::symmetric(static_cast<int>(k / 3), static_cast<int>(k % 3))][0][0]));
+  }
 }
 
 void ToolContact::add_stiffness(double t, const NodeRows& x, const NodeRows& v, const BlockPattern& pattern,
                                 double* values) const {
   add_blocks(t, x, v, pattern, values,
-             [&](const SphereTool::Touch& touch) { return tool_.stiffness_of(touch); });
+             [](const auto& law, const auto& touch, double(*D)[3]) { law.stiffness_of(touch, D); });
 }
 
 void ToolContact::add_damping(double t, const NodeRows& x, const NodeRows& v, const BlockPattern& pattern,
                               double* values) const {
   if (tool_.damping == 0) return;
   add_blocks(t, x, v, pattern, values,
-             [&](const SphereTool::Touch& touch) { return tool_.damping_of(touch); });
+             [](const auto& law, const auto& touch, double(*D)[3]) { law.damping_of(touch, D); });
 }
 
 ToolContact::Reach ToolContact::reach(double t, const NodeRows& x) const {
   const Vector3d path = tool_.travel.stableNormalized();
   Reach reach{.depth = tool_.profile.value(t) * tool_.travel.norm()};
   visit_samples(
-      t, x, nullptr,
-      [&](const Triangle& triangle, const Vector3d& weights, double, const SphereTool::Touch& touch) {
+      t, x, [&](const Triangle& triangle, const double* weights, double, const SphereTouch<double>& touch) {
         double along = 0;
-        for (int a = 0; a < 3; ++a) {
-          const Index point = triangle.points[static_cast<std::size_t>(a)];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const Index point = triangle.points[a];
           along += weights[a] * path.dot(as_vector(x[at(point)]) - rest_.col(point));
         }
         reach.displacement = std::max(reach.displacement, along);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,19 +46,18 @@ class ToolContact {
   /// How far the tool moves until it meets the surface at rest [m]; infinity where it passes by.
   [[nodiscard]] double gap() const { return gap_; }
 
- private:
   struct Triangle {
     std::array<Index, 3> points;
-    int divisions;  ///< n
-    double share;   ///< area / (3 n^2) [m^2]: what each of the n^2 small triangles gives each of its corners
+    SampledTriangle<double> samples;
   };
-  /// Calls visit(weights, area) with the barycentric coordinates of every sample of a triangle and its area.
+  /// In the order in which they are added up.
+  [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
+  [[nodiscard]] const SphereTool& tool() const { return tool_; }
+
+ private:
+  /// Calls visit(triangle, b, w, touch) with the samples that touch, as if the surface moved with the tool.
   template <class Visit>
-  static void visit_lattice(const Triangle& triangle, const Visit& visit);
-  /// Calls visit(triangle, weights, area, touch) with the samples that touch.
-  /// @param v  null: as if the surface moved with the tool
-  template <class Visit>
-  void visit_samples(double t, const NodeRows& x, const NodeRows* v, const Visit& visit) const;
+  void visit_samples(double t, const NodeRows& x, const Visit& visit) const;
   template <class Derivative>
   void add_blocks(double t, const NodeRows& x, const NodeRows& v, const BlockPattern& pattern, double* values,
                   const Derivative& derivative) const;

@@ -116,44 +116,9 @@ void TimeProfile::add_breakpoints(std::vector<double>& times) const {
   }
 }
 
-SphereTool::Pose SphereTool::pose(double t) const {
-  return {start + profile.value(t) * travel, profile.rate(t) * travel};
-}
-
-bool SphereTool::touches(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v,
-                         Touch& touch) const {
-  touch.normal = x - pose.centre;
-  touch.distance = touch.normal.norm();
-  touch.depth = radius - touch.distance;
-  if (!(touch.depth > 0 && touch.distance > 0)) return false;
-  touch.normal /= touch.distance;
-  touch.velocity = v - pose.velocity;
-  return 1 - damping * touch.normal.dot(touch.velocity) > 0;
-}
-
-Eigen::Vector3d SphereTool::pressure(const Touch& touch) const {
-  const double rush = 1 - damping * touch.normal.dot(touch.velocity);
-  return stiffness * touch.depth * std::sqrt(touch.depth) * rush * touch.normal;
-}
-
-Eigen::Matrix3d SphereTool::stiffness_of(const Touch& touch) const {
-  const Eigen::Vector3d& n = touch.normal;
-  const double root = std::sqrt(touch.depth), push = stiffness * touch.depth * root,
-               along = n.dot(touch.velocity), rush = 1 - damping * along;
-  // d falls by n.dx, d' = -n.w by (w - n (n.w)).dx / distance.
-  const Eigen::Vector3d change =
-      1.5 * stiffness * root * rush * n + push * damping / touch.distance * (touch.velocity - along * n);
-  return n * change.transpose() -
-         push * rush / touch.distance * (Eigen::Matrix3d::Identity() - n * n.transpose());
-}
-
-Eigen::Matrix3d SphereTool::damping_of(const Touch& touch) const {
-  // d' falls by n.dv.
-  return stiffness * touch.depth * std::sqrt(touch.depth) * damping * touch.normal * touch.normal.transpose();
-}
-
-double SphereTool::energy(const Touch& touch) const {
-  return 0.4 * stiffness * touch.depth * touch.depth * std::sqrt(touch.depth);
+SpherePose<double> SphereTool::pose(double t) const {
+  const Eigen::Vector3d centre = start + profile.value(t) * travel, velocity = profile.rate(t) * travel;
+  return {{centre[0], centre[1], centre[2]}, {velocity[0], velocity[1], velocity[2]}};
 }
 
 std::vector<TetMesh::Index> points_of_end(const TetMesh& mesh, const Eigen::Vector3d& towards, double share) {

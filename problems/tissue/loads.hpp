@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "problems/mesh/tet_mesh.hpp"
+#include "problems/tissue/forces/kernels/tool_contact.hpp"
 
 namespace hmax {
 
@@ -98,25 +99,8 @@ struct SphereTool {
   double stiffness = 1e8;  ///< k [Pa/m^1.5]
   double damping = 0;      ///< chi [s/m]
 
-  /// The tool at one moment.
-  struct Pose {
-    Eigen::Vector3d centre, velocity;
-  };
-  [[nodiscard]] Pose pose(double t) const;
-
-  /// How a point at x [m] with velocity v [m/s] meets the tool.
-  struct Touch {
-    Eigen::Vector3d normal;    ///< from the centre to the point
-    double distance, depth;    ///< |x - centre|, d [m]
-    Eigen::Vector3d velocity;  ///< of the point as seen from the tool [m/s]
-  };
-  /// @returns false, and leaves `touch` undefined, when the point is outside or the pressure would pull
-  bool touches(const Pose& pose, const Eigen::Vector3d& x, const Eigen::Vector3d& v, Touch& touch) const;
-
-  [[nodiscard]] Eigen::Vector3d pressure(const Touch& touch) const;      ///< p [Pa] along the normal
-  [[nodiscard]] Eigen::Matrix3d stiffness_of(const Touch& touch) const;  ///< -dp/dx [Pa/m]
-  [[nodiscard]] Eigen::Matrix3d damping_of(const Touch& touch) const;    ///< -dp/dv [Pa s/m]
-  [[nodiscard]] double energy(const Touch& touch) const;                 ///< 2/5 k d^(5/2) [J/m^2]
+  [[nodiscard]] SpherePose<double> pose(double t) const;
+  [[nodiscard]] SphereLaw<double> law() const { return {radius, stiffness, damping}; }
 };
 
 /// Points of a mesh within `share` of its extent along a unit vector from its far end.

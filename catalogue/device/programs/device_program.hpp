@@ -46,27 +46,41 @@ void with_law(TetLaw law, const F& f) {
   }
 }
 template <class F>
-void with_body_kind(PatchElements elements, TetLaw law, bool has_more, const F& f) {
-  constexpr TetLaw own = TetLaw::neo_hookean;
-  switch (elements) {
-    case PatchElements::tetrahedra:
-      return with_law(law, [&]<TetLaw known>(LawConstant<known>) {
-        has_more ? f(BodyKind<known, PatchElements::tetrahedra, true>{})
-                 : f(BodyKind<known, PatchElements::tetrahedra, false>{});
-      });
-    case PatchElements::of_pressures:
-      return f(BodyKind<own, PatchElements::of_pressures, true>{});
-    case PatchElements::of_ten_nodes:
-      return f(BodyKind<own, PatchElements::of_ten_nodes, true>{});
+void with_parts(PatchParts parts, const F& f) {
+  switch (parts) {
+    case PatchParts::few:
+      return f(PartsConstant<PatchParts::few>{});
+    case PatchParts::more:
+      return f(PartsConstant<PatchParts::more>{});
+    case PatchParts::tools:
+      return f(PartsConstant<PatchParts::tools>{});
   }
+}
+template <class F>
+void with_body_kind(PatchElements elements, TetLaw law, PatchParts parts, const F& f) {
+  constexpr TetLaw own = TetLaw::neo_hookean;
+  with_parts(parts, [&]<PatchParts known_parts>(PartsConstant<known_parts>) {
+    // Of other elements few parts are more of them: their own forces need as many registers.
+    constexpr PatchParts of_others = known_parts == PatchParts::few ? PatchParts::more : known_parts;
+    switch (elements) {
+      case PatchElements::tetrahedra:
+        return with_law(law, [&]<TetLaw known>(LawConstant<known>) {
+          f(BodyKind<known, PatchElements::tetrahedra, known_parts>{});
+        });
+      case PatchElements::of_pressures:
+        return f(BodyKind<own, PatchElements::of_pressures, of_others>{});
+      case PatchElements::of_ten_nodes:
+        return f(BodyKind<own, PatchElements::of_ten_nodes, of_others>{});
+    }
+  });
 }
 template <class Real, class F>
 void with_kind(const BodyStep<Real>& step, const F& f) {
-  with_body_kind(step.body.elements, step.body.law, step.body.has_more(), f);
+  with_body_kind(step.body.elements, step.body.law, step.body.parts(), f);
 }
-template <TetLaw law, PatchElements elements, bool more, class Block, class Real>
-HMAX_DEVICE void run_block(BodyKind<law, elements, more> kind, const Block& block, const BodyStep<Real>& step,
-                           std::int32_t number, void* shared) {
+template <TetLaw law, PatchElements elements, PatchParts parts, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, elements, parts> kind, const Block& block,
+                           const BodyStep<Real>& step, std::int32_t number, void* shared) {
   body_step(kind, block, step, number % step.body.patches, number / step.body.patches, 0,
             static_cast<Real*>(shared));
 }
@@ -81,11 +95,11 @@ std::size_t shared_bytes_of(const BodySteps<Real>& all) {
 }
 template <class Real, class F>
 void with_kind(const BodySteps<Real>& all, const F& f) {
-  with_body_kind(all.elements, all.law, all.has_more, f);
+  with_body_kind(all.elements, all.law, all.parts, f);
 }
-template <TetLaw law, PatchElements elements, bool more, class Block, class Real>
-HMAX_DEVICE void run_block(BodyKind<law, elements, more> kind, const Block& block, const BodySteps<Real>& all,
-                           std::int32_t number, void* shared) {
+template <TetLaw law, PatchElements elements, PatchParts parts, class Block, class Real>
+HMAX_DEVICE void run_block(BodyKind<law, elements, parts> kind, const Block& block,
+                           const BodySteps<Real>& all, std::int32_t number, void* shared) {
   body_steps(kind, block, all, number, static_cast<Real*>(shared));
 }
 
@@ -131,8 +145,7 @@ void with_kind(const MovePoints& move, const F& f) {
 }
 template <class F>
 void with_kind(const MatrixBlocks& blocks, const F& f) {
-  const bool has_more = blocks.matrix.has_more() || blocks.step.body.has_other_laws;
-  has_more ? f(std::true_type{}) : f(std::false_type{});
+  with_parts(blocks.step.body.parts(), f);
 }
 
 /// Programs of one kind.

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "catalogue/device/programs/body_step.hpp"
+#include "catalogue/device/programs/contact_blocks.hpp"
 #include "core/instructions/device_code.hpp"
 #include "core/instructions/piece_sums.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
@@ -56,12 +57,6 @@ struct StiffTriangle {
   std::int32_t corner[3];
 };
 
-/// Where the terms of a list begin: those of entry n are first[n] .. first[n + 1] - 1 of `of`.
-struct TermLists {
-  const std::int32_t *first, *of;
-  bool operator==(const TermLists&) const = default;
-};
-
 /// What a tetrahedron shares with those around its corners: V [m^3], and the averages that it belongs to.
 struct StiffShares {
   double volume;
@@ -105,12 +100,12 @@ struct BodyMatrix {
   TermLists triangle_terms;  ///< likewise: 9 times the triangle + 3 a + b of its corners
   const StiffDamper* dampers;
   TermLists damper_terms;     ///< likewise
+  ContactBlocks contacts;     ///< of tools
   const double* damping;      ///< C of damping by stiffness, shape (blocks, 9); else null
   double alpha;               ///< [1/s]
   double* values;             ///< A, shape (blocks, 9)
   double* diagonal;           ///< shape (dofs)
   const std::int32_t* place;  ///< of each free point of the body: its number in BodyArrays
-  [[nodiscard]] bool has_more() const { return fibres || dampers || triangles; }  ///< as BodyArrays
   bool operator==(const BodyMatrix&) const = default;
 
   [[nodiscard]] HMAX_DEVICE std::int32_t dofs() const { return 3 * points; }
@@ -444,10 +439,7 @@ HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t bl
     double d[3], e[3], w[3], B[3][3];
     span_of(program, damper.end[0], damper.end[1], d);
     for (int i = 0; i < 3; ++i) {
-      const auto v = [&](std::int32_t point) {
-        return point < step.body.free ? step.v_next[static_cast<std::int64_t>(i) * step.body.free + point]
-                                      : held_motion(step.body, loads, point, 3 + i);
-      };
+      const auto v = [&](std::int32_t point) { return velocity_of(step.body, step.v_next, loads, point, i); };
       w[i] = v(damper.end[1]) - v(damper.end[0]);
     }
     const double length = kernel_loops::direction<OneElement<double>>(d, e);
@@ -461,10 +453,9 @@ HMAX_DEVICE inline void add_dampers(const MatrixBlocks& program, std::int64_t bl
   }
 }
 
-/// @tparam more  as of BodyKind
-template <bool more>
-HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks& program,
-                                   std::int64_t block) {
+template <PatchParts parts>
+HMAX_DEVICE inline void run_thread(PartsConstant<parts>, const MatrixBlocks& program, std::int64_t block) {
+  constexpr bool more = parts != PatchParts::few;
   const BodyMatrix& matrix = program.matrix;
   const double h = program.h;
   const std::int32_t point = matrix.row[block];
@@ -485,6 +476,8 @@ HMAX_DEVICE inline void run_thread(std::bool_constant<more>, const MatrixBlocks&
   for (int r = 0; anchor && is_diagonal && r < 3; ++r)
     K[r][r] = K[r][r] + anchor[program.matrix.place[point]];
   if (more && matrix.dampers) add_dampers(program, block, is_diagonal, K, C);
+  if constexpr (parts == PatchParts::tools)
+    add_contacts(matrix.contacts, program.step, loads_of(program.step, program.evaluation), block, K, C);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
       const bool on_diagonal = is_diagonal && r == c;

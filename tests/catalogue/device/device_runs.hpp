@@ -14,7 +14,9 @@
 
 #include <gtest/gtest.h>
 
+#include "catalogue/device/body_on_device.hpp"
 #include "catalogue/device/device_run.hpp"
+#include "catalogue/device/host_device.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
@@ -214,6 +216,54 @@ inline RunRecord expect_same_chosen(Device& device, const Problem& problem, cons
   expect_equal(run_on_device(device, problem, method, spec).record, expected,
                id + ", rtol " + std::to_string(spec.rtol));
   return expected;
+}
+
+/// Bodies from different states, each with the bits that it has alone.
+template <class Real = double>
+void expect_same_at_a_time(Device& device, const Problem& problem, const char* id, std::int32_t count) {
+  const DeviceMethod method = *device_method(find_method(id));
+  const auto run = [&](BodyOnDevice<Real>& body) {
+    std::vector<double> times{0.0};
+    const auto tell_times = [&] {
+      if (body.is_driven()) body.set_times(times);
+    };
+    tell_times();
+    body.start();
+    for (const std::int64_t steps : {31, 8}) {
+      times.clear();
+      for (std::int64_t n = 0; n < steps; ++n)
+        method.append_times(1e-3 * static_cast<double>(n), 1e-3, {}, times);
+      tell_times();
+      body.advance(1e-4, steps);
+    }
+  };
+  std::vector<Eigen::VectorXd> starts;
+  for (std::int32_t n = 0; n < count; ++n)
+    starts.push_back(problem.y0 + 1e-4 * n * Eigen::VectorXd::LinSpaced(problem.y0.size(), -1, 1));
+  BodyOnDevice<Real> all(device, *problem.body, method, count), alone(device, *problem.body, method);
+  all.set(starts);
+  run(all);
+  for (std::int32_t n = 0; n < count; ++n) {
+    alone.set({&starts[static_cast<std::size_t>(n)], 1});
+    run(alone);
+    EXPECT_EQ(unequal(all.get(n), alone.get()), 0U) << id << ", body " << n;
+    EXPECT_GT(unequal(all.get(n), all.get((n + 1) % count)), 0U);
+  }
+}
+
+/// How far single precision is from double: the largest difference of displacements over the largest of them.
+inline double error_of_single(const Problem& problem, const char* method, const RunSpec& spec) {
+  HostDevice device;
+  const RunRecord expected = find_method(method).bind(problem).run(spec, {}),
+                  found =
+                      run_on_device(device, problem, find_method(method), spec, Precision::single_precision)
+                          .record;
+  EXPECT_EQ(found.outcome, expected.outcome);
+  EXPECT_EQ(found.t, expected.t);
+  EXPECT_EQ(found.stats.steps, expected.stats.steps);
+  const Eigen::Index n = expected.y.size() / 2;
+  return (found.y - expected.y).head(n).lpNorm<Eigen::Infinity>() /
+         expected.y.head(n).lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace hmax::device_tests

@@ -59,7 +59,7 @@ void expect_same_radius(Device& device) {
     const Eigen::VectorXd y = problem.y0 + 1e-3 * Eigen::VectorXd::LinSpaced(problem.y0.size(), -1, 1);
     BodyOnDevice<double> there(device, *problem.body, *device_method(find_method("rkc_2")));
     there.set({&y, 1});
-    there.find_radius(there.step().q);
+    there.find_radius(there.step().q, 0);
     EXPECT_EQ(there.longest_step(), longest_stabilized_step<Rkc2>(problem.body->spectral_radius(0, y)));
   };
   for (const char* model : {"fem_green", "fem_cauchy", "fem_neo_hookean", "fem_corotational",

@@ -1,4 +1,4 @@
-#include "catalogue/device/body_patches.hpp"
+#include "catalogue/device/patches/body_patches.hpp"
 
 #include <algorithm>
 #include <array>
@@ -103,9 +103,15 @@ struct Dampers {
   std::vector<double> damper;
 };
 
-/// What is added up at a point of the mesh, in this order: tetrahedra, then other parts.
+/// A triangle of the surface and a tool that may touch it.
+struct Contact {
+  std::int32_t tool;
+  const ToolContact::Triangle* triangle;
+};
+
+/// What is added up at a point of the mesh, in this order: tetrahedra, other parts, loads, tools.
 struct Terms {
-  enum Kind : std::size_t { fibre, spring, damper, triangle, kinds };
+  enum Kind : std::size_t { fibre, spring, damper, triangle, contact, kinds };
   /// A force of part `number` of its kind, at its point `place`.
   struct Other {
     Kind kind;
@@ -115,6 +121,7 @@ struct Terms {
   std::vector<std::int32_t> tetrahedra;
   std::vector<Other> others;
   std::vector<std::array<std::size_t, 2>> groups;  ///< of these: from where to where they are one sum
+  std::vector<Other> contacts;
 };
 
 /// A set: what was added up at a point before the sum of the springs that begin there, these, and the rest.
@@ -200,6 +207,21 @@ std::vector<Terms> terms_of(const TissueBody& body, const Tetrahedra& tetrahedra
   return terms;
 }
 
+/// Those of one tool after the other.
+std::vector<Contact> append_contacts(const TissueBody& body, std::vector<Terms>& terms) {
+  std::vector<Contact> contacts;
+  for (std::int32_t tool = 0; const ToolContact& each : body.contacts()) {
+    for (const ToolContact::Triangle& triangle : each.triangles()) {
+      for (std::size_t a = 0; a < 3; ++a)
+        terms[at(triangle.points[a])].contacts.push_back(
+            {Terms::contact, static_cast<std::int32_t>(contacts.size()), a});
+      contacts.push_back({tool, &triangle});
+    }
+    ++tool;
+  }
+  return contacts;
+}
+
 /// A load at one of its points.
 struct Push {
   std::int32_t load;
@@ -226,6 +248,7 @@ class Cutter {
         tetrahedra_(parts_),
         fibres_{parts_.fibres ? parts_.fibres->fibres() : Fibres{}},
         terms_(terms_of(body, tetrahedra_, fibres_, springs_, dampers_)),
+        contacts_(append_contacts(body, terms_)),
         pushes_(pushes_of(body)),
         number_(terms_.size(), -1),
         local_(terms_.size(), -1),
@@ -251,6 +274,8 @@ class Cutter {
       made_.damper.push_back(dampers_.damper[static_cast<std::size_t>(damper)]);
     }
     for (const auto& [number, slot] : of_others_[Terms::triangle]) add_triangle(number, slot, used);
+    for (const auto& [contact, slot] : of_others_[Terms::contact])
+      add_contact(contacts_[static_cast<std::size_t>(contact)], slot, used);
     for (std::size_t p = own.size(); p < used.size(); ++p) made_.rim.push_back(number_[at(used[p])]);
     for (const Index p : used) local_[at(p)] = -1;
     const std::size_t averages = made_.average.size() - static_cast<std::size_t>(made_.begin.back().average);
@@ -283,7 +308,7 @@ class Cutter {
     }
     for (const Index p : body_.free_points()) made_.order.push_back(number_[at(p)]);
     made_.number = number_;
-    if (!springs_.end.empty() || body_.membrane()) place_rest();
+    if (!springs_.end.empty() || body_.membrane() || !contacts_.empty()) place_rest();
     if (body_.membrane()) place_skin(*body_.membrane());
     place_supports();
     if (body_.settings().beta != 0) place_damping();
@@ -427,7 +452,8 @@ class Cutter {
             static_cast<std::int32_t>(cut_fibres_.size()),
             static_cast<std::int32_t>(made_.push_slot.size()),
             static_cast<std::int32_t>(made_.damper.size()),
-            static_cast<std::int32_t>(triangles_.size())};
+            static_cast<std::int32_t>(triangles_.size()),
+            static_cast<std::int32_t>(made_.contacts.size())};
   }
 
   /// Slots of the own points, one after the other.
@@ -452,6 +478,7 @@ class Cutter {
         made_.push_load.push_back(push.load);
         made_.push_share.push_back(push.share);
       }
+      for (const Terms::Other& each : terms.contacts) give(of_others_[each.kind], each.number, each.place);
       made_.slots.push_back(
           {static_cast<std::int32_t>(made_.groups.size()), static_cast<std::uint16_t>(next)});
     }
@@ -530,12 +557,18 @@ class Cutter {
 
   void add_triangle(std::int32_t number, const Slots& slot, std::vector<Index>& used) {
     const auto n = static_cast<std::size_t>(number);
-    PatchTriangle& triangle = made_.skin.emplace_back();
-    for (std::size_t a = 0; a < 3; ++a) {
-      triangle.point[a] = local(body_.membrane()->points(n)[a], used);
-      triangle.slot[a] = slot[a];
-    }
+    made_.skin.push_back(corners_of(body_.membrane()->points(n), slot, used));
     triangles_.push_back(n);
+  }
+
+  void add_contact(const Contact& contact, const Slots& slot, std::vector<Index>& used) {
+    made_.contacts.push_back(
+        {corners_of(contact.triangle->points, slot, used), contact.tool, contact.triangle->samples});
+  }
+
+  PatchTriangle corners_of(const std::array<Index, 3>& points, const Slots& slot, std::vector<Index>& used) {
+    return {{local(points[0], used), local(points[1], used), local(points[2], used)},
+            {slot[0], slot[1], slot[2]}};
   }
 
   static Slots nowhere() {
@@ -552,6 +585,7 @@ class Cutter {
   Springs springs_;
   Dampers dampers_;
   std::vector<Terms> terms_;
+  std::vector<Contact> contacts_;
   std::vector<std::vector<Push>> pushes_;
   std::vector<std::int32_t> number_, local_;     ///< of each point of the mesh: here, and in the patch
   std::vector<std::int32_t> place_;              ///< of tetrahedra of pressures: the first among `tets_`
@@ -567,11 +601,9 @@ class Cutter {
 }  // namespace
 
 std::string unsuited_for_patches(const TissueBody& body) {
-  const TissueSettings& settings = body.settings();
   const ElementParts parts = body.element_parts();
   if (!parts.tetrahedra && !parts.of_pressures && !parts.of_ten_nodes && body.element_pieces() > 0)
     return "has other elements than those of the models of hmax";
-  if (!settings.tools.empty()) return "meets a tool";
   return {};
 }
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "catalogue/device/programs/body_step.hpp"
+#include "catalogue/device/patches/patch_arrays.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -41,6 +41,7 @@ struct BodyPatches {
   std::vector<PatchTriangle> skin;
   std::vector<double> skin_gradients, skin_volume;
   double skin_modulus = 0, skin_poisson = 0;
+  std::vector<PatchContact<double>> contacts;
   std::vector<PointSlots> slots;
   std::vector<SlotGroup> groups;
   std::vector<std::uint16_t> push_slot;

@@ -7,6 +7,7 @@
 #include "core/instructions/device_code.hpp"
 #include "problems/tissue/forces/kernels/spring_law.hpp"
 #include "problems/tissue/forces/kernels/tet_law.hpp"
+#include "problems/tissue/forces/kernels/tool_contact.hpp"
 
 namespace hmax {
 
@@ -20,14 +21,22 @@ enum class PatchElements : std::uint8_t {
   of_ten_nodes   ///< those of QuadraticElements
 };
 
+/// What a body has beside its elements and its linear and cubic springs. Parts whose forces need more
+/// registers are compiled for the bodies that have them.
+enum class PatchParts : std::uint8_t {
+  few,   ///< none
+  more,  ///< fibres, dampers, triangles or springs of other laws
+  tools  ///< tools, and whatever else
+};
+template <PatchParts parts>
+using PartsConstant = std::integral_constant<PatchParts, parts>;
+
 /// What is known of a body when its steps are compiled.
-/// @tparam more  whether it may have fibres, dampers, triangles or springs of other laws, whose forces need
-///               more registers
-template <TetLaw law_of, PatchElements elements_of, bool more>
+template <TetLaw law_of, PatchElements elements_of, PatchParts parts>
 struct BodyKind {
   static constexpr TetLaw law = law_of;
   static constexpr PatchElements elements = elements_of;
-  static constexpr bool has_more = more;
+  static constexpr bool has_more = parts != PatchParts::few, has_tools = parts == PatchParts::tools;
 };
 
 /// Corners of a tetrahedron in a patch.
@@ -77,6 +86,20 @@ struct PatchTriangle {
   std::uint16_t point[3], slot[3];
 };
 
+/// A triangle of the surface and a tool that may touch it, likewise.
+template <class Real>
+struct PatchContact {
+  PatchTriangle triangle;
+  std::int32_t tool;
+  SampledTriangle<Real> samples;
+};
+
+/// Where the terms of a list begin: those of entry n are first[n] .. first[n + 1] - 1 of `of`.
+struct TermLists {
+  const std::int32_t *first, *of;
+  bool operator==(const TermLists&) const = default;
+};
+
 /// Slots from `begin` to `end` whose sum is added as one: those of springs of a set that begin at a point.
 struct SlotGroup {
   std::uint16_t begin, end;
@@ -90,7 +113,7 @@ struct PointSlots {
 
 /// Where a patch begins in the arrays below; those of the patch after it are its ends.
 struct PatchBegin {
-  std::int32_t own, rim, tet, average, fibre, push, damper, triangle;
+  std::int32_t own, rim, tet, average, fibre, push, damper, triangle, contact;
 };
 
 /// The law of a set of springs, as SpringLaw has it.
@@ -123,6 +146,32 @@ struct SharedPressures {
   bool operator==(const SharedPressures&) const = default;
 };
 
+/// Numbers that the threads of a block share: positions of `points`, forces of `slots`, pressures of
+/// averages.
+HMAX_DEVICE constexpr std::int64_t shared_numbers(std::int64_t points, std::int64_t slots,
+                                                  std::int64_t averages) {
+  return 3 * (points + slots) + averages;
+}
+
+/// The tools that a body meets.
+template <class Real>
+struct BodyTools {
+  std::int32_t contacts;              ///< of all patches
+  const PatchContact<Real>* contact;  ///< shape (contacts)
+  const SphereLaw<Real>* laws;        ///< of each tool
+  std::int32_t first;                 ///< where their poses begin among the numbers of an evaluation
+  bool operator==(const BodyTools&) const = default;
+};
+
+/// Supports that drag free points as they move.
+template <class Real>
+struct SupportDrag {
+  std::int32_t rates;  ///< how many they are
+  std::int32_t first;  ///< where their rates begin among the numbers of an evaluation
+  const Real* drag;    ///< what each does at a rate of 1/s [N], shape (rates, 3, free)
+  bool operator==(const SupportDrag&) const = default;
+};
+
 /// A body, its arrays in the memory of a device, of numbers of one precision. Degrees of freedom are stored
 /// x, y, z one array after the other; the points of a patch are neighbours, and those that stand still follow
 /// the free ones.
@@ -153,7 +202,8 @@ struct BodyArrays {
   const PatchTriangle* skin;         ///< shape (triangles)
   const Real *skin_gradients, *skin_volume;  ///< Bm [1/m], row after row, shape (4, triangles); [m^3]
   Real skin_modulus, skin_poisson;           ///< Y / (1 - nu^2) [Pa], nu
-  const Real* rest;                    ///< positions [m], shape (3, points); of springs and triangles alone
+  BodyTools<Real> tools;
+  const Real* rest;                    ///< positions [m], shape (3, points); of springs, triangles and tools
   const PointSlots* slots;             ///< of each free point; they follow one another in a patch
   const SlotGroup* groups;             ///< of one point after the other, in the order of their slots
   const std::uint16_t* push_slot;      ///< slots of loads
@@ -163,16 +213,17 @@ struct BodyArrays {
   const Real* anchor;                  ///< k [N/m] of the spring that holds each free point, or 0; null: none
   std::int32_t motions, first_motion;  ///< of supports; where they begin among the numbers of an evaluation
   const std::int32_t* moved_by;        ///< which motion each point that is not free has, or -1
-  std::int32_t rates, first_rate;      ///< of supports that drag free points, likewise
-  const Real* support_drag;            ///< what each does at a rate of 1/s [N], shape (rates, 3, free)
-  const std::int32_t* damped_by;       ///< dofs whose velocities damp a free point by the stiffness at rest
-  const Real* damping;                 ///< of its three dofs [kg/s], shape (3, damps)
-  const std::int32_t* damp_end;        ///< the end of these, of each free point
+  SupportDrag<Real> support_drag;
+  const std::int32_t* damped_by;  ///< dofs whose velocities damp a free point by the stiffness at rest
+  const Real* damping;            ///< of its three dofs [kg/s], shape (3, damps)
+  const std::int32_t* damp_end;   ///< the end of these, of each free point
   std::int32_t damps;
   Real watch;           ///< a larger displacement [m] is told
   std::int32_t shared;  ///< numbers that a block needs, shared_numbers() of the largest patch
-  /// See BodyKind.
-  [[nodiscard]] bool has_more() const { return fibres + dampers + triangles > 0 || has_other_laws; }
+  [[nodiscard]] PatchParts parts() const {
+    if (tools.contacts > 0) return PatchParts::tools;
+    return fibres + dampers + triangles > 0 || has_other_laws ? PatchParts::more : PatchParts::few;
+  }
   bool operator==(const BodyArrays&) const = default;
 };
 
