@@ -56,7 +56,8 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
   expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 0.1 --device gpu"),
                  "bodies on meshes");
   expect_refused(
-      shell.hmax("run --mesh cube:n=3 --load tool --method symplectic_euler --h 1e-4 --device gpu"), "tool");
+      shell.hmax("run --mesh cube:n=3 --load tool --set tool_damping=1 --method rkc_2 --h 1e-4 --device gpu"),
+      "tool");
   const Told pressures =
       shell.hmax("run --mesh cube:n=3 --model fem_nodal_pressure --method newmark --h 1e-2 --device gpu");
   expect_refused(pressures, "runs on no GPU");
