@@ -39,67 +39,81 @@ auto largest_over(const Window& window, int grid, const Of& of) {
   return largest;
 }
 
-/// What coordinates of y are measured against: rounding errs by shares of them, whatever the window.
-Vector2d sizes_of(const Vector2d& y, const Window& window) {
-  return y.cwiseAbs().cwiseMax(1e-12 * window.size());
+/// A zero of f.
+struct Root {
+  Vector2d y;
+  /// What its coordinates are measured against: rounding errs by shares of themselves, whatever the window;
+  /// where Newton's method came near but slowly, or J is nearly singular, as at a multiple root, the window.
+  Vector2d size;
+};
+
+/// The part of the window within its size.
+Window around(const Root& root, const Window& window) {
+  return {(root.y - root.size).cwiseMax(window.lower), (root.y + root.size).cwiseMin(window.upper)};
 }
 
-/// What is as far from y as y is from zero.
-Window around(const Vector2d& y, const Window& window) {
-  const Vector2d reach = sizes_of(y, window);
-  return {(y - reach).cwiseMax(window.lower), (y + reach).cwiseMin(window.upper)};
-}
-
-/// The equilibrium at y.
-Equilibrium equilibrium_at(const PlanarField& field, const Window& window, const Vector2d& y) {
-  const Matrix2d J = field.jacobian(y);
-  return {y, classify(J, largest_over(around(y, window), 8, field.jacobian)), eigenvalues_2x2(J)};
+Equilibrium equilibrium_at(const PlanarField& field, const Window& window, const Root& root) {
+  const Matrix2d J = field.jacobian(root.y);
+  return {root.y, classify(J, largest_over(around(root, window), 8, field.jacobian)), eigenvalues_2x2(J)};
 }
 
 /// Whether two are one, but for rounding.
-bool are_one(const Vector2d& a, const Vector2d& b, const Window& window) {
-  const Vector2d size = sizes_of(a, window).cwiseMax(sizes_of(b, window));
-  return ((a - b).cwiseAbs().array() <= 1e-6 * size.array()).all();
+bool are_one(const Root& a, const Root& b) {
+  return ((a.y - b.y).cwiseAbs().array() <= 1e-6 * a.size.cwiseMax(b.size).array()).all();
+}
+
+/// A coordinate that is zero to rounding is printed as 0.
+/// @param f  sizes of f there
+void round_to_zero(const PlanarField& field, const Window& window, const Vector2d& f, Root& root) {
+  const Vector2d tolerated = f.cwiseMax(1e-15 * largest_over(around(root, window), 8, field.rhs));
+  for (int i = 0; i < 2; ++i) {
+    Vector2d rounded = root.y, half = root.y;
+    rounded(i) = 0, half(i) /= 2;
+    const auto vanishes = [&](const Vector2d& there) {
+      return (field.rhs(there).cwiseAbs().array() <= tolerated.array()).all();
+    };
+    // f vanishes at another equilibrium too, but not on the way.
+    if (std::abs(root.y(i)) < 1e-7 * window.size()(i) && vanishes(rounded) && vanishes(half))
+      root.y = rounded;
+  }
 }
 
 /// Newton's method from y, in units of the window; nothing when it does not arrive inside the window.
 /// @param scale  sizes of f
-std::optional<Vector2d> newton(const PlanarField& field, const Window& window, const Vector2d& scale,
-                               Vector2d y) {
+std::optional<Root> newton(const PlanarField& field, const Window& window, const Vector2d& scale,
+                           Vector2d y) {
   // Linear convergence at a double root gains one bit a step, so many more steps than at a simple one.
   constexpr int most_steps = 120;
   const Vector2d size = window.size();
-  for (int step = 0; step < most_steps; ++step) {
+  Vector2d d = size;
+  const auto is_small = [&](double share, double of_window) {
+    return (d.cwiseAbs().array() <= share * y.cwiseAbs().cwiseMax(of_window * size).array()).all();
+  };
+  for (int step = 0; step < most_steps && !is_small(1e-14, 1e-3); ++step) {
     const Vector2d f = field.rhs(y);
     const Matrix2d J = field.jacobian(y);
     if (!f.allFinite() || !J.allFinite()) return std::nullopt;
-    if (f.isZero(0)) break;
     // Minimum-norm step: on a line of equilibria J is singular and the nearest point of the line is wanted.
     // J S (d / S) = -f with S the sizes of the window.
-    Vector2d d = minimum_norm_solution(J * size.asDiagonal(), -f);
+    d.setZero();
+    if (!f.isZero(0)) d = minimum_norm_solution(J * size.asDiagonal(), -f);
     if (!d.allFinite()) return std::nullopt;
     const double length = d.norm();
     if (length > 1) d /= length;  // near a fold of f the full step may leave for infinity
     d = d.cwiseProduct(size);
     y += d;
-    if ((d.cwiseAbs().array() < 1e-14 * sizes_of(y, window).array()).all()) break;
   }
   const Vector2d f = field.rhs(y).cwiseAbs();
   if (!f.allFinite() || (f.array() > 1e-12 * scale.array()).any()) return std::nullopt;
   const Vector2d slack = 1e-9 * size;
   if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
     return std::nullopt;
-  const Vector2d tolerated = f.cwiseMax(1e-15 * largest_over(around(y, window), 8, field.rhs));
-  for (int i = 0; i < 2; ++i) {  // a coordinate that is zero to rounding is printed as 0
-    Vector2d rounded = y, half = y;
-    rounded(i) = 0, half(i) /= 2;
-    const auto vanishes = [&](const Vector2d& there) {
-      return (field.rhs(there).cwiseAbs().array() <= tolerated.array()).all();
-    };
-    // f vanishes at another equilibrium too, but not on the way.
-    if (std::abs(y(i)) < 1e-7 * size(i) && vanishes(rounded) && vanishes(half)) y = rounded;
-  }
-  return y;
+  constexpr double least = 1e-10;  // of the window: of coordinates that are zero
+  const Matrix2d J = field.jacobian(y) * size.asDiagonal();
+  const bool is_simple = is_small(1e-6, least) && std::abs(J.determinant()) > 1e-10 * J.squaredNorm();
+  Root root{y, is_simple ? y.cwiseAbs().cwiseMax(least * size) : size};
+  round_to_zero(field, window, f, root);
+  return root;
 }
 
 /// @throws std::invalid_argument  when the table has no such column
@@ -181,9 +195,9 @@ std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Wind
                                             const Vector2d& start) {
   require_valid(window);
   const Vector2d scale = largest_over(window, 15, field.rhs);
-  const auto y = newton(field, window, scale, start);
-  if (!y) return std::nullopt;
-  return equilibrium_at(field, window, *y);
+  const auto root = newton(field, window, scale, start);
+  if (!root) return std::nullopt;
+  return equilibrium_at(field, window, *root);
 }
 
 // Newton's method from the centres of a grid of cells.
@@ -191,15 +205,15 @@ std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window&
   require_valid(window);
   if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
   const Vector2d scale = largest_over(window, std::max(8, starts), field.rhs);
-  std::vector<Equilibrium> found;
+  std::vector<Root> roots;
   for (int i = 0; i < starts; ++i)
     for (int j = 0; j < starts; ++j) {
-      const auto y = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
-      if (!y) continue;
-      const bool known = std::any_of(found.begin(), found.end(),
-                                     [&](const Equilibrium& e) { return are_one(e.state, *y, window); });
-      if (!known) found.push_back(equilibrium_at(field, window, *y));
+      const auto root = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
+      if (root && std::ranges::none_of(roots, [&](const Root& known) { return are_one(known, *root); }))
+        roots.push_back(*root);
     }
+  std::vector<Equilibrium> found;
+  for (const Root& root : roots) found.push_back(equilibrium_at(field, window, root));
   std::sort(found.begin(), found.end(), [](const Equilibrium& a, const Equilibrium& b) {
     return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
   });

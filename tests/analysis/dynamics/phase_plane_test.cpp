@@ -117,6 +117,22 @@ TEST(PhasePlane, ASpringWithoutLinearPartIsDegenerate) {
   EXPECT_NEAR(found[0].state(0), 0, 1e-9);
 }
 
+TEST(PhasePlane, ARootThatNewtonReachesSlowlyIsOneAndDegenerate) {
+  // Flat on one side of 0, steep on the other.
+  const PlanarField field{
+      [](const Vector2d& y) {
+        return Vector2d(y(1), y(0) > 0 ? -std::pow(y(0), 4) - 0.7 * y(1) : std::sqrt(-y(0)) - 0.7 * y(1));
+      },
+      [](const Vector2d& y) {
+        const double slope = y(0) > 0 ? -4 * std::pow(y(0), 3) : -0.5 / std::sqrt(-y(0));
+        return (Matrix2d() << 0, 1, slope, -0.7).finished();
+      }};
+  const auto found = find_equilibria(field, {{-3, -3}, {3, 3}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].type, EquilibriumType::degenerate);
+  EXPECT_NEAR(found[0].state(0), 0, 1e-5);
+}
+
 TEST(PhasePlane, ALineOfEquilibriaIsShownByDegeneratePoints) {
   const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0, .k3 = 0}, 0, kWindow);
   ASSERT_FALSE(found.empty());
