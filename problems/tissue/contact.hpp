@@ -52,7 +52,6 @@ class ToolContact {
   };
   /// In the order in which they are added up.
   [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
-  [[nodiscard]] const SphereTool& tool() const { return tool_; }
 
  private:
   /// Calls visit(triangle, b, w, touch) with the samples that touch, as if the surface moved with the tool.

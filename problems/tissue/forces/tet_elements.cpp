@@ -15,7 +15,7 @@ Eigen::Matrix3d edge_vectors(const NodeRows& u, const std::array<TetMesh::Index,
 
 namespace {
 
-/// @param block_of  gives the block of two corners of the parts
+/// @param make_parts, block_of  of a law in element_stiffness.hpp
 template <class Parts, class MakeParts, class BlockOf>
 ElementStiffness stiffness_of(const NodeRows& u, const std::array<TetMesh::Index, 4>& points,
                               const RestShape& rest, const Lame& lame, const MakeParts& make_parts,
@@ -34,12 +34,16 @@ ElementStiffness kernel_stiffness(TetLaw law, const NodeRows& u, const std::arra
                                   const RestShape& rest, const Lame& lame) {
   using Lanes = OneElement<double>;
   using namespace kernel_loops;
+  // Lambdas, since functions behind pointers are not compiled into the loops.
   if (law == TetLaw::corotational)
     return stiffness_of<CorotationalParts<Lanes>>(u, points, rest, lame,
                                                   corotational_parts<Lanes, double, double>,
-                                                  corotational_stiffness<Lanes, double>);
-  return stiffness_of<NeoHookeanParts<Lanes>>(u, points, rest, lame, neo_hookean_parts<Lanes, double>,
-                                              neo_hookean_stiffness<Lanes, 4, double>);
+                                                  [](const auto& parts, int a, int b, double(*block)[3]) {
+                                                    corotational_stiffness(parts, a, b, block);
+                                                  });
+  return stiffness_of<NeoHookeanParts<Lanes>>(
+      u, points, rest, lame, neo_hookean_parts<Lanes, double>,
+      [](const auto& parts, int a, int b, double(*block)[3]) { neo_hookean_stiffness(parts, a, b, block); });
 }
 
 void subtract_pull(const RestShape& rest, const std::array<TetMesh::Index, 4>& points,
