@@ -139,9 +139,9 @@ double turn(const Vector2d& a, const Vector2d& b) { return std::atan2(a(0) * b(1
 /// The angle by which g turns from a to b on a straight line; NaN where that cannot be said.
 /// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
 /// looks of a smooth g.
-/// @param halvings  that are left
+/// @param looks  that are left, of all lines
 double turn_between(const PlanarMap& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
-                    const Vector2d& gb, int halvings) {
+                    const Vector2d& gb, int& looks) {
   const Vector2d middle = (a + b) / 2;
   const Vector2d gm = g(middle);
   for (const Vector2d& known : {gm, gb})
@@ -149,8 +149,8 @@ double turn_between(const PlanarMap& g, const Vector2d& a, const Vector2d& ga, c
   const double first = turn(ga, gm), second = turn(gm, gb);
   constexpr double little = std::numbers::pi / 4;
   if (std::abs(first) < little && std::abs(second) < little) return first + second;
-  if (halvings == 0) return std::nan("");
-  return turn_between(g, a, ga, middle, gm, halvings - 1) + turn_between(g, middle, gm, b, gb, halvings - 1);
+  if (--looks <= 0 || middle == a || middle == b) return std::nan("");
+  return turn_between(g, a, ga, middle, gm, looks) + turn_between(g, middle, gm, b, gb, looks);
 }
 
 /// The square of a lattice over the window with its lower left corner at (i, j).
@@ -270,7 +270,8 @@ class CellSearch {
 // The winding number of g along the border, from the angles between neighbouring values.
 std::optional<int> degree_around(const PlanarMap& g, const Window& window) {
   require_valid(window);
-  constexpr int pieces = 64, halvings = 20;
+  constexpr int pieces = 64;
+  int looks = 10'000;
   const Vector2d &lower = window.lower, &upper = window.upper;
   const std::array<Vector2d, 5> corners{lower, Vector2d(upper(0), lower(1)), upper,
                                         Vector2d(lower(0), upper(1)), lower};
@@ -282,7 +283,7 @@ std::optional<int> degree_around(const PlanarMap& g, const Window& window) {
       const double share = double(piece) / pieces;
       const Vector2d to = (1 - share) * corners[side] + share * corners[side + 1];
       const Vector2d next = g(to);
-      angle += turn_between(g, from, there, to, next, halvings);
+      angle += turn_between(g, from, there, to, next, looks);
       if (!std::isfinite(angle)) return std::nullopt;
       from = to;
       there = next;

@@ -63,18 +63,14 @@ bool are_one(const Root& a, const Root& b) {
 }
 
 /// A coordinate that is zero to rounding is printed as 0.
-/// @param f  sizes of f there
-void round_to_zero(const PlanarField& field, const Window& window, const Vector2d& f, Root& root) {
-  const Vector2d tolerated = f.cwiseMax(1e-15 * largest_over(around(root, window), 8, field.rhs));
+/// @param near       no farther from 0 than it
+/// @param tolerated  sizes of f
+void round_to_zero(const PlanarField& field, const Vector2d& near, const Vector2d& tolerated, Vector2d& y) {
   for (int i = 0; i < 2; ++i) {
-    Vector2d rounded = root.y, half = root.y;
-    rounded(i) = 0, half(i) /= 2;
-    const auto vanishes = [&](const Vector2d& there) {
-      return (field.rhs(there).cwiseAbs().array() <= tolerated.array()).all();
-    };
-    // f vanishes at another equilibrium too, but not on the way.
-    if (std::abs(root.y(i)) < 1e-7 * window.size()(i) && vanishes(rounded) && vanishes(half))
-      root.y = rounded;
+    Vector2d rounded = y;
+    rounded(i) = 0;
+    if (std::abs(y(i)) < near(i) && (field.rhs(rounded).cwiseAbs().array() <= tolerated.array()).all())
+      y = rounded;
   }
 }
 
@@ -82,8 +78,8 @@ void round_to_zero(const PlanarField& field, const Window& window, const Vector2
 /// @param scale  sizes of f
 std::optional<Root> newton(const PlanarField& field, const Window& window, const Vector2d& scale,
                            Vector2d y) {
-  // Linear convergence at a double root gains one bit a step, so many more steps than at a simple one.
-  constexpr int most_steps = 120;
+  // Linear convergence to a double root gains one bit a step, so many more steps than to a simple one.
+  constexpr int most_steps = 300;
   const Vector2d size = window.size();
   Vector2d d = size;
   const auto is_small = [&](double share, double of_window) {
@@ -104,16 +100,17 @@ std::optional<Root> newton(const PlanarField& field, const Window& window, const
     y += d;
   }
   const Vector2d f = field.rhs(y).cwiseAbs();
+  const bool is_known = is_small(1e-6, 1e-10);
+  if (!is_known && (d.cwiseAbs().array() > 1e-5 * size.array()).any()) return std::nullopt;  // on its way
   if (!f.allFinite() || (f.array() > 1e-12 * scale.array()).any()) return std::nullopt;
   const Vector2d slack = 1e-9 * size;
   if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
     return std::nullopt;
-  constexpr double least = 1e-10;  // of the window: of coordinates that are zero
   const Matrix2d J = field.jacobian(y) * size.asDiagonal();
-  const bool is_simple = is_small(1e-6, least) && std::abs(J.determinant()) > 1e-10 * J.squaredNorm();
-  Root root{y, is_simple ? y.cwiseAbs().cwiseMax(least * size) : size};
-  round_to_zero(field, window, f, root);
-  return root;
+  const bool is_simple = is_known && std::abs(J.determinant()) > 1e-10 * J.squaredNorm();
+  round_to_zero(field, (is_simple ? 1e-13 : 1e-7) * size, f.cwiseMax(1e-15 * scale), y);
+  // Where terms of f cancel, coordinates near 0 have the rounding of these terms.
+  return Root{y, is_simple ? y.cwiseAbs().cwiseMax(1e-7 * size) : size};
 }
 
 /// @throws std::invalid_argument  when the table has no such column

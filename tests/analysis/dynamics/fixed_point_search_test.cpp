@@ -83,6 +83,13 @@ TEST(FixedPointSearch, CountsHowOftenAFunctionTurns) {
   EXPECT_EQ(degree_around([](const VectorXd&) -> VectorXd { return Vector2d(1, 0); }, square), 0);
   // Zero on the border, or nothing there.
   EXPECT_FALSE(degree_around([](const VectorXd& y) -> VectorXd { return y - Vector2d(1, 0); }, square));
+  // Half a turn within 1e-7 of a side; the angle of noise is unknown, however long it is looked for.
+  const auto steep = [](const VectorXd& y) -> VectorXd { return Vector2d(y(1), 1e-10 * (y(0) + 0.9)); };
+  EXPECT_EQ(degree_around(steep, square), -1);
+  const auto noise = [](const VectorXd& y) -> VectorXd {
+    return Vector2d(std::sin(1e17 * (y(0) + 2 * y(1))), std::cos(3e17 * (y(0) - y(1))));
+  };
+  EXPECT_FALSE(degree_around(noise, square));
   EXPECT_FALSE(degree_around([](const VectorXd& y) -> VectorXd { return y / (y(0) < 0.9 ? 1 : 0); }, square));
 }
 

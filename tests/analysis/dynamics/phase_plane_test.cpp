@@ -133,6 +133,21 @@ TEST(PhasePlane, ARootThatNewtonReachesSlowlyIsOneAndDegenerate) {
   EXPECT_NEAR(found[0].state(0), 0, 1e-5);
 }
 
+TEST(PhasePlane, ARootWhereTermsCancelIsOne) {
+  // Centre and focus at 0, where v' is the difference of two numbers.
+  for (const auto& [a, b] : {std::pair(0.87, 0.87), std::pair(0.5, 0.8)}) {
+    const PlanarField field{
+        [=](const Vector2d& y) {
+          return Vector2d(y(1) + a * y(0), 1.1449 - (y(0) + 1.07) * (y(0) + 1.07) - b * y(1));
+        },
+        [=](const Vector2d& y) { return (Matrix2d() << a, 1, -2 * (y(0) + 1.07), -b).finished(); }};
+    const auto found = find_equilibria(field, {{-0.1, -1}, {1, 1}});
+    ASSERT_EQ(found.size(), 1u) << a;
+    EXPECT_EQ(found[0].type, a == b ? EquilibriumType::centre : EquilibriumType::stable_focus) << a;
+    EXPECT_EQ(found[0].state, Vector2d::Zero()) << a;
+  }
+}
+
 TEST(PhasePlane, ALineOfEquilibriaIsShownByDegeneratePoints) {
   const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0, .k3 = 0}, 0, kWindow);
   ASSERT_FALSE(found.empty());
@@ -153,6 +168,22 @@ TEST(PhasePlane, FindsBothEquilibriaOfLotkaVolterra) {
   EXPECT_EQ(found[0].type, EquilibriumType::saddle);
   EXPECT_EQ(found[1].type, EquilibriumType::centre);
   EXPECT_LT((found[1].state - Vector2d(1, 1)).norm(), 1e-13);
+}
+
+TEST(PhasePlane, PointsThatNewtonPassesAreNoEquilibria) {
+  // From far, its steps are shares of the way, and f is small beside the largest of the window.
+  const auto field = [](auto f, auto slope) {
+    return PlanarField{[=](const Vector2d& y) { return Vector2d(y(1), f(y(0)) - y(1)); },
+                       [=](const Vector2d& y) { return (Matrix2d() << 0, 1, slope(y(0)), -1).finished(); }};
+  };
+  const auto ninth = [](double x) { return 1 - std::pow(x, 9); };
+  const auto found =
+      find_equilibria(field(ninth, [](double x) { return -9 * std::pow(x, 8); }), {{-1e4, -5}, {1e4, 5}});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].type, EquilibriumType::stable_focus);
+  EXPECT_NEAR(found[0].state(0), 1, 1e-14);
+  const auto growth = [](double x) { return std::exp(x); };
+  EXPECT_TRUE(find_equilibria(field(growth, growth), {{-20, -5}, {20, 5}}).empty());
 }
 
 TEST(PhasePlane, AFieldWithoutEquilibriaHasNone) {
