@@ -135,7 +135,6 @@ class Gpu final : public Device {
     move(to, from, bytes, cudaMemcpyDeviceToDevice);
   }
 
-  using Device::run;
   void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override {
     for (const DeviceProgram& program : programs) make_room(program);
     const auto of_graph =

@@ -385,7 +385,8 @@ StiffPressures pressures_of(DeviceMemory& memory, const MatrixArrays& made) {
 MatrixOnDevice::MatrixOnDevice(DeviceMemory& memory, const MatrixArrays& made, const BodyPatches& patches) {
   const auto count = [](const MatrixArrays::Lists& of) { return static_cast<double>(of.of.size()); };
   terms_ = count(made.terms) + count(made.fibre_terms) + count(made.spring_terms) + count(made.damper_terms) +
-           count(made.triangle_terms) + count(made.contact_terms);
+           count(made.triangle_terms) + count(made.contact_terms) + count(made.gradient_terms) +
+           count(made.averages_at_point);
   // Of tools: the look at the box around each triangle, as of forces.
   flops_of_terms_ = (made.ten_nodes.empty() ? 260 : 1640) * count(made.terms) +
                     113 * count(made.fibre_terms) + 60 * count(made.spring_terms) +
@@ -444,7 +445,8 @@ double MatrixOnDevice::bytes() const {
   constexpr double number = sizeof(double), place = sizeof(std::int32_t);
   const double constant =
       (there_.sum && there_.sums == 0 ? 9 * number : 0) + (there_.damping ? 9 * number : 0);
-  return place * terms_ + 2 * 9 * number * there_.sums + (9 * number + constant + 3 * place) * there_.blocks;
+  return place * terms_ + 2 * 3 * number * there_.pressures.gradients + 2 * 9 * number * there_.sums +
+         (9 * number + constant + 3 * place) * there_.blocks;
 }
 
 }  // namespace hmax

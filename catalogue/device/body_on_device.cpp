@@ -65,12 +65,7 @@ BodyOnDevice<Real>::BodyOnDevice(Device& device, const TissueBody& body, DeviceM
            .evaluation = 0,
            .sum = {},
            .recurrence = {}};
-  if (const char* const what = method_.steps_alone()) {
-    if (sizeof(Real) != sizeof(double))
-      throw InputError(std::string(what) + " run on a GPU in double precision; leave --precision out");
-    if (bodies > 1)
-      throw InputError(std::string(what) + " step one body at a time on a GPU; leave --bodies out");
-  }
+  method_.check(sizeof(Real) == sizeof(double), bodies, false);
   if (method_.kind == DeviceMethod::Kind::stabilised) radius_.emplace(memory_, body, patches_);
   place_loads();
   kept_ = {numbers(displacements()), numbers(velocities()), numbers(velocities())};
@@ -443,7 +438,7 @@ template <class Real>
 void BodyOnDevice<Real>::find_radius(Real* q, double t) {
   if constexpr (std::is_same_v<Real, double>) {
     if (!radius_) return;
-    if (is_driven()) set_times({&t, 1});
+    if (is_driven() && !radius_->is_constant()) set_times({&t, 1});
     BodyStep<double> step = step_;
     step.q = q;
     found_radius_ = radius_->at(step);

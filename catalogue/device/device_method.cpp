@@ -1,11 +1,13 @@
 #include "catalogue/device/device_method.hpp"
 
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
 
 #include "catalogue/device/programs/body_step.hpp"
+#include "core/errors.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/positional/compliant_constraints.hpp"
 
@@ -94,6 +96,18 @@ std::optional<DeviceMethod> device_method(const Method& method) {
     ((method.id == T::id ? void(found = runge_kutta<T>()) : void()), ...);
   }(std::type_identity<tableaux::All>{});
   return found;
+}
+
+void DeviceMethod::check(bool is_double, std::int32_t bodies, bool adaptive) const {
+  const bool is_alone = kind == Kind::stabilised || is_iterated();
+  const std::string steps = kind == Kind::stabilised ? "stabilised methods" : "methods of iterations";
+  if (is_alone && !is_double)
+    throw InputError(steps + " run on a GPU in double precision; leave --precision out");
+  if (is_alone && bodies > 1)
+    throw InputError(steps + " step one body at a time on a GPU; leave --bodies out");
+  if (adaptive && (!is_double || bodies > 1))
+    throw InputError(
+        "a GPU chooses steps of one body in double precision; leave --precision and --bodies out, or give --h");
 }
 
 }  // namespace hmax

@@ -68,11 +68,10 @@ struct DeviceMethod {
   [[nodiscard]] bool is_positional() const { return kind == Kind::constraints || kind == Kind::points; }
   [[nodiscard]] bool is_iterated() const { return kind == Kind::newton || is_positional(); }
   [[nodiscard]] bool has_stages() const { return kind == Kind::runge_kutta || kind == Kind::stabilised; }
-  /// What steps one body in double precision alone; null of the others.
-  [[nodiscard]] const char* steps_alone() const {
-    if (kind == Kind::stabilised) return "stabilised methods";
-    return is_iterated() ? "methods of iterations" : nullptr;
-  }
+  /// @param is_double  whether steps are in double precision;  @param bodies  at a time
+  /// @param adaptive   whether steps are chosen by their error
+  /// @throws InputError  where the method has no such steps
+  void check(bool is_double, std::int32_t bodies, bool adaptive) const;
   /// Of truncated Newton: Jacobians of so many steps.
   [[nodiscard]] std::int64_t jacobians(std::int64_t steps) const {
     if (kind != Kind::newton) return 0;

@@ -131,10 +131,9 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
 template <class Real>
 DeviceRun run_with(Device& device, const Problem& problem, const Method& method, const RunSpec& spec,
                    std::int32_t bodies) {
-  if (spec.adaptive && (sizeof(Real) != sizeof(double) || bodies > 1))
-    throw InputError(
-        "a GPU chooses steps of one body in double precision; leave --precision and --bodies out, or give --h");
-  BodyOnDevice<Real> body(device, *problem.body, *device_method(method), bodies);
+  const std::optional<DeviceMethod> known = device_method(method);
+  known->check(sizeof(Real) == sizeof(double), bodies, spec.adaptive);
+  BodyOnDevice<Real> body(device, *problem.body, *known, bodies);
   static_cast<void>(device.seconds());
   RunRecord record = [&] {
     if constexpr (std::is_same_v<Real, double>)

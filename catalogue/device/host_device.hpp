@@ -24,7 +24,6 @@ class HostDevice final : public Device {
   void write(void* to, const void* from, std::size_t bytes) override;
   void read(void* to, const void* from, std::size_t bytes) override;
   void copy(void* to, const void* from, std::size_t bytes) override;
-  using Device::run;
   void run(std::span<const DeviceProgram> programs, std::int64_t times, LoadEvaluations loads) override;
   [[nodiscard]] double seconds() override;
 

@@ -542,7 +542,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
   options.device.check({{"--output", !options.output.empty()},
                         {"--checkpoint", !options.checkpoint.file.empty()},
                         {"--jobs", is_given(options.jobs)}},
-                       problem, method);
+                       problem, method, spec.adaptive);
 
   remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);

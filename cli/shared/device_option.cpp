@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/device/device_method.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/shared/console.hpp"
 #include "core/errors.hpp"
@@ -77,11 +78,12 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
 }
 
 void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
-                         const Method& method) const {
+                         const Method& method, bool adaptive) const {
   check(beside);
   if (!is_gpu()) return;
   const std::string why = unsuited_for_device(problem, method);
-  if (why.empty()) return;
+  if (why.empty())
+    return device_method(method)->check(precision() == Precision::double_precision, bodies(), adaptive);
   std::string others;
   for (const char* id : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                          "rkc_2", "rkl_2", "newton_truncated", "vbd", "xpbd", "pbd"}) {

@@ -43,10 +43,11 @@ struct DeviceChoice {
   /// beside it that a GPU does not take
   void check(std::initializer_list<std::pair<const char*, bool>> beside) const;
   /// @param beside  other options, and whether they are given, that a GPU does not take
+  /// @param adaptive  whether steps are chosen by their error
   /// @throws InputError  for words that are none, a precision or bodies without a GPU, for one of these, and
   /// for what a GPU does not run
   void check(std::initializer_list<std::pair<const char*, bool>> beside, const Problem& problem,
-             const Method& method) const;
+             const Method& method, bool adaptive) const;
 };
 
 /// What the steps of a run on a device took, and on which: never a CPU time.

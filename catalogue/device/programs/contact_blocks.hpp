@@ -11,7 +11,7 @@ namespace hmax {
 
 /// A triangle of the surface and a tool that may touch it.
 struct StiffContact {
-  std::int32_t corner[3], tool;  ///< points of BodyArrays
+  std::int32_t corner[3], tool;  ///< points of BodyArrays; which tool
   SampledTriangle<double> samples;
 };
 

@@ -65,11 +65,11 @@ struct StiffShares {
 
 /// Pressures that tetrahedra share at their points, as NodalPressure has them.
 struct StiffPressures {
-  std::int32_t averages, gradients;  ///< how many there are; null: none
-  const StiffShares* tets;           ///< shape (tets)
+  std::int32_t averages, gradients;  ///< how many there are
+  const StiffShares* tets;           ///< shape (tets); null: none
   TermLists at_point;  ///< the averages around each free point, ascending: those of the gradients
   TermLists terms;     ///< of each gradient: 4 times the tetrahedron + its corner, in order
-  double* gradient;    ///< (lambda/V_a)^(1/2) G_a [N/m]^(1/2], shape (gradients, 3)
+  double* gradient;    ///< (lambda/V_a)^(1/2) G_a [(N/m)^(1/2)], shape (gradients, 3)
   double* pressure;    ///< lambda (J_a - 1) [Pa], shape (averages)
   bool operator==(const StiffPressures&) const = default;
 };

@@ -65,6 +65,18 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
       << pressures.err << ": neither vbd nor xpbd has them";
 }
 
+TEST(Run, RefusesWhatNoGpuStepsBeforeItLooksForOne) {
+  const Shell shell;
+  for (const char* alone : {"rkc_2 --h 1e-4", "newton_truncated --h 1e-2", "ode45 --rtol 1e-4 --atol 1e-6"})
+    for (const char* option : {"--bodies", "--precision"}) {
+      const bool bodies = std::string_view(option) == "--bodies";
+      expect_refused(
+          shell.hmax(fmt::format("run --mesh cube:n=3 --device gpu --t-end 0.01 --method {} {} {}", alone,
+                                 option, bodies ? "3" : "single")),
+          fmt::format("leave {}", std::string_view(alone).starts_with("ode45") ? "--precision" : option));
+    }
+}
+
 TEST(Run, PrintsWhenTheStateWasThatItEndsWith) {
   const Told told = Shell().hmax("run --problem liver_forced --method rk4 --h 2");
   EXPECT_TRUE(says(told.out, "diverged at t = 10 s"));
