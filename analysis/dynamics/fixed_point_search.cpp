@@ -387,8 +387,8 @@ EquilibriumSet search_equilibria(const PlanarField& field, const Window& window)
   if (searched.whole)
     for (const FixedPoint& point : searched.points) {
       const std::optional<Equilibrium> refined = equilibrium_from(field, window, point.state);
-      if (refined && std::ranges::none_of(found.points, [&](const Equilibrium& other) {
-            return (other.state - refined->state).cwiseQuotient(size).norm() < 1e-6;
+      if (refined && std::ranges::none_of(found.points, [&](const Equilibrium& known) {
+            return known.is(refined->state, refined->resolution);
           }))
         found.points.push_back(*refined);
     }

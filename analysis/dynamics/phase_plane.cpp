@@ -45,6 +45,7 @@ struct Root {
   /// What its coordinates are measured against: rounding errs by shares of themselves, whatever the window;
   /// where Newton's method came near but slowly, or J is nearly singular, as at a multiple root, the window.
   Vector2d size;
+  [[nodiscard]] Vector2d resolution() const { return 1e-6 * size; }
 };
 
 /// The part of the window within its size.
@@ -54,12 +55,8 @@ Window around(const Root& root, const Window& window) {
 
 Equilibrium equilibrium_at(const PlanarField& field, const Window& window, const Root& root) {
   const Matrix2d J = field.jacobian(root.y);
-  return {root.y, classify(J, largest_over(around(root, window), 8, field.jacobian)), eigenvalues_2x2(J)};
-}
-
-/// Whether two are one, but for rounding.
-bool are_one(const Root& a, const Root& b) {
-  return ((a.y - b.y).cwiseAbs().array() <= 1e-6 * a.size.cwiseMax(b.size).array()).all();
+  return {root.y, classify(J, largest_over(around(root, window), 8, field.jacobian)), eigenvalues_2x2(J),
+          root.resolution()};
 }
 
 /// A coordinate that is zero to rounding is printed as 0.
@@ -202,15 +199,14 @@ std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window&
   require_valid(window);
   if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
   const Vector2d scale = largest_over(window, std::max(8, starts), field.rhs);
-  std::vector<Root> roots;
+  std::vector<Equilibrium> found;
   for (int i = 0; i < starts; ++i)
     for (int j = 0; j < starts; ++j) {
       const auto root = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
-      if (root && std::ranges::none_of(roots, [&](const Root& known) { return are_one(known, *root); }))
-        roots.push_back(*root);
+      if (root && std::ranges::none_of(
+                      found, [&](const Equilibrium& known) { return known.is(root->y, root->resolution()); }))
+        found.push_back(equilibrium_at(field, window, *root));
     }
-  std::vector<Equilibrium> found;
-  for (const Root& root : roots) found.push_back(equilibrium_at(field, window, root));
   std::sort(found.begin(), found.end(), [](const Equilibrium& a, const Equilibrium& b) {
     return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
   });

@@ -87,6 +87,12 @@ struct Equilibrium {
   EquilibriumType type;   ///< by classify()
   std::array<std::complex<double>, 2>
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
+  /// In the units of the two components: what is nearer in both is this one, but for rounding.
+  Eigen::Vector2d resolution = Eigen::Vector2d::Zero();
+
+  [[nodiscard]] bool is(const Eigen::Vector2d& other, const Eigen::Vector2d& its_resolution) const {
+    return ((state - other).cwiseAbs().array() <= resolution.cwiseMax(its_resolution).array()).all();
+  }
 };
 
 /// The type of the equilibrium with Jacobian J, from the signs of T, D and T^2 - 4 D. [strogatz2015nonlinear]
