@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "limits/rows/model_digest.hpp"

@@ -40,7 +40,7 @@ int effort_of_step(const Candidate& candidate) {
 
 /// Whether the first step of a candidate, or of one of more effort, takes seconds.
 bool takes_seconds(const Candidate& candidate, const Problem& problem) {
-  return problem.body && problem.body->dofs() > most_cheaply_factored && effort_of_step(candidate) > 1;
+  return factors_take_seconds(problem) && effort_of_step(candidate) > 1;
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ std::vector<AdviceRow> first_answer(const Problem& problem, const AdviceQuestion
   constexpr double surely_late = 2;
   Linearised fast = near;
   // A bound will do: the least stiffness itself takes the factors of a large body.
-  if (problem.body && fast.modes.slow_end) fast.modes.slow_end = std::make_shared<SlowEnd>(0.0);
+  if (near.point.is_body && fast.modes.slow_end) fast.modes.slow_end = std::make_shared<SlowEnd>(0.0);
   std::vector<AdviceRow> rows;
   for (const Candidate& candidate : all) {
     if (watcher) watcher();

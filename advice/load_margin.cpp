@@ -5,6 +5,7 @@
 
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
@@ -15,12 +16,11 @@ namespace {
 
 constexpr double largest = 8;  // times the loads
 
-/// The largest displacement of a run [m], or |y_i - y_i(0)|.
+/// The largest change of a run.
 double displacement_of(const Candidate& candidate, double h, const ProbingMotion& motion,
                        const Watcher& watcher) {
   double farthest = 0;
   const Eigen::VectorXd& y0 = motion.problem.y0;
-  const bool of_body = motion.problem.body != nullptr;
   RunSpec spec = candidate.spec(h, motion.t_end);
   // As often as a motion of some hundred instants is looked at.
   if (candidate.method.device)
@@ -28,9 +28,7 @@ double displacement_of(const Candidate& candidate, double h, const ProbingMotion
   (void)candidate.method.bind(motion.problem)
       .run(spec, [&](double, const Eigen::Ref<const Eigen::VectorXd>& y) {
         if (watcher) watcher();
-        const Eigen::VectorXd moved = y - y0;
-        farthest = std::max(farthest, of_body ? largest_displacement(moved.head(moved.size() / 2))
-                                              : moved.cwiseAbs().maxCoeff());
+        farthest = std::max(farthest, largest_change(motion.problem, y - y0));
       });
   return farthest;
 }
@@ -48,10 +46,10 @@ bool can_be_larger(const TissueSettings& settings) {
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make) {
   ProbingMotion larger = motion;
   if (motion.problem.body) {
-    TissueSettings settings = motion.problem.body->settings();
-    for (PressingForce& force : settings.forces) force.force *= factor;
-    for (Support& support : settings.supports) support.travel *= factor;
-    larger.problem = with_settings(motion.problem, std::move(settings));
+    larger.problem = with_settings(motion.problem, [&](TissueSettings& settings) {
+      for (PressingForce& force : settings.forces) force.force *= factor;
+      for (Support& support : settings.supports) support.travel *= factor;
+    });
     return larger;
   }
   const auto P = std::ranges::find(motion.problem.parameters, "P", &std::pair<std::string, double>::first);
@@ -64,8 +62,9 @@ LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion
                        const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher,
                        double most_cpu) {
   LoadMargin margin;
-  if (motion.problem.body && !can_be_larger(motion.problem.body->settings())) return margin;
-  if ((margin.inversion = first_inversion(motion, reference))) {
+  if (motion.problem.body && !can_be_larger(settings_of(motion.problem))) return margin;
+  margin.inversion = first_inversion(motion, reference);
+  if (margin.inversion) {
     margin.fails = 1;
     margin.of_model = true;
     return margin;

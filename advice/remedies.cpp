@@ -9,6 +9,7 @@
 #include "advice/time_limit.hpp"
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/body_summary.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/modes/fastest_mode.hpp"
 #include "problems/tissue/body.hpp"
@@ -213,7 +214,7 @@ void try_mass(Trials& trials, const Problem& problem, double in_time, const Prob
     const double whole = problem.body->point_mass().sum();
     if (added.sum() > whole) return;  // another body
     if (trials.helps({.change = "mass_step",
-                      .from = problem.body->settings().mass_step,
+                      .from = settings_of(problem).mass_step,
                       .to = step,
                       .cost = words_of_added(added, whole)},
                      trials.question(), [&] { return *heavier; }))

@@ -100,11 +100,12 @@ bool shows_other_material(const AdviceRow& row) {
 std::optional<FidelityModel> material_model(const Problem& problem, const AdviceQuestion& question,
                                             const Advice& advice, const Watcher& watcher) {
   if (!problem.body || question.motion) return std::nullopt;
-  TissueSettings settings = problem.body->settings();
-  settings.gravity *= advice.gravity_share;
-  for (PressingForce& force : settings.forces) force.force *= advice.load_share;
+  const Problem loaded = with_settings(problem, [&](TissueSettings& settings) {
+    settings.gravity *= advice.gravity_share;
+    for (PressingForce& force : settings.forces) force.force *= advice.load_share;
+  });
   try {
-    return fidelity_model(with_settings(problem, std::move(settings)), watcher);
+    return fidelity_model(loaded, watcher);
   } catch (const InputError&) {  // nothing that settles
     return std::nullopt;
   }

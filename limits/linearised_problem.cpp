@@ -10,13 +10,13 @@
 #include "analysis/statics/equilibrium.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
-#include "limits/problem_linearity.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -82,7 +82,7 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
   OperatingPoint point{.problem = problem.id,
                        .material = problem.material,
                        .parameters = problem.parameters,
-                       .is_body = problem.body != nullptr,
+                       .is_body = problem.kind() == ModelKind::body,
                        .model = linear_model(problem, t, y),
                        .linearity = linearity_of(problem)};
   ask(point, problem);
@@ -201,6 +201,10 @@ Linearised linearised(const Problem& problem, double t, const Eigen::VectorXd& y
   return near;
 }
 
+bool factors_take_seconds(const Problem& problem) {
+  return problem.body && problem.body->dofs() > most_cheaply_factored;
+}
+
 bool is_at_rest(const TissueBody& body) {
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
   Eigen::VectorXd f = rest;
@@ -215,20 +219,20 @@ bool is_at_rest(const TissueBody& body) {
 
 namespace {
 /// Says where the contact of a tool is not in a linear model.
-void look_at_contact(OperatingPoint& point, const Problem& problem) {
-  if (problem.body && std::ranges::any_of(problem.body->tool_reaches(point.model.t, point.model.y),
-                                          [](const auto& reach) { return reach.penetration == 0; }))
+void look_at_contact(OperatingPoint& point, const TissueBody& body) {
+  if (std::ranges::any_of(body.tool_reaches(point.model.t, point.model.y),
+                          [](const auto& reach) { return reach.penetration == 0; }))
     point.missing =
         "the tool does not touch the body in this state: its contact is not in the limit, which may be smaller";
 }
 
 /// Says where fibres neither pull nor buckle yet. Motion about such a state changes the stiffness in every
 /// oscillation, which can amplify it below the limit of taut fibres (docs/reference/tissue.md).
-void look_at_fibres(OperatingPoint& point, const Problem& problem) {
-  if (!problem.body || problem.body->settings().model.is_linear) return;
+void look_at_fibres(OperatingPoint& point, const TissueBody& body) {
+  if (body.settings().model.is_linear) return;
   const bool has_fibres = std::ranges::any_of(
-      problem.body->settings().materials, [](double E) { return E > 0; }, &TissueMaterial::fibre_young);
-  if (has_fibres && point.model.y.head(problem.body->dofs()).isZero(0))
+      body.settings().materials, [](double E) { return E > 0; }, &TissueMaterial::fibre_young);
+  if (has_fibres && point.model.y.head(body.dofs()).isZero(0))
     point.state +=
         "; fibres buckle from here on, and h_max takes all as taut: stable steps may be smaller, see --verify";
 }
@@ -259,7 +263,7 @@ EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumW
   // A tool at the end of its path may stand within a body that does not move, and touch nothing of it.
   if (body.is_autonomous() && is_at_rest(body)) return search;
   StaticSettings settings{.tolerance = 1e-12};
-  if (body.dofs() > most_cheaply_factored) settings.inner = InnerSolver::conjugate_gradients;
+  if (factors_take_seconds(problem)) settings.inner = InnerSolver::conjugate_gradients;
   if (watcher) settings.seen = [&](const StaticIterate& iterate) { watcher(iterate.residual); };
   const StaticSolution solution = found_equilibrium(problem, 1, settings, [] { return 0.0; });
   // One that is not stable tells that the body buckles.
@@ -294,35 +298,45 @@ OperatingPoint point_of_matrices(const Problem& problem) {
 }
 }  // namespace
 
-OperatingPoint operating_point(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
-  if (problem.matrices) return point_of_matrices(problem);
-  const bool at_rest = at == AskedState::rest;
-  const EquilibriumSearch search = at_rest ? EquilibriumSearch{} : equilibrium_of(problem, watcher);
-  const bool at_equilibrium = at_rest ? !problem.body || is_at_rest(*problem.body) : search.found();
-  const double t = !at_rest && search.found() && problem.body ? equilibrium_time(*problem.body) : 0;
+namespace {
+OperatingPoint point_at_rest(const Problem& problem) {
+  require_rates(problem);
+  OperatingPoint point = operating_point(problem, 0, problem.y0);
+  point.kind = StateKind::rest;
+  point.at_equilibrium = !problem.body || is_at_rest(*problem.body);
+  point.state = fmt::format("rest {}{}", point.state, point.at_equilibrium ? "" : "; the load acts on it");
+  return point;
+}
+
+OperatingPoint point_at_equilibrium(const Problem& problem, const EquilibriumWatcher& watcher) {
+  const EquilibriumSearch search = equilibrium_of(problem, watcher);
   if (!search.found()) require_rates(problem);
   // One variable for all returns: another would be copied with its matrices.
-  OperatingPoint point = operating_point(problem, t, search.found() ? search.state : problem.y0);
-  point.at_equilibrium = at_equilibrium;
-  point.kind = at_rest || (problem.body && !search.found()) ? StateKind::rest
-               : search.found()                             ? StateKind::equilibrium
-                                                            : StateKind::initial;
-  if (at_rest) {
-    point.state = fmt::format("rest {}{}", point.state, at_equilibrium ? "" : "; the load acts on it");
-    look_at_contact(point, problem);
-    look_at_fibres(point, problem);
-    return point;
-  }
+  OperatingPoint point = search.found() ? operating_point(problem, equilibrium_time(problem), search.state)
+                                        : operating_point(problem, 0, problem.y0);
+  point.at_equilibrium = search.found();
   if (!search.found()) {
+    point.kind = problem.body ? StateKind::rest : StateKind::initial;
     point.status = search.message;
     point.state = fmt::format("initial state {}; {}", point.state, search.message);
-  } else {
-    point.state = fmt::format(
-        "equilibrium {}{}", point.state,
-        search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
+    return point;
   }
-  look_at_contact(point, problem);
-  look_at_fibres(point, problem);
+  point.kind = StateKind::equilibrium;
+  point.state = fmt::format(
+      "equilibrium {}{}", point.state,
+      search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");
+  return point;
+}
+}  // namespace
+
+OperatingPoint operating_point(const Problem& problem, AskedState at, const EquilibriumWatcher& watcher) {
+  if (problem.matrices) return point_of_matrices(problem);
+  OperatingPoint point =
+      at == AskedState::rest ? point_at_rest(problem) : point_at_equilibrium(problem, watcher);
+  if (problem.body) {
+    look_at_contact(point, *problem.body);
+    look_at_fibres(point, *problem.body);
+  }
   return point;
 }
 

@@ -10,6 +10,10 @@ namespace hmax {
 /// makes.
 bool is_at_rest(const TissueBody& body);
 
+/// Whether factors of the matrices of a body take seconds: beyond most_cheaply_factored degrees of freedom.
+/// False of other problems.
+bool factors_take_seconds(const Problem& problem);
+
 /// A problem near its equilibrium, found by Newton's method from its initial state with time standing still
 /// at 0, or for a body at equilibrium_time() (catalogue/models/equilibria/body_balance.hpp); near the initial
 /// state itself where there is none, which `status` then says. Above most_cheaply_factored degrees of freedom

@@ -15,9 +15,10 @@
 #include "core/text/sentences.hpp"
 #include "integrators/spectral_radius.hpp"
 #include "integrators/structural/structural.hpp"
+#include "limits/jacobian_changes.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
-#include "limits/problem_linearity.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 

@@ -13,6 +13,7 @@
 #include "analysis/dynamics/growth.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "catalogue/models/free_parts.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
@@ -22,7 +23,6 @@
 #include "limits/linearised_problem.hpp"
 #include "limits/modes/limit_in_runs.hpp"
 #include "limits/modes/mode_start.hpp"
-#include "limits/problem_linearity.hpp"
 
 namespace hmax {
 
@@ -80,9 +80,8 @@ namespace {
 /// A driven linear oscillator moves about its forced motion as the free one moves about zero, and at steps
 /// far beyond every time scale only the latter can be told from rounding.
 void take_off_drive(Problem& problem, Eigen::VectorXd& rest) {
-  const auto* oscillator = std::get_if<Oscillator>(&problem.system);
-  if (oscillator == nullptr || !is_affine(linearity_of(problem))) return;
-  OscillatorParameters parameters = oscillator->parameters();
+  if (problem.kind() != ModelKind::oscillator || !is_affine(linearity_of(problem))) return;
+  OscillatorParameters parameters = std::get<Oscillator>(problem.system).parameters();
   parameters.P = 0;
   problem.system = Oscillator(parameters);
   rest.setZero();
@@ -103,7 +102,7 @@ std::string why_not_verified(const Method& method, const Problem& problem, const
   const Eigen::Index states = near.point.model.y.size();
   if (is_driven(free) && states > most_driven_states)
     return fmt::format("not verified: a force moves the {} states of the model during the runs", states);
-  if (problem.body && !near.point.at_equilibrium)
+  if (near.point.is_body && !near.point.at_equilibrium)
     return near.point.status.empty()
                ? "not verified: the load moves the body away from rest; leave out --at rest, or set g=0"
                : "not verified: no equilibrium was found, so that the body moves away from this state; supports and "
@@ -298,7 +297,7 @@ double memory_of_runs(const Method& method, const Problem& problem) {
   // Some hundred vectors, the histories of multistep methods among them.
   double bytes = 100 * sizeof(double) * states;
   if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
-  if (method.needs_jacobian) bytes += bytes_of_factor(problem.body ? states / 2 : states);
+  if (method.needs_jacobian) bytes += bytes_of_factor(static_cast<double>(shape_size(problem)));
   return bytes;
 }
 
@@ -339,7 +338,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   // Where a mode is watched alone little is seen that is not its own.
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   // Near zero, where no offset hides a displacement of one.
-  const bool linear = is_affine(near.point.linearity) && !problem.body && rest.isZero(0);
+  const bool linear = is_affine(near.point.linearity) && !near.point.is_body && rest.isZero(0);
   const double size = linear ? 1 : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run = watched(steps_of(step, free, rest, size * start.displacement, outcome), watch);

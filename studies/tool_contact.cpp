@@ -54,11 +54,9 @@ Problem with_tool(std::string_view mesh, std::string_view material, Parameters p
 
 /// The sum of the elastic forces on the free points: what a tool on them holds in equilibrium.
 double elastic_force(const Problem& problem, const Eigen::VectorXd& q) {
-  TissueSettings bare = problem.body->settings();
-  bare.tools.clear();
-  const TissueBody body(problem.body->mesh(), std::move(bare), problem.body->origin());
+  const Problem bare = with_settings(problem, [](TissueSettings& settings) { settings.tools.clear(); });
   Eigen::VectorXd f(q.size());
-  body.force(0, q, Eigen::VectorXd::Zero(q.size()), f);
+  bare.body->force(0, q, Eigen::VectorXd::Zero(q.size()), f);
   return f.reshaped(3, f.size() / 3).rowwise().sum().norm();
 }
 

@@ -38,7 +38,7 @@ Path thinned(const Path& path, std::size_t most) {
 /// Of so many states of the reference the modes are found: of models without a mesh all eigenvalues, which
 /// take n^3, of bodies the fastest and what may be negative, a second or two for 40,000 degrees of freedom.
 std::size_t affordable_states(const Problem& problem) {
-  if (problem.body) return problem.body->dofs() > most_cheaply_factored ? 5 : 10;
+  if (problem.body) return factors_take_seconds(problem) ? 5 : 10;
   const auto n = static_cast<double>(problem.y0.size());
   return static_cast<std::size_t>(std::clamp(4e9 / (n * n * n), 3.0, 50.0));
 }

@@ -12,6 +12,7 @@
 #include "bench/timing/reference.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "integrators/linear/sparse_solver.hpp"
@@ -44,9 +45,7 @@ double linear_displacement(const TissueBody::DofMatrix& K, Eigen::VectorXd f) {
 double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   const TissueBody& body = *pressed.body;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
-  TissueSettings without = body.settings();
-  without.forces.clear();
-  const Problem free = with_settings(pressed, without);
+  const Problem free = with_settings(pressed, [](TissueSettings& settings) { settings.forces.clear(); });
   Eigen::VectorXd with_force(body.dofs()), without_force(body.dofs());
   body.force(0, q, zero, with_force);
   free.body->force(0, q, zero, without_force);
@@ -133,7 +132,7 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
     return {.problem = problem, .t_end = t_end, .words = "its own load"};
   }
   const RestingBody resting = resting_under_gravity(problem, watcher);
-  TissueSettings settings = resting.problem.body->settings();
+  TissueSettings settings = settings_of(resting.problem);
   std::string words;
   double share = 1;
   if (settings.forces.empty()) {
@@ -279,7 +278,7 @@ PressingForce far_press(const TissueBody& body) {
 }
 
 RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher) {
-  const TissueSettings& settings = problem.body->settings();
+  const TissueSettings& settings = settings_of(problem);
   if (settings.gravity.norm() == 0) return {problem, ""};
   TissueSettings weighted = settings, alone = settings;
   alone.forces.clear();

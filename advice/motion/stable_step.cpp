@@ -15,6 +15,8 @@
 
 #include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/model.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {
@@ -36,15 +38,11 @@ struct WatchedMotion {
   std::optional<Inversion> inversion;
 };
 
-Eigen::Index moved_numbers(const Problem& problem) {
-  return problem.body ? problem.y0.size() / 2 : problem.y0.size();
-}
-
 /// @param watcher  called some hundred times
 WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, double h, double t_end,
                           double most_seconds, const Watcher& watcher) {
   WatchedMotion run;
-  const Eigen::Index n = moved_numbers(problem);
+  const Eigen::Index n = shape_size(problem);
   const Eigen::VectorXd start = problem.y0.head(n);
   run.reach = Eigen::VectorXd::Zero(problem.body ? 1 : n);
   const double instants = std::clamp(most_numbers / static_cast<double>(n), 4.0, most_instants);
@@ -120,7 +118,7 @@ Pair neighbours(const Candidate& candidate, const Problem& problem, double scale
                 double most_seconds, const Watcher& watcher) {
   // Another direction for each number, so that every mode has a part.
   Problem beside = problem;
-  const Eigen::Index n = moved_numbers(problem);
+  const Eigen::Index n = shape_size(problem);
   for (Eigen::Index i = 0; i < n; ++i)
     beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
   Pair pair;

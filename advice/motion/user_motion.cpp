@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "problems/tissue/body.hpp"
@@ -66,16 +67,13 @@ UserMotion read_user_motion(const std::filesystem::path& file) {
 }
 
 ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, const Watcher& watcher) {
-  if (!problem.body)
-    throw InputError(
-        fmt::format("--motion acts on points of a mesh, and {} has none; leave it out", problem.id));
+  const TissueBody& body = require_body(problem, "and --motion acts on its points; leave it out");
   const bool presses = user.kind == UserMotion::Kind::forces;
   if (!presses && user.points.empty())
     throw InputError(fmt::format("{} moves points, but no points are named; add --motion-at", user.name));
-  TissueSettings settings = problem.body->settings();
+  TissueSettings settings = body.settings();
   settings.forces.clear();
-  const std::vector<TetMesh::Index> points =
-      user.points.empty() ? far_press(*problem.body).points : user.points;
+  const std::vector<TetMesh::Index> points = user.points.empty() ? far_press(body).points : user.points;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!user.along[axis]) continue;
     const TimeProfile profile{.kind = TimeProfile::Kind::samples, .curve = user.along[axis]};
@@ -91,7 +89,7 @@ ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, con
       .words = fmt::format("{} of {} on {} point{}", presses ? "the forces" : "the displacements", user.name,
                            points.size(), points.size() == 1 ? "" : "s")};
   // The state has the size of what moves freely.
-  motion.problem.y0.setZero(2 * motion.problem.body->dofs());
+  motion.problem.y0.setZero(2 * shape_size(motion.problem));
   const RestingBody resting = resting_under_gravity(motion.problem, watcher);
   motion.problem = resting.problem;
   motion.gravity_share = resting.share;

@@ -215,7 +215,7 @@ std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window&
 
 // The direction is that on a square picture of the window, f_i / size_i, normalised there; arrows are
 // given in the units of the axes.
-Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
+Table direction_field(const PlanarField& field, const Window& window, const std::vector<std::string>& names,
                       int columns, int rows) {
   require_valid(window);
   if (columns < 1 || rows < 1)

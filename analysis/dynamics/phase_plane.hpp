@@ -132,7 +132,7 @@ std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window
 /// @param columns, rows  at least 1
 /// @throws std::invalid_argument  for fewer, or a window that is empty or not finite
 /// @param names  of the two components, "x [m]"; the arrow's columns are called "d" + name
-Table direction_field(const PlanarField& field, const Window& window, const std::array<std::string, 2>& names,
+Table direction_field(const PlanarField& field, const Window& window, const std::vector<std::string>& names,
                       int columns = 21, int rows = 17);
 
 /// A curve as points, shape (2) each; closed when first == last.

@@ -4,8 +4,10 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "analysis/step_limits/stable_step.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/dense_solvers.hpp"
 #include "core/size_limits.hpp"
@@ -56,10 +58,10 @@ Eigen::VectorXcd spectrum_at(const Sys& system, double t, const typename Sys::St
 }  // namespace
 
 std::string error_in_words(const Problem& problem, ErrorOf which) {
-  const std::string_view of = problem.body ? "any displacement [m] or velocity [m/s]"
-                              : std::holds_alternative<Oscillator>(problem.system)
-                                  ? "any state, x [m] or v [m/s]"
-                                  : "any state, in its own unit";
+  const std::string of = problem.body ? "any displacement [m] or velocity [m/s]"
+                         : problem.units.empty()
+                             ? "any state, in its own unit"
+                             : fmt::format("any state, {}", fmt::join(states_with_units(problem), " or "));
   return fmt::format("largest error of {}, {}", of,
                      which == ErrorOf::end       ? "at the end"
                      : which == ErrorOf::largest ? "at any accepted step"

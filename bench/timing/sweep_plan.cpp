@@ -14,6 +14,7 @@
 #include "catalogue/device/device.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/tableau_file.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"

@@ -1,5 +1,4 @@
-/// What a problem and a method are, whatever their names: facts, and one erased call that runs a whole
-/// integration.
+/// What a method is, whatever its name: facts, and one erased call that runs a whole integration.
 #pragma once
 
 #include <functional>
@@ -8,65 +7,16 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "catalogue/methods/problem.hpp"
 #include "catalogue/methods/run.hpp"
-#include "catalogue/methods/user_view.hpp"
-#include "problems/any_system.hpp"
-#include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
 
-/// A problem in the highest precision it is written in, for orders that double is too coarse to see.
-using ExtendedSystem = BasicAnySystem<long double>;
-
-class TissueBody;    // problems/tissue/body.hpp
-struct DeviceFacts;  // catalogue/device/device.hpp
-struct MatrixModel;  // problems/matrices/matrix_model.hpp
-
-/// A problem with all its numbers fixed.
-struct Problem {
-  std::string id;                                            ///< catalogue id, or the name of a user's file
-  std::string material{};                                    ///< empty when it has none
-  std::string note{};                                        ///< one line: where it comes from
-  std::vector<std::pair<std::string, double>> parameters{};  ///< name, value; in the order of the model
-  std::vector<std::string> states{};                         ///< names of the components of y
-  Eigen::VectorXd y0{};
-  double t_end = 0;  ///< default end time [s]
-  bool has_exact_solution = false;
-  bool stiff = false;  ///< by its nature: explicit methods need tiny steps for stability alone
-  /// The solution from y0 as the problem itself knows it, shape (dim); null where it does not, and for the
-  /// oscillator, whose reference knows better.
-  std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> exact = nullptr;
-  /// Two numbers on the stack are worth a type of their own; everything else is called through a pointer.
-  std::variant<Oscillator, AnySystem> system;
-  /// The same system in long double, where it is written in it: tissue is not.
-  std::optional<ExtendedSystem> extended = std::nullopt;
-  std::shared_ptr<const TissueBody> body = nullptr;  ///< of tissue, whose states have no names
-  std::vector<std::int64_t>
-      tetrahedron_numbers{};  ///< of it, as users know them (catalogue/models/equilibria/body_balance.hpp)
-  std::vector<std::string> idle{};                        ///< names of `parameters` that change nothing here
-  UserView shown{};                                       ///< how users count its time and states
-  std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< of matrices of a user
-  bool support_by_default = false;  ///< of a body: the user chose neither its fixed points nor their end
-  bool runs_elsewhere = false;      ///< in a process of its own, which keeps a core busy beside the caller's
-  /// The same problem made once more, for a thread of its own: some systems have one workspace.
-  std::function<Problem()> again = nullptr;
-};
-
-/// What a user may change of a problem.
-struct ProblemSettings {
-  std::string material{};                                    ///< empty: the problem's own
-  std::vector<std::pair<std::string, double>> parameters{};  ///< --set name=value
-  std::vector<double> y0{};                                  ///< empty: the problem's own
-  std::optional<double> unit = std::nullopt;                 ///< of a mesh file: metres in one of its units
-  /// Of formulas: the time at which runs begin, and at which they end, before it to go backwards [s].
-  std::optional<double> t0 = std::nullopt, t_end = std::nullopt;
-};
-
+struct DeviceFacts;    // catalogue/device/device.hpp
 struct Amplification;  // analysis/amplification/amplification.hpp
 
 /// Numbers by name, in a fixed order.

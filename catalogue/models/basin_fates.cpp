@@ -10,6 +10,7 @@
 
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "core/errors.hpp"
 #include "integrators/state.hpp"

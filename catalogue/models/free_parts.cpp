@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/dense_solvers.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 
@@ -34,8 +35,7 @@ std::string part_in_words(const Problem& problem, const FreePart& part) {
     return "the body";
   constexpr std::size_t most = 3;
   std::vector<std::int64_t> numbers;
-  for (const Index t : part.tetrahedra)
-    numbers.push_back(problem.tetrahedron_numbers.at(static_cast<std::size_t>(t)));
+  for (const Index t : part.tetrahedra) numbers.push_back(tetrahedron_number(problem, t));
   std::ranges::sort(numbers);
   // Parts of one element share its number.
   if (problem.body->mesh().has_ten_nodes())

@@ -9,6 +9,7 @@
 
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/model.hpp"
 #include "core/dense_solvers.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -109,30 +110,6 @@ void require_planar(const Problem& problem) {
         problem.id, problem.y0.size(), problem.y0.size() == 1 ? "" : "s"));
 }
 
-bool is_driven(const Problem& problem) {
-  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
-    return oscillator->parameters().P != 0 && oscillator->parameters().w != 0;
-  if (problem.body) return !problem.body->is_autonomous();
-  const AnySystem& system = std::get<AnySystem>(problem.system);
-  if (system.is_autonomous()) return false;
-  // What says how it depends on the state says of time what is true: no comparison of instants, which may
-  // miss the one.
-  if (system.linearity() != Linearity::unknown) return true;
-  const Eigen::VectorXd scale = problem.y0.cwiseAbs().cwiseMax(0.1);
-  Eigen::VectorXd y = problem.y0, f = y, later = y;
-  for (const double u : {0.0, 0.7, -1.3})
-    for (const double v : {0.0, 1.1, -0.6}) {
-      for (Eigen::Index k = 0; k < y.size(); ++k) y[k] = problem.y0[k] + (k % 2 == 0 ? u : v) * scale[k];
-      system.rhs(0, y, f);
-      for (int i = 1; i < 8; ++i) {
-        // Multiples of the golden ratio hit no common period.
-        system.rhs(i * std::numbers::phi * problem.t_end / 13, y, later);
-        if (f.allFinite() && later.allFinite() && later != f) return true;
-      }
-    }
-  return false;
-}
-
 Problem frozen(const Problem& problem, double t) {
   if (!is_driven(problem)) return problem;
   if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
@@ -223,14 +200,9 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
   return window_around({}, "", "", seen, 0.15);
 }
 
-std::array<std::string, 2> axis_names(const Problem& problem) {
-  if (std::holds_alternative<Oscillator>(problem.system)) return {"x [m]", "v [m/s]"};
-  return {problem.states[0], problem.states[1]};
-}
-
 Table orbit(const Problem& problem, const Vector2d& start, double t_end, const Window& window,
             double length) {
-  const auto names = axis_names(problem);
+  const std::vector<std::string> names = states_with_units(problem);
   Table table{.columns = {names[0], names[1]}, .values = {{}, {}}};
   const Vector2d margin = 2 * window.size();
   Vector2d last = start;

@@ -1,7 +1,6 @@
 /// Problems of two states in the plane: their field, frozen in time where they are driven, and their orbits.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -21,10 +20,6 @@ namespace hmax {
 
 /// @throws InputError unless the problem has two states
 void require_planar(const Problem& problem);
-
-/// Whether f depends on time, of any number of states. The oscillator, bodies, the test set and formulas
-/// know; of others f is compared at eight instants and nine points, to the last bit.
-bool is_driven(const Problem& problem);
 
 /// The problem with f as it is at the instant t [s]: autonomous.
 Problem frozen(const Problem& problem, double t);
@@ -75,14 +70,11 @@ std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem
 FatesOf fates_of_starts(const Problem& problem, const Window& window,
                         const std::vector<Equilibrium>& equilibria, const MotionRunner& runner = in_lanes());
 
-/// Both components as columns and axes are called: "x [m]" and "v [m/s]" of the oscillator.
-std::array<std::string, 2> axis_names(const Problem& problem);
-
 /// The way from `start` to t_end, every accepted step of a low order at tight tolerance, so dense that it can
 /// be drawn as a line. It ends early when it diverges, is two window sizes outside, or has gone far enough to
 /// have been seen.
 /// @param length  how far, in sizes of the window
-/// Columns as axis_names.
+/// Columns as states_with_units().
 Table orbit(const Problem& problem, const Eigen::Vector2d& start, double t_end, const Window& window,
             double length);
 

@@ -87,6 +87,7 @@ Problem oscillator_problem(const LiverProblem& liver, const ProblemSettings& set
                   .material = material,
                   .note = std::string(liver.note),
                   .states = {"x", "v"},
+                  .units = {"m", "m/s"},
                   .y0 = liver.y0,
                   .t_end = liver.t_end,
                   .system = Oscillator(parameters),
@@ -208,10 +209,10 @@ Problem formula_problem(FormulaDefinition definition, const std::string& file,
   Problem problem{.id = d.name,
                   .note = fmt::format("formulas of {}", file),
                   .parameters = d.parameters,
+                  .shown = {.t0 = d.t0, .direction = d.t_end < d.t0 ? -1.0 : 1.0, .order = system.order()},
                   .y0 = system.y0(),
                   .t_end = std::abs(d.t_end - d.t0),
-                  .system = Oscillator{},
-                  .shown = {.t0 = d.t0, .direction = d.t_end < d.t0 ? -1.0 : 1.0, .order = system.order()}};
+                  .system = Oscillator{}};
   for (const Eigen::Index state : system.order())
     problem.states.push_back(d.equations[static_cast<std::size_t>(state)].first);
   if (system.is_sparse())

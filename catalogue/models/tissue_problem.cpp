@@ -1,5 +1,6 @@
 #include "catalogue/models/tissue_problem.hpp"
 
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -12,7 +13,7 @@
 #include "catalogue/models/tissue_choice.hpp"
 #include "core/errors.hpp"
 #include "core/size_limits.hpp"
-#include "core/text/digest.hpp"
+#include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -143,8 +144,6 @@ bool has_linear_forces(const TissueBody& body) {
   return settings.model.is_linear && settings.tools.empty() && settings.skin.kind == SkinSettings::Kind::none;
 }
 
-bool has_moving_load(const Problem& problem) { return problem.body && !problem.body->is_autonomous(); }
-
 Problem make_tissue_problem(const std::string& name, const ProblemSettings& settings) {
   const TissueId id(name);
   if (!settings.y0.empty())
@@ -164,20 +163,32 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                                       body->mesh().element_count(),
                                       body->mesh().has_ten_nodes() ? " of ten nodes" : "", body->dofs()),
                   .parameters = named_values(parameters),
+                  .idle = idle_parameters(id, parameters),
                   .y0 = body->y0(),
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
-                  .idle = idle_parameters(id, parameters),
                   .support_by_default = has_default_support(settings)};
-  for (Eigen::Index t = 0; t < mesh.tetrahedron_count(); ++t)
-    problem.tetrahedron_numbers.push_back(loaded.origin->tetrahedron_number(t));
   const bool is_linear = has_linear_forces(*body);
   if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
     problem.exact = exact_motion(body);
   }
   return problem;
+}
+
+const TissueSettings& settings_of(const Problem& body) { return body.body->settings(); }
+
+double largest_displacement(const Eigen::VectorXd& q) {
+  return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
+}
+
+std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron) {
+  return problem.body->origin() ? problem.body->origin()->tetrahedron_number(tetrahedron) : tetrahedron + 1;
+}
+
+std::int64_t point_number(const Problem& problem, Eigen::Index point) {
+  return problem.body->origin() ? problem.body->origin()->point_number(point) : point + 1;
 }
 
 Problem with_body(const Problem& problem, std::shared_ptr<const TissueBody> body) {
@@ -196,16 +207,6 @@ Problem with_settings(const Problem& problem, TissueSettings settings) {
 Problem after_ramps(const Problem& problem) {
   if (!problem.body || problem.body->is_autonomous()) return problem;
   return with_settings(problem, after_ramps(problem.body->settings()));
-}
-
-std::string start_in_words(const Problem& problem) {
-  constexpr Eigen::Index most_listed = 64;
-  if (problem.body) return "rest";
-  if (!problem.matrices || problem.y0.size() <= most_listed) return describe(problem.shown.state(problem.y0));
-  Digest digest;
-  digest.add({reinterpret_cast<const char*>(problem.y0.data()),
-              sizeof(double) * static_cast<std::size_t>(problem.y0.size())});
-  return fmt::format("{} numbers, {}", problem.y0.size(), digest.text());
 }
 
 }  // namespace hmax

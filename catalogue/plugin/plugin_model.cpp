@@ -250,7 +250,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
                   .system = mechanical                         ? AnySystem(SecondOrder(link))
                             : facts.greeting.has_jacobian != 0 ? AnySystem(FirstOrder(link))
                                                                : AnySystem(Rates(link)),
-                  .runs_elsewhere = true};
+                  .is_plugin = true};
   check_repeatable(problem);
   if (facts.dim <= most_compared)
     mechanical ? check_matrices(SecondOrder(link), facts) : check_matrices(FirstOrder(link), facts);

@@ -81,7 +81,7 @@ SceneMode fastest_mode(const Problem& problem, const Linearised& near) {
 /// Nothing where it takes long, and of a body that moves as one.
 std::optional<SceneMode> slowest_mode(const Problem& problem, const Linearised& near) {
   const auto& part = near.point.model.mechanical;
-  if (!part || !part->symmetric || problem.body->dofs() > most_cheaply_factored) return std::nullopt;
+  if (!part || !part->symmetric || factors_take_seconds(problem)) return std::nullopt;
   const ExtremeStiffnesses slowest = smallest_stiffnesses(*part, 1);
   if (!slowest.converged || slowest.kappa.empty() || !(hertz(slowest.kappa.front()) >= 1e-3))
     return std::nullopt;

@@ -10,6 +10,7 @@
 #include "advice/shown_material.hpp"
 #include "advice/step_search.hpp"
 #include "catalogue/models/body_summary.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
 
@@ -131,7 +132,7 @@ std::string words_of_disturbed(std::size_t frames) {
 /// Which Jacobian "frozen" is; empty of others. Its limit depends on the state that it is of.
 std::string words_of_frozen(const AdviceRow& row, const Problem& problem) {
   if (row.candidate.jacobian.every != JacobianUpdate::frozen) return {};
-  const bool weighted = problem.body && problem.body->settings().gravity.norm() > 0;
+  const bool weighted = problem.body && settings_of(problem).gravity.norm() > 0;
   return fmt::format(
       "of the start of the motion{}; that of `run` and `stability predict --jacobian frozen` is of their "
       "initial state{}",

@@ -17,6 +17,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/chosen_methods.hpp"
 #include "catalogue/methods/unsuited.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/support_sets.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/scenes/scene.hpp"
@@ -98,12 +99,12 @@ bool writes_scene(const AdviseOptions& options) {
 /// @throws InputError  for one that the user names, and where none is left
 void keep_methods_of_sofa(const AdviseOptions& options, const Problem& problem,
                           std::vector<Method>& methods) {
-  if (!problem.body)
-    throw InputError("--output FILE.scn is a scene of a body; name a mesh with --mesh, or write FILE.html");
+  const TissueBody& body = require_body(
+      problem, "and --output FILE.scn is a scene of one; name a mesh with --mesh, or write FILE.html");
   std::string refusal;
   std::erase_if(methods, [&](const Method& method) {
     try {
-      check_sofa_scene(problem.body->settings(), sofa_step(method.id, 1));
+      check_sofa_scene(body.settings(), sofa_step(method.id, 1));
       return false;
     } catch (const std::invalid_argument& error) {
       refusal = error.what();

@@ -11,6 +11,8 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
+#include "catalogue/models/model.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/static_comparison.hpp"
@@ -189,18 +191,17 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
   const char* no_equilibrium = outcome == "inverted"  ? "equilibrium with inverted elements, "
                                : outcome == "buckles" ? "unstable equilibrium, "
                                                       : "no equilibrium, ";
-  BodyPicture picture{
-      .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
-                           problem.material.empty() ? "" : " of " + problem.material,
-                           outcome != "converged"           ? no_equilibrium
-                           : solution.stable.value_or(true) ? ""
-                                                            : "unstable equilibrium, ",
-                           short_number(1000 * largest_displacement(solution.q), 3)),
-      .caption =
-          fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.", problem.note,
-                      describe_acting(problem), name_of(settings.method), name_of(settings.inner),
-                      solution.history.back().load_steps, solution.history.back().load_steps == 1 ? "" : "s"),
-      .views = {body_view(*problem.body, equilibrium_time(*problem.body), solution.q, value)}};
+  BodyPicture picture{.title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
+                                           problem.material.empty() ? "" : " of " + problem.material,
+                                           outcome != "converged"           ? no_equilibrium
+                                           : solution.stable.value_or(true) ? ""
+                                                                            : "unstable equilibrium, ",
+                                           short_number(1000 * largest_displacement(solution.q), 3)),
+                      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.",
+                                             problem.note, describe_acting(problem), name_of(settings.method),
+                                             name_of(settings.inner), solution.history.back().load_steps,
+                                             solution.history.back().load_steps == 1 ? "" : "s"),
+                      .views = {body_view(*problem.body, equilibrium_time(problem), solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
 }
@@ -251,18 +252,15 @@ void refuse_ignored(const StaticOptions& options) {
 
 /// What a command with these options cannot do with a body.
 void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
-  if (!problem.body)
-    throw InputError(fmt::format(
-        "{} is no body on a mesh, and hmax static is for those; name one with --mesh", problem.id));
-  if (problem.body->steady_from() != equilibrium_time(*problem.body))
+  require_body(problem, "and hmax static is for those; name one with --mesh");
+  if (problem.body->steady_from() != equilibrium_time(problem))
     throw InputError("this load changes with time and has no equilibrium; take gravity, press, pull or tool");
-  const bool has_tool = !problem.body->settings().tools.empty();
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
-  if (has_tool && (options.load_scale || frames || !options.compare.empty()))
+  if (has_tool(problem) && (options.load_scale || frames || !options.compare.empty()))
     throw InputError(
         "--load-scale, --compare, --pseudo-dynamic and --frames are for loads that are forces, and a tool moves; leave "
         "them out, or choose its depth with --set depth=");
-  if (has_tool && options.solver == "linear")
+  if (has_tool(problem) && options.solver == "linear")
     throw InputError("--solver linear has no contact, which --load tool needs; take newton");
   if (!std::isfinite(options.load_scale.value_or(1)))
     throw InputError(fmt::format("--load-scale is {} but must be a finite number", *options.load_scale));
@@ -305,7 +303,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
     };
     return beyond_inversion(problem, scale, shown, clock, found_equilibrium(problem, scale, shown, clock));
   }();
-  const double seconds = clock() - start, t = equilibrium_time(*problem.body);
+  const double seconds = clock() - start, t = equilibrium_time(problem);
   StaticAnswer answer{.problem = problem,
                       .settings = settings,
                       .solution = std::move(solution),
@@ -424,8 +422,7 @@ void solve(const StaticOptions& options, Console& console) {
   if (options.picture.wanted())
     options.picture.write(picture_of(options, problem, settings, answer.solution, answer.outcome));
   if (answer.solution.converged && !answer.solution.stable.value_or(true)) console.remark(answer.status);
-  if (answer.solution.converged)
-    warn_of_tool(console, problem, equilibrium_time(*problem.body), answer.solution.q);
+  if (answer.solution.converged) warn_of_tool(console, problem, equilibrium_time(problem), answer.solution.q);
   if (console.json)
     return console.print_json(json_of(answer, options.picture.wanted() ? options.picture.file : ""));
   console.print(words_of(answer, console));

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/device/motion_runs.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
@@ -199,7 +200,7 @@ std::string headline(const Problem& problem) {
 
 std::string equilibria_table(const PhaseView& view, const Console& console) {
   if (view.equilibria.empty()) return "\n" + guarantee(view) + "\n";
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
   for (const Equilibrium& e : view.equilibria)
     table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
@@ -365,7 +366,7 @@ std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, boo
 }
 
 PhasePlane plane_of(const PhaseView& view) {
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   PhasePlane plane{.x = names[0],
                    .v = names[1],
                    .x_range = Range{view.window.lower(0), view.window.upper(0)},

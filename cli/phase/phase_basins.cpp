@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/basins.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
 #include "core/errors.hpp"
@@ -67,7 +68,7 @@ Figure picture(const PhaseView& view, const Basins& found) {
                .v = {w.lower(1), w.upper(1)}};
   for (const int fate : found.fate)
     map.attractor.push_back(fate < 0 ? -1 : number[static_cast<std::size_t>(fate)]);
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   PhasePlane plane{.x = names[0], .v = names[1], .x_range = map.x, .v_range = map.v};
   for (const Equilibrium& e : view.equilibria)
     plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
@@ -106,7 +107,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   if (interrupted) throw Interrupted{};
 
   Json document = document_of(view);
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   Json attractors = Json::array();
   TextTable table({"converges to", names[0], names[1], "share of the starts"});
   for (std::size_t i = 0; i < view.equilibria.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "analysis/dynamics/fixed_point_search.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
 #include "core/errors.hpp"
@@ -83,7 +84,7 @@ void add_map(const PhaseView& view, const MapView& seen, Json& document) {
 
 std::string table_of(const PhaseView& view, const MapView& seen, const Console& console) {
   std::string text = fmt::format("\none step of {}, h = {} s\n", seen.method, to_text(seen.h));
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   TextTable table({"fixed point", "of the equation", names[0], names[1], "multipliers"});
   for (std::size_t i = 0; i < seen.fixed.points.size(); ++i) {
     const FixedPoint& point = seen.fixed.points[i];
@@ -107,7 +108,7 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
 Figure picture(const PhaseView& view, const MapView& seen) {
   PhasePlane plane = plane_of(view);
   plane.title = "the equation";
-  const auto names = axis_names(view.problem);
+  const auto names = states_with_units(view.problem);
   PlaneMap map{.title = fmt::format("{}, h = {} s", seen.method, short_name(seen.h)),
                .x = names[0],
                .v = names[1],

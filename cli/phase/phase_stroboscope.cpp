@@ -6,7 +6,7 @@
 
 #include "analysis/dynamics/fixed_point_search.hpp"
 #include "analysis/dynamics/poincare.hpp"
-#include "catalogue/models/parameter_units.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "cli/phase/phase.hpp"
 #include "cli/shared/work_limit.hpp"
@@ -72,7 +72,7 @@ std::string motions_in_words(const std::optional<FixedSteps>& steps) {
 /// A window that holds the points and the motion through the first of them over one period.
 Window around(const Problem& problem, const std::vector<VectorXd>& points, double period) {
   constexpr double everywhere = 1e300;
-  const auto names = axis_names(problem);
+  const auto names = states_with_units(problem);
   const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
   Window window = window_around({orbit(problem, points[0], period, plane, everywhere)}, names[0], names[1],
                                 std::vector<Vector2d>(points.begin(), points.end()), 0.3);
@@ -188,7 +188,7 @@ std::string guarantee(const Problem& problem, const Section& section) {
 }
 
 Figure picture(const Problem& problem, const Section& section) {
-  const auto names = axis_names(problem);
+  const auto names = states_with_units(problem);
   Panel panel{.title = "", .x = {names[0]}, .y = {names[1]}};
   std::vector<double> x, v;
   for (const VectorXd& y : section.points) {
@@ -385,7 +385,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
   std::string text =
       fmt::format("seen every {} s, {} times after {} periods\n\n{}\n", short_name(section.drive_period),
                   section.points.size(), section.looks.skip, console.strong(verdict(section)));
-  const auto names = axis_names(problem);
+  const auto names = states_with_units(problem);
   const Settled& motion = section.motion;
   if (motion.period && *motion.period <= 12) {
     TextTable table({"look", names[0], names[1]});
@@ -465,7 +465,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   text += table.text(console) + fmt::format("motions: {}\n", motions_in_words(steps));
   add_time(device.get(), document, text);
   if (!options.output.empty()) {
-    const auto names = axis_names(first);
+    const auto names = states_with_units(first);
     std::string parameters;
     for (const auto& [parameter, value] : first.parameters)
       if (parameter != name) parameters += fmt::format(" {}={}", parameter, to_text(value));

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/run/checkpoint_option.hpp"
 #include "cli/shared/outputs.hpp"
@@ -21,8 +23,6 @@
 namespace hmax {
 
 namespace {
-
-bool is_oscillator(const Problem& problem) { return std::holds_alternative<Oscillator>(problem.system); }
 
 /// Rows of a table as they come. Where there is a limit, every 2^k-th row, so that no more than twice it are
 /// kept.
@@ -118,19 +118,13 @@ std::string words_of_steps(const WatchedRun& run) {
 
 }  // namespace
 
-BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y) {
-  const Eigen::Index n = body.dofs();
-  const Eigen::VectorXd q = y.head(n), v = y.tail(n);
-  const auto [volume, tetrahedron] = body.least_volume(t, q);
-  return {.max_displacement = largest_displacement(q),
-          .energy = body.energy(t, q) + body.kinetic_energy(v),
-          .least_volume = volume,
-          .crushed = tetrahedron};
-}
-
-std::string unit_of(const Problem& problem, std::size_t state) {
-  if (!is_oscillator(problem)) return {};
-  return state == 0 ? "m" : "m/s";
+std::optional<BodyEnd> end_of(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  if (!problem.body) return std::nullopt;
+  const TissueBody& body = *problem.body;
+  const Eigen::VectorXd q = y.head(body.dofs()), v = y.tail(body.dofs());
+  return BodyEnd{.max_displacement = largest_displacement(q),
+                 .energy = body.energy(t, q) + body.kinetic_energy(v),
+                 .least_volume = body.least_volume(t, q).first};
 }
 
 std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run,
@@ -174,25 +168,19 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit, RunChec
     table.notes.emplace_back("h", to_text(spec.h));
   }
   table.columns = {"t [s]"};
-  const std::vector<std::string> states = problem.shown.in_order(problem.states);
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const std::string unit = unit_of(problem, i);
-    table.columns.push_back(states[i] + (unit.empty() ? "" : " [" + unit + "]"));
-  }
+  std::ranges::copy(problem.shown.in_order(states_with_units(problem)), std::back_inserter(table.columns));
   if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
   table.values.resize(table.columns.size());
   Rows rows(table.values, limit);
-  const Sink add = [&rows, &table, body = problem.body, &shown = problem.shown](
-                       double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink add = [&rows, &table, &problem = problem](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
-    std::vector<double> row{shown.time(t)};
-    if (body) {
-      const BodyEnd here = end_of(*body, t, y);
-      row.insert(row.end(), {here.max_displacement, here.energy});
+    std::vector<double> row{problem.shown.time(t)};
+    if (const auto here = end_of(problem, t, y)) {
+      row.insert(row.end(), {here->max_displacement, here->energy});
     } else {
-      const Eigen::VectorXd listed = shown.state(y);
+      const Eigen::VectorXd listed = problem.shown.state(y);
       row.insert(row.end(), listed.begin(), listed.end());
     }
     rows.add(std::move(row));
@@ -221,7 +209,7 @@ Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
           : run.problem.id,
       motion, shown);
   for (Panel& panel : figure.panels) panel.x.logarithmic = logarithmic;
-  if (is_oscillator(run.problem))
+  if (is_second_order(run.problem) && run.problem.y0.size() == 2)
     figure.panels.push_back(phase_panel({.title = "orbit", .orbits = motion, .x = shown[0], .v = shown[1]}));
   figure.footer = fmt::format(
       "{}; {}{}", words_of_steps(run), describe_acting(run.problem),

@@ -22,12 +22,9 @@ struct BodyEnd {
   double max_displacement;  ///< of a free point [m]
   double energy;            ///< potential and kinetic [J]
   double least_volume;      ///< of a tetrahedron, relative to that at rest [1]
-  Eigen::Index crushed;     ///< the tetrahedron
 };
-BodyEnd end_of(const TissueBody& body, double t, const Eigen::VectorXd& y);
-
-/// The unit of a state, empty where only the user's file knows it.
-std::string unit_of(const Problem& problem, std::size_t state);
+/// Nothing of what is no body. @param y  shape (dim)
+std::optional<BodyEnd> end_of(const Problem& problem, double t, const Eigen::VectorXd& y);
 
 /// A run that is made again, outside the clock, to be looked at.
 struct WatchedRun {

@@ -13,6 +13,8 @@
 #include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_picture.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/run/checkpoint_option.hpp"
@@ -82,10 +84,11 @@ void check_output(const RunOptions& options, const RunSpec& spec, const Problem&
     throw InputError(fmt::format(
         "--every is {} but must be a number of seconds above 0 and up to the length of the run, {}",
         to_text(*options.every), to_text(spec.t_end)));
-  if (is_series(options) && !problem.body)
-    throw InputError(fmt::format(
-        "{} would be a series of meshes, and {} is no body on a mesh; write to FILE.csv, or name a body with --mesh",
-        options.output, problem.id));
+  if (is_series(options))
+    require_body(
+        problem,
+        fmt::format("and {} would be a series of meshes; write to FILE.csv, or name a body with --mesh",
+                    options.output));
   const double interval = options.every.value_or(spec.h),
                most = is_series(options) ? most_frames : most_points;
   if (interval > 0 && spec.t_end / interval > most)
@@ -290,13 +293,12 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   }
   if (run.device) run.device->add_to(document);
   if (method.needs_jacobian) document["jacobian"] = to_string(spec.jacobian);
-  if (problem.body) {
-    const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
-    document["max_displacement"] = end.max_displacement;
-    document["energy"] = end.energy;
-    document["least_volume"] = end.least_volume;
+  if (const auto end = end_of(problem, record.t_state, record.y)) {
+    document["max_displacement"] = end->max_displacement;
+    document["energy"] = end->energy;
+    document["least_volume"] = end->least_volume;
     if (const auto tool = tool_report(problem, record.t_state, record.y)) document["tool"] = tool->json();
-    document["dofs"] = problem.body->dofs();
+    document["dofs"] = shape_size(problem);
     document["body"] = body_json(problem);
     document["realtime_factor"] = run.realtime_factor();
     if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);
@@ -364,13 +366,13 @@ std::string for_people(const Problem& problem, const Method& method, const RunSp
   std::size_t width = 0;
   for (const std::string& state : problem.states) width = std::max(width, state.size());
   for (std::size_t i = 0; i < problem.states.size(); ++i)
-    text += fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
-                        record.y[static_cast<Eigen::Index>(i)], unit_of(problem, i));
-  if (problem.body) {
-    const BodyEnd end = end_of(*problem.body, record.t_state, record.y);
+    text +=
+        fmt::format("  {:<{}}  {:> .16g} {}\n", problem.states[i], width,
+                    record.y[static_cast<Eigen::Index>(i)], problem.units.empty() ? "" : problem.units[i]);
+  if (const auto end = end_of(problem, record.t_state, record.y)) {
     text +=
         fmt::format("  largest displacement  {}\n  energy                {}\n  real-time factor      {}\n",
-                    with_unit(1000 * end.max_displacement, "mm"), with_unit(end.energy, "J"),
+                    with_unit(1000 * end->max_displacement, "mm"), with_unit(end->energy, "J"),
                     short_number(run.realtime_factor(), 3));
     if (const auto tool = tool_report(problem, record.t_state, record.y))
       text += fmt::format("  tool                  {}\n", tool->words());
@@ -421,10 +423,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
     if (method.is_foreign())
       throw InputError(
           fmt::format("{} solves its equations as {} does; leave --linear out", method.id, method.engine));
-    if (!problem.body)
-      throw InputError(fmt::format(
-          "{} is no body on a mesh, and its equations are too few to choose how they are solved; leave --linear out",
-          problem.id));
+    require_body(problem, "and its equations are too few to choose how they are solved; leave --linear out");
   }
   if ((options.newton_tolerance || !options.newton_iterations.empty()) &&
       (!method.solves_nonlinear_equations() || method.is_foreign()))
@@ -435,9 +434,9 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
   if (is_given(options.jobs) && !problem.body && !problem.matrices)
     throw InputError(
         fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
-  if (options.full && !(json && problem.body))
-    throw InputError(fmt::format("--full applies to {}; {}", problem.body ? "--json only" : "meshes only",
-                                 problem.body ? "add --json, or remove it" : "remove it"));
+  if (!options.full) return;
+  require_body(problem, "and --full is for those; leave it out");
+  if (!json) throw InputError("--full applies to --json only; add --json, or remove it");
 }
 
 /// @returns how many points or meshes were written
@@ -489,23 +488,23 @@ double growth_of(const Problem& problem, const Eigen::VectorXd& end) {
 /// Remarks on the end of a run. A step that is not stable may reach the end of a short run all the same.
 void remark_end(const Problem& problem, const RunSpec& spec, const RunRecord& record, Console& console) {
   constexpr double far = 10, much = 1e6;
-  if (const double growth = growth_of(problem, record.y); !problem.body && growth > much)
-    console.remark(fmt::format("the motion ends {} times as large as it began; {}", short_number(growth, 3),
-                               spec.adaptive
-                                   ? "the model itself grows"
-                                   : "unless the model itself grows take a smaller --h, `hmax stability "
-                                     "predict` shows the largest stable one"));
-  if (!problem.body) return;
-  if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
+  if (!problem.body) {
+    if (const double growth = growth_of(problem, record.y); growth > much)
+      console.remark(fmt::format("the motion ends {} times as large as it began; {}", short_number(growth, 3),
+                                 spec.adaptive
+                                     ? "the model itself grows"
+                                     : "unless the model itself grows take a smaller --h, `hmax stability "
+                                       "predict` shows the largest stable one"));
+  } else if (const double moved = sizes_moved(*problem.body, record.y); moved > far)
     console.remark(fmt::format(
         "the body has moved {} times its size; add a support{}", short_number(moved, 3),
         spec.adaptive ? ""
                       : " or take a smaller --h, `hmax stability predict` shows the largest stable one"));
-  if (const BodyEnd end = end_of(*problem.body, record.t, record.y); !(end.least_volume > 0))
+  if (const auto inversion = inversion_at(problem, record.t, record.y))
     console.remark(fmt::format(
         "tetrahedron {} is inverted at the end, with {} of its volume at rest; `hmax static` shows whether the load "
         "causes this, otherwise take a smaller step",
-        tetrahedron_number(problem, end.crushed), short_number(end.least_volume, 3)));
+        inversion->tetrahedron, short_number(inversion->volume, 3)));
 }
 
 /// Tells what a run came to, in the order of states and the time of the user.

@@ -10,6 +10,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/stability/limit_words.hpp"
@@ -19,7 +20,6 @@
 #include "limits/documents/limit_json.hpp"
 #include "limits/documents/model_json.hpp"
 #include "limits/point/prediction.hpp"
-#include "limits/problem_linearity.hpp"
 
 namespace hmax {
 
@@ -30,10 +30,9 @@ using Json = nlohmann::ordered_json;
 /// Why the limits of one state do not tell of a motion, or may not.
 std::string_view why_along(const Problem& problem) {
   if (problem.body) return "the load changes with time";
-  if (problem.matrices) return "the matrices change with time";
   switch (linearity_of(problem)) {
     case Linearity::time_varying:
-      return "the model changes with time";
+      return problem.matrices ? "the matrices change with time" : "the model changes with time";
     case Linearity::nonlinear:
       return "the model is not linear";
     default:

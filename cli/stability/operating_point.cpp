@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/statics/static_solution.hpp"
+#include "catalogue/models/model.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/stability/row_progress.hpp"
 #include "core/errors.hpp"
@@ -29,15 +30,13 @@ void OperatingPointChoice::add_to(CLI::App& command) {
 AskedState OperatingPointChoice::of(const Problem& problem) const {
   if (at.empty()) return AskedState::equilibrium;
   if (parse_choice("--at", at, words) == words[0]) return AskedState::equilibrium;
-  if (!problem.body)
-    throw InputError(
-        fmt::format("--at rest applies to bodies on a mesh, and {} is none; remove it", problem.id));
+  require_body(problem, "and --at rest is for those; remove it");
   return AskedState::rest;
 }
 
 void announce_equilibrium(Console& console, const Problem& problem, AskedState at) {
-  if (!problem.body || at == AskedState::rest || problem.body->dofs() <= most_cheaply_factored ||
-      !problem.body->is_autonomous() || is_at_rest(*problem.body))
+  if (!factors_take_seconds(problem) || at == AskedState::rest || has_moving_load(problem) ||
+      is_at_rest(*problem.body))
     return;
   // Measured on balls in their weight of 29,000 to 275,000 degrees of freedom, within a factor of 2: Newton's
   // steps by conjugate gradients, and up to most_factored_often a factor of K that tells whether the

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "analysis/amplification/numerical_damping.hpp"
+#include "catalogue/models/model.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"
@@ -127,9 +128,8 @@ void damping_of_body(const DampingOptions& options, double h, Console& console) 
   if (options.frequency || options.zeta)
     throw InputError("a body has modes of its own; remove --frequency and --zeta");
   const Problem problem = options.problem.make();
-  if (!problem.body)
-    throw InputError(fmt::format(
-        "{} is no body on a mesh; give the frequency of its mode with --frequency instead", problem.id));
+  require_body(problem,
+               "and has no shapes of modes; give the frequency of its mode with --frequency instead");
   options.problem.remark_idle(console, problem);
   const std::vector<Method> methods = options.methods.methods({problem}, console);
   std::vector<ShownDamping> rows;

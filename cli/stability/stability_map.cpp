@@ -11,7 +11,7 @@
 
 #include "analysis/dynamics/phase_plane.hpp"
 #include "catalogue/methods/choice/formulas.hpp"
-#include "catalogue/models/parameter_units.hpp"
+#include "catalogue/models/model.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/options.hpp"

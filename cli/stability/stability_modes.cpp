@@ -9,6 +9,7 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/bodies/matrix_files.hpp"
 #include "cli/shared/choices.hpp"
@@ -240,13 +241,9 @@ void modes(const ModesOptions& options, Console& console) {
                               static_cast<Eigen::Index>(parse_count("--count", options.count, 1)),
                               options.fastest, console);
   }
-  if (!problem.body)
-    throw InputError(
-        fmt::format("{} is no body on a mesh, so its modes have no shapes; name one with --mesh, or "
-                    "matrices with --matrices",
-                    problem.id));
+  const TissueBody& body =
+      require_body(problem, "so its modes have no shapes; name one with --mesh, or matrices with --matrices");
   check_output(options);
-  const TissueBody& body = *problem.body;
   const auto count = static_cast<Eigen::Index>(
       std::min<std::int64_t>(parse_count("--count", options.count, 1), body.dofs()));
   const OperatingPoint point = operating_point(problem, options.at, "modes", console);

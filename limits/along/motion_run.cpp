@@ -11,6 +11,7 @@
 #include "analysis/dynamics/growth.hpp"
 #include "catalogue/methods/bind.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "integrators/explicit/adaptive.hpp"
@@ -120,14 +121,12 @@ Sizes seen_sizes(const Problem& problem, const Sizes& guess, double t_end, const
   constexpr Tolerances<double> crude{1e-4, 1e-6};
   Sizes seen;
   try {
-    const RunEnd<double> end = run_motion(
-        problem, shares_of(guess, crude, mechanical), t_end, 0,
-        [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-          if (watcher) watcher();
-          if (problem.body && !(problem.body->least_volume(t, y.head(problem.body->dofs())).first > 0))
-            throw Inverted{};
-          if (y.allFinite()) seen.include(sizes_of(y, mechanical));
-        });
+    const RunEnd<double> end = run_motion(problem, shares_of(guess, crude, mechanical), t_end, 0,
+                                          [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+                                            if (watcher) watcher();
+                                            if (inversion_at(problem, t, y)) throw Inverted{};
+                                            if (y.allFinite()) seen.include(sizes_of(y, mechanical));
+                                          });
     if (end.outcome == Outcome::too_many_steps) refuse(problem, t_end, end);
   } catch (const Inverted&) {
   }

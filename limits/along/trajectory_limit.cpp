@@ -7,7 +7,6 @@
 #include <exception>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -17,14 +16,16 @@
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/methods/method.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "limits/jacobian_changes.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "limits/predict.hpp"
-#include "limits/problem_linearity.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -233,31 +234,6 @@ MotionSize size_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) 
 
 }  // namespace
 
-std::optional<double> period_of_load(const Problem& problem) {
-  double slowest = infinity;
-  const auto look_at = [&](const TimeProfile& profile) {
-    if (profile.kind == TimeProfile::Kind::sine && profile.omega != 0)
-      slowest = std::min(slowest, std::abs(profile.omega));
-  };
-  if (problem.body) {
-    const TissueSettings& settings = problem.body->settings();
-    for (const Support& support : settings.supports) look_at(support.profile);
-    for (const PressingForce& load : settings.forces) look_at(load.profile);
-    for (const SphereTool& tool : settings.tools) look_at(tool.profile);
-  } else if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
-    const OscillatorParameters& p = oscillator->parameters();
-    if (p.P != 0 && p.w != 0) slowest = std::abs(p.w);
-  }
-  if (std::isinf(slowest)) return std::nullopt;
-  return 2 * std::numbers::pi / slowest;
-}
-
-double end_of_motion(const Problem& problem) {
-  constexpr double most_ends = 100;
-  const double period = period_of_load(problem).value_or(0);
-  return period <= most_ends * problem.t_end ? std::max(period, problem.t_end) : problem.t_end;
-}
-
 std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
   if (!problem.matrices) return std::nullopt;
   if (!(t_end > 0 && std::isfinite(t_end)))
@@ -276,15 +252,13 @@ Path motion_path(const Problem& problem, double t_end, int points, const Watcher
   struct Inverted {};
   Path path;
   const auto keep = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-    if (problem.body)
-      if (const auto [volume, at] = problem.body->least_volume(t, y.head(problem.body->dofs()));
-          !(volume > 0)) {
-        path.note = fmt::format(
-            "tetrahedron {} is inverted by t = {} s of the motion: what moves on from there is no body, and "
-            "no limit is looked for beyond {} s",
-            tetrahedron_number(problem, at), four_digits(t), four_digits(path.at.back()));
-        throw Inverted{};
-      }
+    if (const auto inversion = inversion_at(problem, t, y)) {
+      path.note = fmt::format(
+          "tetrahedron {} is inverted by t = {} s of the motion: what moves on from there is no body, and "
+          "no limit is looked for beyond {} s",
+          inversion->tetrahedron, four_digits(t), four_digits(path.at.back()));
+      throw Inverted{};
+    }
     path.at.push_back(t);
     path.y.emplace_back(y);
   };
@@ -330,15 +304,13 @@ MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& w
 }
 
 Path load_path(const Problem& problem, int points, const Watcher& watcher) {
-  if (!problem.body)
-    throw InputError(
-        fmt::format("{} is no body on a mesh, so no load is brought on; look along its motion", problem.id));
-  if (!problem.body->is_autonomous())
+  const TissueBody& body = require_body(problem, "so no load is brought on; look along its motion");
+  if (has_moving_load(problem))
     throw InputError(
         fmt::format("the load of {} changes with time; take gravity, press or pull, or look along "
                     "the motion",
                     problem.id));
-  if (is_at_rest(*problem.body))
+  if (is_at_rest(body))
     throw InputError(fmt::format(
         "nothing loads {}, so no load can grow; give it one with --set, g of gravity or force of press "
         "and pull, or leave --along load out",
@@ -399,7 +371,7 @@ std::vector<std::vector<Prediction>> predicted_along_body(std::span<const Method
         rows[i][k] = predict(methods[k], near);
   };
   // One factor at a time where they are large, by all threads: several fill the memory.
-  if (problem.body->dofs() > most_cheaply_factored) {
+  if (factors_take_seconds(problem)) {
     for (std::size_t i = 0; i < path.at.size(); ++i) {
       look(watcher);
       predict_at(i);

@@ -21,13 +21,6 @@ struct Path {
   MotionTolerances tolerances = {};  ///< of a motion
 };
 
-/// The longest period of what drives a problem [s]; nothing where no period is known.
-std::optional<double> period_of_load(const Problem& problem);
-
-/// The end of the motion that is looked at where nobody names one [s]: a whole period of the load, up to a
-/// hundred times the problem's own end, and that at least.
-double end_of_motion(const Problem& problem);
-
 /// The times up to t_end at which matrices of a user are given, with the state zero, as a linear model is the
 /// same in all of them; t = 0 alone where they do not change. Nothing for other problems.
 /// @throws InputError  when t_end is not positive

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/documents/number_json.hpp"

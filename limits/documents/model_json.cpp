@@ -8,12 +8,12 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/size_limits.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/documents/number_json.hpp"
 #include "limits/modes/fastest_mode.hpp"
-#include "limits/problem_linearity.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

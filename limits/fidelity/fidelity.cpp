@@ -12,6 +12,7 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/simulators.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -59,10 +60,10 @@ double share_of_step(const FidelityModel& model, double factor, double h) {
 }
 
 Problem without_load(const Problem& problem) {
-  TissueSettings settings = problem.body->settings();
-  settings.gravity.setZero();
-  settings.forces.clear();
-  return with_settings(problem, std::move(settings));
+  return with_settings(problem, [](TissueSettings& settings) {
+    settings.gravity.setZero();
+    settings.forces.clear();
+  });
 }
 
 /// Growth beyond what differences resolve.
@@ -349,10 +350,6 @@ double gap_of(const Fidelity& row) {
   return gap;
 }
 
-double largest_of(const FidelityModel& model, const VectorXd& q) {
-  return model.problem.body ? largest_displacement(q) : q.cwiseAbs().maxCoeff();
-}
-
 /// Volume, momentum, and what is left without load.
 void tell_of_body(Fidelity& row, const FidelityModel& model, const Settled& found) {
   row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
@@ -369,7 +366,7 @@ void tell_of_body(Fidelity& row, const FidelityModel& model, const Settled& foun
 /// Ceiling and modulus to enter.
 void find_moduli(Fidelity& row, const FidelityModel& model, const FidelityQuestion& question) {
   row.stiffness_ceiling = stiffness_ceiling(row.method, model, question, row.stiffness_shown);
-  if (std::isnan(row.stiffness_ceiling) && model.problem.body->settings().elastic_supports.empty())
+  if (std::isnan(row.stiffness_ceiling) && settings_of(model.problem).elastic_supports.empty())
     add_sentence(row.status,
                  "no ceiling was found: with a larger modulus it does not settle, or against the load");
   if (!question.wanted) return;
@@ -399,7 +396,7 @@ std::vector<Method> methods_of_simulators(const Problem& problem) {
 double stiffness_ceiling(const Method& method, const FidelityModel& model, const FidelityQuestion& question,
                          double stiffness_shown) {
   // Springs as supports stay, and sag under the stiffest body; k is no modulus.
-  const TissueSettings& settings = model.problem.body->settings();
+  const TissueSettings& settings = settings_of(model.problem);
   if (!settings.elastic_supports.empty() || settings.springs.stiffness > 0) return Fidelity::none;
   const double E = young_of(model.problem);
   const auto shown = [&](double factor) {
@@ -410,10 +407,10 @@ double stiffness_ceiling(const Method& method, const FidelityModel& model, const
 
 Fidelity fidelity(const Method& method, const FidelityModel& model, const FidelityQuestion& question) {
   const bool asks_moduli = question.ceiling || question.wanted;
-  if (asks_moduli && !model.problem.body)
-    throw InputError(fmt::format(
-        "{} is no body, and has no modulus to enter; leave out --ceiling and --enter", model.problem.id));
-  if (asks_moduli && model.problem.body->settings().springs.stiffness > 0)
+  if (asks_moduli &&
+      require_body(model.problem, "and has no modulus to enter; leave out --ceiling and --enter")
+              .settings()
+              .springs.stiffness > 0)
     throw InputError(
         "k gives the springs their stiffness whatever the modulus is; leave k out, or --ceiling and --enter");
   Fidelity row{.method = method, .h = question.h, .modes = {}, .status = {}};
@@ -435,8 +432,8 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
   }
   if (model.is_loaded()) {
     row.stiffness_shown = model.load.dot(model.equilibrium) / found.sag(model);
-    row.settled_error =
-        largest_of(model, found.loaded.q - model.equilibrium) / largest_of(model, model.equilibrium);
+    row.settled_error = largest_change(model.problem, found.loaded.q - model.equilibrium) /
+                        largest_change(model.problem, model.equilibrium);
   } else {
     add_sentence(
         row.status,

@@ -12,6 +12,8 @@
 #include "analysis/statics/equilibrium.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
+#include "catalogue/models/equilibria/tool_report.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -194,21 +196,15 @@ void add_modes(FidelityModel& model, std::size_t modes) {
   }
 }
 
-constexpr const char* never_settles =
-    "the load changes with time and never settles, so that nothing comes to rest; ";
-
 void require_rest(const Problem& problem) {
   if (!is_second_order(problem))
     throw InputError(fmt::format(
         "{} has no positions and velocities, of which steps show stiffness and modes; take another model",
         problem.id));
-  if (problem.body) {
-    const double settled = equilibrium_time(*problem.body);
-    if (std::isinf(settled) || (settled == 0 && !problem.body->is_autonomous()))
-      throw InputError(std::string(never_settles) + "take gravity or press");
-  } else if (is_driven(problem)) {
-    throw InputError(std::string(never_settles) + "take a model whose force stays");
-  }
+  if (is_driven(problem))
+    throw InputError(
+        "the load changes with time and never settles, so that nothing comes to rest; take one that stays, of a body "
+        "gravity or press");
 }
 
 }  // namespace
@@ -221,20 +217,20 @@ double volume_of(const TissueBody& body, const VectorXd& q) {
   return sum;
 }
 
-double young_of(const Problem& problem) { return problem.body->settings().materials.front().young; }
+double young_of(const Problem& problem) { return settings_of(problem).materials.front().young; }
 
 Problem with_stiffness(const Problem& problem, double factor) {
-  TissueSettings settings = problem.body->settings();
-  for (TissueMaterial& material : settings.materials) {
-    material.young *= factor;
-    material.fibre_young *= factor;
-  }
-  settings.springs.stiffness *= factor;
-  settings.skin.young *= factor;
-  // Damping is that of the material: beta K would grow with it.
-  settings.beta /= factor;
-  settings.springs.damper_time /= factor;
-  return with_settings(problem, std::move(settings));
+  return with_settings(problem, [&](TissueSettings& settings) {
+    for (TissueMaterial& material : settings.materials) {
+      material.young *= factor;
+      material.fibre_young *= factor;
+    }
+    settings.springs.stiffness *= factor;
+    settings.skin.young *= factor;
+    // Damping is that of the material: beta K would grow with it.
+    settings.beta /= factor;
+    settings.springs.damper_time /= factor;
+  });
 }
 
 VectorFunction step_of_model(const Method& method, const FidelityModel& model, const Problem& problem,
@@ -247,8 +243,9 @@ VectorFunction step_of_model(const Method& method, const FidelityModel& model, c
 }
 
 FidelityModel settled_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
-  require_rest(problem);
-  FidelityModel model = unsettled_model(problem.body ? after_ramps(problem) : problem);
+  const Problem settled = after_ramps(problem);
+  require_rest(settled);
+  FidelityModel model = unsettled_model(settled);
   if (problem.body)
     settle_body(model, watch);
   else
@@ -258,7 +255,7 @@ FidelityModel settled_model(const Problem& problem, const std::function<void()>&
 }
 
 FidelityModel fidelity_model(const Problem& problem, const std::function<void()>& watch, std::size_t modes) {
-  if (problem.body && !problem.body->settings().tools.empty())
+  if (has_tool(problem))
     throw InputError(
         "the force of a tool depends on the body where a tool meets it, and measures no stiffness; take gravity or press");
   FidelityModel model = settled_model(problem, watch, modes);

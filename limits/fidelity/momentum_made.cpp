@@ -12,13 +12,13 @@ namespace {
 
 /// The same tissue without all that acts on it from outside.
 Problem let_go(const Problem& problem) {
-  TissueSettings settings = problem.body->settings();
-  settings.gravity.setZero();
-  settings.forces.clear();
-  settings.supports.clear();
-  settings.elastic_supports.clear();
-  settings.alpha = settings.beta = 0;
-  return with_settings(problem, std::move(settings));
+  return with_settings(problem, [](TissueSettings& settings) {
+    settings.gravity.setZero();
+    settings.forces.clear();
+    settings.supports.clear();
+    settings.elastic_supports.clear();
+    settings.alpha = settings.beta = 0;
+  });
 }
 
 }  // namespace

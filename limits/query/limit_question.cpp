@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/along/trajectory_limit.hpp"
-#include "limits/problem_linearity.hpp"
 
 namespace hmax {
 

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "catalogue/models/equilibria/support_advice.hpp"
+#include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
+#include "catalogue/models/model.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "core/process/memory_share.hpp"
@@ -18,7 +20,6 @@
 #include "limits/documents/model_json.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
-#include "limits/problem_linearity.hpp"
 #include "limits/rows/limit_rows.hpp"
 #include "limits/verification.hpp"
 #include "problems/tissue/body.hpp"
@@ -173,7 +174,7 @@ class Query {
       leave_when_stopped();
       watcher_.residual(residual);
     });
-    if (problem.body && question_.at == AskedState::equilibrium && near.point.kind == StateKind::rest)
+    if (near.point.is_body && question_.at == AskedState::equilibrium && near.point.kind == StateKind::rest)
       add_remedy(problem, near.point);
     return near;
   }
@@ -188,7 +189,7 @@ class Query {
       // Contact comes and goes faster than a body moves otherwise; differences of many states take long.
       constexpr double most_evaluations = 4e5;
       const double states = static_cast<double>(problem.y0.size());
-      const int points = problem.body ? (problem.body->settings().tools.empty() ? 100 : 400)
+      const int points = problem.body ? (has_tool(problem) ? 400 : 100)
                                       : static_cast<int>(std::clamp(most_evaluations / states, 20.0, 400.0));
       return motion_path(problem, question_.end_of(problem), points, watch);
     } catch (const InputError& error) {
@@ -257,15 +258,14 @@ class Query {
   /// How many threads a problem bears. What cannot be made again has one, and so has a device.
   static std::size_t threads_for(const Problem& problem, const std::vector<Method>& methods) {
     if (std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; })) return 1;
-    if (!problem.body && !problem.again) return 1;
-    return std::max<std::size_t>(1, problem.runs_elsewhere ? jobs() / 2 : jobs());
+    if (!bears_threads(problem)) return 1;
+    return std::max<std::size_t>(1, problem.kind() == ModelKind::plugin ? jobs() / 2 : jobs());
   }
 
-  /// The problem of each worker that takes some of `count` methods. Some systems have one workspace, so that
-  /// each has its own; bodies are shared.
+  /// The problem of each worker that takes some of `count` methods.
   static std::vector<Problem> problems_of_workers(const Problem& problem, std::size_t count) {
     std::vector<Problem> own(1, problem);
-    while (own.size() < count) own.push_back(problem.body ? problem : problem.again());
+    while (own.size() < count) own.push_back(for_own_thread(problem));
     return own;
   }
 
@@ -277,7 +277,7 @@ class Query {
     std::vector<Problem> own = problems_of_workers(problem, std::min(threads, methods.size()));
     for (Problem& each : own) each = with_frozen_matrices(each, near.point.model.t);
     std::vector<OperatingPoint> points;
-    if (!problem.body)
+    if (!near.point.is_body)
       for (std::size_t worker = 1; worker < own.size(); ++worker)
         ask(points.emplace_back(near.point), own[worker]);
     const auto point_of = [&](std::size_t worker) -> const OperatingPoint& {

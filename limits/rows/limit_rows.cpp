@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "limits/rows/model_digest.hpp"
 

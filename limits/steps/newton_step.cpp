@@ -7,6 +7,7 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

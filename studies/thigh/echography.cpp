@@ -157,7 +157,7 @@ GridField PressedBlock::pressed() const {
   const StaticSolution found = found_equilibrium(problem_, 1, {.load_steps = 4}, thread_cpu_seconds);
   if (!found.converged)
     throw std::runtime_error("the pressed thigh: " + cause_of(problem_, found) + "; this is a defect");
-  return field(equilibrium_time(*problem_.body), found.q);
+  return field(equilibrium_time(problem_), found.q);
 }
 
 RuleError rule_error(const ThighAnatomy& anatomy, const Eigen::Vector3d& probe, double width,

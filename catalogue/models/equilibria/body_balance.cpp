@@ -10,18 +10,17 @@
 
 #include "catalogue/models/equilibria/resisting_model.hpp"
 #include "catalogue/models/free_parts.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
 
-double largest_displacement(const Eigen::VectorXd& q) {
-  return q.size() == 0 ? 0 : std::sqrt(q.reshaped(3, q.size() / 3).colwise().squaredNorm().maxCoeff());
-}
-
 double equilibrium_time(const TissueBody& body) {
   return std::isfinite(body.steady_from()) ? body.steady_from() : 0;
 }
+
+double equilibrium_time(const Problem& problem) { return problem.body ? equilibrium_time(*problem.body) : 0; }
 
 namespace {
 
@@ -125,7 +124,7 @@ StaticSolution followed_equilibrium(const Problem& problem, const StaticSettings
                                     const Clock& clock) {
   constexpr int usual_stages = 20, most_halvings = 4, most_on_the_way = 40;
   const int stages = settings.load_steps.value_or(usual_stages);
-  const double t_end = equilibrium_time(*problem.body);
+  const double t_end = equilibrium_time(problem);
   StaticSolution solution;
   Eigen::VectorXd q = Eigen::VectorXd::Zero(problem.body->dofs());
   int halvings = 0;
@@ -172,13 +171,13 @@ StaticSolution followed_equilibrium(const Problem& problem, const StaticSettings
 }  // namespace
 
 StaticModel static_model(const Problem& problem, double load_scale) {
-  return model_from(problem, load_scale, equilibrium_time(*problem.body),
+  return model_from(problem, load_scale, equilibrium_time(problem),
                     Eigen::VectorXd::Zero(problem.body->dofs()));
 }
 
 StaticSolution found_equilibrium(const Problem& problem, double load_scale, const StaticSettings& settings,
                                  const Clock& clock) {
-  if (equilibrium_time(*problem.body) > 0) return followed_equilibrium(problem, settings, clock);
+  if (equilibrium_time(problem) > 0) return followed_equilibrium(problem, settings, clock);
   const StaticModel model = static_model(problem, load_scale);
   if (pushes_loose(*problem.body, model)) {
     StaticSolution none;
@@ -205,14 +204,14 @@ StaticSolution beyond_inversion(const Problem& problem, double load_scale, const
                                 const Clock& clock, StaticSolution solution) {
   const bool pushes_back = problem.body->settings().model.resists_crushing;
   // Steps of the load that somebody chose may be too few; loads that move are followed.
-  if (!solution.barred || !pushes_back || settings.load_steps || equilibrium_time(*problem.body) > 0)
+  if (!solution.barred || !pushes_back || settings.load_steps || equilibrium_time(problem) > 0)
     return solution;
   StaticModel model = static_model(problem, load_scale);
   model.admissible = nullptr;
   StaticSolution other = solve_static(model, settings, clock);
   if (!other.converged) return solution;
   prepend(solution, other);
-  other.converged = problem.body->least_volume(equilibrium_time(*problem.body), other.q).first > 0;
+  other.converged = problem.body->least_volume(equilibrium_time(problem), other.q).first > 0;
   const std::string_view found = other.converged ? "the search for this equilibrium passed inverted elements"
                                                  : "the only equilibrium found has inverted elements";
   other.note = fmt::format("{}{}{}", found, other.note.empty() ? "" : "; ", other.note);
@@ -220,14 +219,14 @@ StaticSolution beyond_inversion(const Problem& problem, double load_scale, const
 }
 
 std::string_view outcome_of(const Problem& problem, const StaticSolution& solution) {
-  if (!(problem.body->least_volume(equilibrium_time(*problem.body), solution.q).first > 0)) return "inverted";
+  if (!(problem.body->least_volume(equilibrium_time(problem), solution.q).first > 0)) return "inverted";
   if (solution.unstable) return "buckles";
   if (solution.barred) return "collapsed";
   return solution.converged ? "converged" : "not_converged";
 }
 
 std::string cause_of(const Problem& problem, const StaticSolution& solution) {
-  const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(*problem.body), solution.q);
+  const auto [volume, tetrahedron] = problem.body->least_volume(equilibrium_time(problem), solution.q);
   if (solution.barred)
     return fmt::format(
         "tetrahedron {} is crushed to {:.3g} of its volume, and the steps of the search invert elements",
@@ -254,14 +253,6 @@ std::string status_of(const Problem& problem, const StaticSolution& solution, bo
   std::string remedy = solution.remedy;
   if (solution.barred) remedy += remedy_of_collapse(problem.body->settings().model, names_model);
   return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
-}
-
-std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron) {
-  return problem.tetrahedron_numbers.at(static_cast<std::size_t>(tetrahedron));
-}
-
-std::int64_t point_number(const Problem& problem, Eigen::Index point) {
-  return problem.body->origin() ? problem.body->origin()->point_number(point) : point + 1;
 }
 
 NamedElement named_element(const Problem& problem, Eigen::Index element) {

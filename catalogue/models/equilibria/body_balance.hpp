@@ -16,6 +16,8 @@ namespace hmax {
 /// The instant whose forces a static equilibrium balances [s]: when every ramp has ended, or 0 where a load
 /// never settles.
 double equilibrium_time(const TissueBody& body);
+/// The same of any problem: 0 of those that are no body.
+double equilibrium_time(const Problem& problem);
 
 /// The equilibrium of forces of a body under a multiple of its load as it is at equilibrium_time().
 StaticModel static_model(const Problem& problem, double load_scale);
@@ -45,15 +47,6 @@ std::string cause_of(const Problem& problem, const StaticSolution& solution);
 /// The same with what helps, in words of `hmax static`.
 /// @param names_model  that resists being crushed; false: somebody has tried it
 std::string status_of(const Problem& problem, const StaticSolution& solution, bool names_model = true);
-
-/// The longest displacement of a point [m], q of shape (dofs).
-double largest_displacement(const Eigen::VectorXd& q);
-
-/// The number that users know a tetrahedron by: that of its file, else its place in the mesh, from 1.
-std::int64_t tetrahedron_number(const Problem& problem, Eigen::Index tetrahedron);
-
-/// The same of a point, as `--support points:` takes it.
-std::int64_t point_number(const Problem& problem, Eigen::Index point);
 
 /// A tetrahedron by its number, an averaged pressure by that of its point; springs and skin triangles in
 /// hmax's order, from 1, since files do not number them.

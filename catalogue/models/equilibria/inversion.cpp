@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {

@@ -14,7 +14,7 @@ const TissueModel* resisting_model(const TissueModel& model) {
 }
 
 std::optional<Problem> with_resisting_model(const Problem& problem) {
-  TissueSettings settings = problem.body->settings();
+  TissueSettings settings = settings_of(problem);
   const TissueModel* other = resisting_model(settings.model);
   if (!other || settings.model.is_of_springs()) return std::nullopt;
   settings.model = *other;

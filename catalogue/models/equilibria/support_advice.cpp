@@ -154,8 +154,8 @@ std::optional<double> linear_sag(const TissueBody& body) {
 
 std::optional<SuggestedSupport> suggested_support(const Problem& problem) {
   constexpr double clearly = 0.5;
-  if (!problem.body || !problem.support_by_default || !hangs(*problem.body) ||
-      problem.body->dofs() > most_held || problem.body->settings().gravity.isZero(0))
+  if (!problem.support_by_default || !hangs(*problem.body) || problem.body->dofs() > most_held ||
+      settings_of(problem).gravity.isZero(0))
     return std::nullopt;
   const int axis = static_cast<int>(parameter(problem, "axis").value_or(TissueParameters{}.axis));
   const std::vector<EndSag> ends = sags_of_ends(UnheldBody(problem));
@@ -250,7 +250,7 @@ std::string status_without_equilibrium(const Problem& problem, const StaticSolut
     return status_of(problem, solution);
   const SupportAdvice advice = advice_without_equilibrium(problem);
   const bool by_elements = solution.barred || outcome_of(problem, solution) == "inverted";
-  const bool resists = problem.body->settings().model.resists_crushing;
+  const bool resists = settings_of(problem).model.resists_crushing;
   const bool on_springs = !by_elements && is_held_by_springs(*problem.body);
   if (advice.is_the_cause || on_springs || (by_elements && resists && !solution.barred))
     return cause_of(problem, solution) + "; " + advice.words;

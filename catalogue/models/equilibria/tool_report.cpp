@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -52,8 +53,10 @@ ToolReport tool_report(const nlohmann::ordered_json& document) {
           .stiffness = document["stiffness"]};
 }
 
+bool has_tool(const Problem& problem) { return problem.body && !settings_of(problem).tools.empty(); }
+
 std::optional<ToolReport> tool_report(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  if (!problem.body || problem.body->settings().tools.empty()) return std::nullopt;
+  if (!has_tool(problem)) return std::nullopt;
   const TissueBody& body = *problem.body;
   return ToolReport{.reach = body.tool_reaches(t, y).front(),
                     .stiffness = body.settings().tools.front().stiffness};
@@ -62,9 +65,8 @@ std::optional<ToolReport> tool_report(const Problem& problem, double t, const Ei
 std::string warning_of_tool(const Problem& problem, double t, const Eigen::VectorXd& y) {
   // A press that has not ended is less deep than was asked.
   constexpr double rounding = 1e-9;
-  if (!problem.body || t < (1 - rounding) * problem.body->steady_from()) return {};
-  const auto report = tool_report(problem, t, y);
-  return report ? report->warning() : "";
+  if (!has_tool(problem) || t < (1 - rounding) * problem.body->steady_from()) return {};
+  return tool_report(problem, t, y)->warning();
 }
 
 }  // namespace hmax

@@ -25,6 +25,8 @@ struct ToolReport {
   [[nodiscard]] std::string warning() const;
 };
 
+bool has_tool(const Problem& problem);
+
 /// Of ToolReport::json().
 ToolReport tool_report(const nlohmann::ordered_json& document);
 /// Nothing where the problem has no tool.

@@ -7,6 +7,7 @@
 
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/problems.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problem_file.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/mesh/mesh_quality.hpp"

@@ -8,6 +8,7 @@
 #include "bench/timing/reference.hpp"
 #include "catalogue/device/host_device.hpp"
 #include "catalogue/device/motion_runs.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "problems/oscillator/liver_problems.hpp"

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 
+#include "catalogue/models/tissue_problem.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "tests/catalogue/scenes/scene_files.hpp"
 

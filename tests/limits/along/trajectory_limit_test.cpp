@@ -8,6 +8,7 @@
 
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "limits/predict.hpp"

@@ -1,4 +1,4 @@
-#include "catalogue/models/parameter_units.hpp"
+#include "catalogue/models/model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace hmax {
 namespace {
 
-TEST(ParameterUnits, EveryParameterOfOscillatorsAndBodiesHasOne) {
+TEST(Model, EveryParameterOfOscillatorsAndBodiesHasAUnit) {
   const Problem oscillator = make_problem("liver_forced", {});
   EXPECT_EQ(with_unit(oscillator, "m"), "m [kg]");
   EXPECT_EQ(with_unit(oscillator, "w"), "w [rad/s]");

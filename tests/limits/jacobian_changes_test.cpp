@@ -1,10 +1,12 @@
-#include "limits/problem_linearity.hpp"
+
+#include "limits/jacobian_changes.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/linearised_problem.hpp"

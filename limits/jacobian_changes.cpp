@@ -1,4 +1,4 @@
-#include "limits/problem_linearity.hpp"
+#include "limits/jacobian_changes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,27 +6,10 @@
 #include <limits>
 #include <variant>
 
-#include "catalogue/models/matrix_problem.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
-
-std::string_view name_of(Linearity linearity) {
-  constexpr std::array<std::string_view, 4> names{"linear", "time_varying", "nonlinear", "unknown"};
-  return names[static_cast<std::size_t>(linearity)];
-}
-
-Linearity linearity_of(const Problem& problem) {
-  if (problem.matrices)
-    return times_of_matrices(problem).empty() ? Linearity::linear : Linearity::time_varying;
-  // Loads and moving supports are forces b(t).
-  if (problem.body) return has_linear_forces(*problem.body) ? Linearity::linear : Linearity::nonlinear;
-  if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
-    return oscillator->parameters().k3 == 0 ? Linearity::linear : Linearity::nonlinear;
-  return std::get<AnySystem>(problem.system).linearity();
-}
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "catalogue/methods/user_view.hpp"
+#include "catalogue/methods/problem.hpp"
 
 #include <string>
 
