@@ -72,7 +72,8 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
 }
 
 FatesOf fates_of_starts(const Problem& problem, const Window& window,
-                        const std::vector<Equilibrium>& equilibria, const MotionRunner& runner) {
+                        const std::vector<Equilibrium>& equilibria, const MotionRunner& runner,
+                        const std::function<void()>& ended) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
   const auto* system = std::get_if<AnySystem>(&problem.system);
   const auto formulas = system ? system->formulas() : nullptr;
@@ -81,9 +82,9 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
       throw InputError(fmt::format(
           "--device gpu finds basins of the oscillators of the liver and of files of formulas, not of {}; leave --device out",
           problem.id));
-    return [fate_of = fate_of_starts(problem, window, equilibria, runner.interrupted)](
+    return [ended, fate_of = fate_of_starts(problem, window, equilibria, runner.interrupted)](
                std::span<const Vector2d> starts, std::span<int> fates) {
-      std::ranges::transform(starts, fates.begin(), fate_of);
+      for (std::size_t i = 0; i < starts.size(); ++i, ended()) fates[i] = fate_of(starts[i]);
     };
   }
   const Destiny destiny(problem, window, equilibria);
@@ -96,7 +97,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
   const std::optional<Oscillator> own = oscillator ? std::optional(*oscillator) : std::nullopt;
   const FormulaPiece piece{
       {formulas, !oscillator && system->is_autonomous()}, {0, destiny.longest}, destiny.longest};
-  return [own, piece, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
+  return [ended, own, piece, destiny, run](std::span<const Vector2d> starts, std::span<int> fates) {
     std::vector<OscillatorRun> runs(starts.size());
     std::ranges::fill(fates, undecided);
     std::size_t begun = 0;
@@ -104,19 +105,23 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
       for (; begun < starts.size(); ++begun) {
         const Vector2d& y = starts[begun];
         fates[begun] = is_bounded(y) ? destiny.of(y) : unbounded;
-        if (fates[begun] != undecided) continue;
+        if (fates[begun] != undecided) {
+          ended();
+          continue;
+        }
         runs[begun] = {own ? &*own : nullptr, destiny.longest, y};
         runs[begun].piece = &piece;
         return &runs[begun++];
       }
       return nullptr;
     };
-    const auto ended = [&](const OscillatorRun& each) {
+    const auto has_run = [&](const OscillatorRun& each) {
       int& fate = fates[std::size_t(&each - runs.data())];
       if (each.outcome == Outcome::stopped) fate = destiny.of(each.y);
       if (each.outcome == Outcome::diverged || each.outcome == Outcome::step_too_small) fate = unbounded;
+      ended();
     };
-    run({next, ended});
+    run({next, has_run});
   };
 }
 

@@ -66,9 +66,11 @@ std::function<int(const Eigen::Vector2d&)> fate_of_starts(const Problem& problem
 /// The same for many starts in one call, with the same fates. Runs of the oscillator go side by side, each
 /// with its own step control.
 /// @param runner  where they go; it changes times, not fates
+/// @param ended   called once for each start that has its fate, by whoever calls for the fates
 /// @throws InputError where a device does not run the problem
-FatesOf fates_of_starts(const Problem& problem, const Window& window,
-                        const std::vector<Equilibrium>& equilibria, const MotionRunner& runner = in_lanes());
+FatesOf fates_of_starts(
+    const Problem& problem, const Window& window, const std::vector<Equilibrium>& equilibria,
+    const MotionRunner& runner = in_lanes(), const std::function<void()>& ended = [] {});
 
 /// The way from `start` to t_end, every accepted step of a low order at tight tolerance, so dense that it can
 /// be drawn as a line. It ends early when it diverges, is two window sizes outside, or has gone far enough to

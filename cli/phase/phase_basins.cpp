@@ -1,5 +1,6 @@
 /// hmax phase --basins: which place of rest each start in the window leads to.
 #include <algorithm>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -94,15 +95,19 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   const MotionRunner runner = runner_on(device.get(), starts_at_once);
   Progress progress(console, "basins");
   const auto& interrupted = interrupt_flag();
+  // Of each motion, since those from far may take minutes.
+  std::mutex counting;
+  std::int64_t ended = 0;
+  const auto count = [&, all = std::int64_t{columns} * rows] {
+    const std::scoped_lock lock(counting);
+    progress.update(static_cast<double>(++ended) / static_cast<double>(all));
+  };
   // A problem for each thread: some systems have one workspace.
   std::vector<FatesOf> fates_of;
   while (fates_of.size() < std::min(jobs(), static_cast<std::size_t>(rows)))
     fates_of.push_back(fates_of_starts(fates_of.empty() ? view.still : frozen(options.problem.make(), 0),
-                                       view.window, view.equilibria, runner));
-  const auto going = [&](double share) {
-    progress.update(share);
-    return !interrupted;
-  };
+                                       view.window, view.equilibria, runner, count));
+  const auto going = [&](double) { return !interrupted; };
   const Basins found = basins(fates_of, view.window, columns, rows, going, device ? starts_at_once : 1);
   if (interrupted) throw Interrupted{};
 

@@ -151,10 +151,12 @@ void expect_the_fates_of_single_runs(const Problem& problem, const Window& windo
   std::vector<int> expected;
   for (const Vector2d& start : starts) expected.push_back(fate_of(start));
   for (const InstructionSet set : instruction_sets()) {
-    const FatesOf fates_of = fates_of_starts(problem, window, equilibria, in_lanes(set));
+    std::size_t ended = 0;
+    const FatesOf fates_of = fates_of_starts(problem, window, equilibria, in_lanes(set), [&] { ++ended; });
     std::vector<int> fates(starts.size(), 77);
     fates_of(starts, fates);
     EXPECT_EQ(fates, expected) << to_string(set);
+    EXPECT_EQ(ended, starts.size()) << to_string(set);
     // A start has its fate whoever runs beside it: fewer starts than lanes, in the opposite order.
     std::vector<Vector2d> few(starts.rend() - 17, starts.rend());
     std::vector<int> fates_of_few(few.size(), 77);
