@@ -120,8 +120,11 @@ Method pbd(const Parameters& values) {
         return CompliantConstraints::stiff(CompliantConstraints::share_of(stiffness, p[0].second));
       });
   method.unsuited = [of_constraints = method.unsuited](const Problem& problem) -> std::string {
-    if (problem.body && !problem.body->settings().model.is_of_springs())
+    if (problem.body && !problem.body->settings().model.is_of_springs()) {
+      // What keeps points from moving one by one keeps all that are named here away.
+      if (std::string why = PositionalBody::why_no_pieces(*problem.body); !why.empty()) return why;
       return "keeps the lengths of springs, and a tetrahedron has none; take mass_spring, or of fem_neo_hookean the method xpbd";
+    }
     if (std::string why = of_constraints(problem); !why.empty()) return why;
     if (problem.body->settings().beta != 0)
       return "has no damping of stiffness; leave beta out, or take the method xpbd";

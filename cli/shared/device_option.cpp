@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "catalogue/device/device_method.hpp"
 #include "catalogue/methods/catalogue.hpp"
@@ -15,7 +16,37 @@ namespace hmax {
 
 namespace {
 constexpr std::array<std::string_view, 2> device_names{"cpu", "gpu"}, precision_names{"single", "double"};
+
+/// Whether a GPU steps the problem by the method as it is asked to.
+bool runs_on_device(const Problem& problem, const Method& method, const DeviceChoice& choice, bool adaptive) {
+  if (!suits(method, problem) || !unsuited_for_device(problem, method).empty()) return false;
+  if (adaptive && !method.adaptive()) return false;
+  try {
+    device_method(method)->check(choice.precision() == Precision::double_precision, choice.bodies(),
+                                 adaptive);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
 }
+
+/// The methods that a GPU runs in place of another, in words; empty without one.
+std::string others_on_device(const Problem& problem, const DeviceChoice& choice, bool adaptive) {
+  const auto runs = [&](const char* id) {
+    return runs_on_device(problem, find_method(id), choice, adaptive);
+  };
+  std::vector<std::string> others;
+  for (const char* id : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
+                         "rkc_2", "rkl_2", "newton_truncated", "vbd", "xpbd", "pbd"})
+    if (runs(id)) others.emplace_back(id);
+  std::string words = fmt::format("{}", fmt::join(others, ", "));
+  if (const char* id = adaptive ? "ode45" : "rk4"; runs(id))
+    words +=
+        fmt::format("{}an explicit Runge-Kutta method of hmax such as {}", words.empty() ? "" : " or ", id);
+  return words;
+}
+
+}  // namespace
 
 void DeviceChoice::add_to(CLI::App& command, std::string_view what) {
   add_text(
@@ -84,18 +115,9 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
   const std::string why = unsuited_for_device(problem, method);
   if (why.empty())
     return device_method(method)->check(precision() == Precision::double_precision, bodies(), adaptive);
-  std::string others;
-  for (const char* id : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
-                         "rkc_2", "rkl_2", "newton_truncated", "vbd", "xpbd", "pbd"}) {
-    const Method other = find_method(id);
-    if ((!other.unsuited || other.unsuited(problem).empty()) && unsuited_for_device(problem, other).empty())
-      others += std::string(others.empty() ? "" : ", ") + id;
-  }
-  throw InputError(fmt::format(
-      "{} {}; leave --device out{}", method.id, why,
-      others.empty()
-          ? ""
-          : fmt::format(", or take {} or an explicit Runge-Kutta method of hmax such as rk4", others)));
+  const std::string others = others_on_device(problem, *this, adaptive);
+  throw InputError(fmt::format("{} {}; leave --device out{}", method.id, why,
+                               others.empty() ? "" : fmt::format(", or take {}", others)));
 }
 
 void DeviceTime::add_to(nlohmann::ordered_json& document) const {

@@ -29,23 +29,6 @@ std::vector<Lame> coefficients(const TissueBody& body) {
   return all;
 }
 
-std::string why_no_pieces(const TissueBody& body) {
-  const TissueSettings& settings = body.settings();
-  if (!settings.tools.empty())
-    return "moves points by elastic forces and loads alone, and a tool touches the body; take another load";
-  if (std::ranges::any_of(settings.supports,
-                          [](const Support& support) { return !support.travel.isZero(0); }))
-    return "takes supports that stand still, and one of them moves; take another load";
-  if (settings.skin.kind != SkinSettings::Kind::none)
-    return "does not have the forces of a skin; leave the skin out";
-  if (std::ranges::any_of(settings.materials,
-                          [](const TissueMaterial& each) { return each.fibre_young != 0; }))
-    return "does not have the forces of fibres; leave fibre_E out";
-  if (std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers))
-    return "does not have the dampers of springs; leave damper out and set alpha or beta";
-  return {};
-}
-
 }  // namespace
 
 struct PositionalBody::Parts {
@@ -199,6 +182,23 @@ struct PositionalBody::Parts {
     return made;
   }
 };
+
+std::string PositionalBody::why_no_pieces(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  if (!settings.tools.empty())
+    return "moves points by elastic forces and loads alone, and a tool touches the body; take another load";
+  if (std::ranges::any_of(settings.supports,
+                          [](const Support& support) { return !support.travel.isZero(0); }))
+    return "takes supports that stand still, and one of them moves; take another load";
+  if (settings.skin.kind != SkinSettings::Kind::none)
+    return "does not have the forces of a skin; leave the skin out";
+  if (std::ranges::any_of(settings.materials,
+                          [](const TissueMaterial& each) { return each.fibre_young != 0; }))
+    return "does not have the forces of fibres; leave fibre_E out";
+  if (std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers))
+    return "does not have the dampers of springs; leave damper out and set alpha or beta";
+  return {};
+}
 
 std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verbs) {
   if (verbs == PositionalVerbs::forces) return {};

@@ -36,6 +36,9 @@ class PositionalBody {
   /// Why a body has no such verbs, "has a tool, which ..."; empty where it has.
   static std::string why_not(const TissueBody& body, PositionalVerbs verbs);
 
+  /// The same of what any verbs but `forces` need, whatever the model is: a tool, a skin.
+  static std::string why_no_pieces(const TissueBody& body);
+
   /// The constraints of a body that has them. Their points are numbers of free ones.
   static TissueConstraints constraints_of(const TissueBody& body);
 

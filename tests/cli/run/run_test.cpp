@@ -65,6 +65,28 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
       << pressures.err << ": neither vbd nor xpbd has them";
 }
 
+TEST(Run, NamesWhatAGpuRunsAsItIsAskedTo) {
+  const Shell shell;
+  const auto remedies = [&](const std::string& options) {
+    const Told told = shell.hmax("run --mesh cube:n=3 --model fem_neo_hookean --device gpu " + options);
+    expect_refused(told, "leave --device out, or take ");
+    return told.err.substr(told.err.find("or take "));
+  };
+  EXPECT_TRUE(says(remedies("--method newmark --h 1e-3"), "xpbd or an explicit"));
+  const std::string of_tool = remedies("--load tool --method newmark --h 1e-3");
+  EXPECT_TRUE(says(of_tool, "newton_truncated or an explicit")) << of_tool << ": a tool keeps xpbd away";
+  const std::string single = remedies("--method newmark --h 1e-3 --precision single");
+  EXPECT_TRUE(says(single, "central_difference or an explicit"))
+      << single << ": methods of iterations run in double precision";
+  const std::string adaptive = remedies("--method radau_iia_5 --rtol 1e-4 --atol 1e-6");
+  EXPECT_TRUE(says(adaptive, "take rkc_2, rkl_2 or an explicit Runge-Kutta method of hmax such as ode45"))
+      << adaptive;
+  const Told pbd =
+      shell.hmax("run --mesh cube:n=3 --model fem_neo_hookean --load tool --method pbd --h 1e-3");
+  expect_refused(pbd, "a tool touches the body; take another load");
+  EXPECT_FALSE(says(pbd.err, "xpbd")) << "a tool keeps that away too";
+}
+
 TEST(Run, RefusesWhatNoGpuStepsBeforeItLooksForOne) {
   const Shell shell;
   for (const char* alone : {"rkc_2 --h 1e-4", "newton_truncated --h 1e-2", "ode45 --rtol 1e-4 --atol 1e-6"})
