@@ -66,6 +66,16 @@ void begin(BodyOnDevice<Real>& body, const Eigen::VectorXd& y0) {
   body.start();
 }
 
+/// Shows the state after `done` steps, and before it what was done to solve their equations.
+template <class Real>
+void show(BodyOnDevice<Real>& body, const RunSpec& spec, const Sink& sink, Steps& steps, std::int64_t done) {
+  if (spec.work) {
+    spec.work->newton = body.method().iterated.all() * done;
+    spec.work->linear_iterations = body.linear_iterations();
+  }
+  sink(steps.begin(done), body.get());
+}
+
 /// @param sink  may be empty
 template <class Real>
 RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSpec& spec, const Sink& sink) {
@@ -88,7 +98,7 @@ RunRecord run_body(BodyOnDevice<Real>& body, const Problem& problem, const RunSp
   };
   const auto advance_to = [&](std::int64_t end) {
     done = end;
-    if (sink && (done % seen_every == 0 || done == steps.count())) sink(steps.begin(done), body.get());
+    if (sink && (done % seen_every == 0 || done == steps.count())) show(body, spec, sink, steps, done);
   };
   while (done < steps.count()) {
     const Proposal<double> next = steps.step(done);

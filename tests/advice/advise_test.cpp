@@ -63,6 +63,9 @@ TEST(Advise, OnADeviceHasTheMotionsOfTheProcessor) {
     EXPECT_EQ(row.error, same->error);
     EXPECT_EQ(row.frames, same->frames);
     EXPECT_GT(row.frame.p50, 0);
+    const bool solves = row.candidate.method.id.starts_with("newton_truncated");
+    EXPECT_EQ(!std::isnan(row.linear_per_frame), solves) << row.candidate.words();
+    EXPECT_TRUE(!solves || row.linear_per_frame == same->linear_per_frame);
   }
 }
 
