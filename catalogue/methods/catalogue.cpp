@@ -265,17 +265,4 @@ std::vector<std::string> method_families() {
   return families;
 }
 
-std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts) {
-  std::vector<std::string> names;
-  for (const std::string& part : parts) {
-    const bool continues = part.find('=') != std::string::npos && part.find(':') == std::string::npos &&
-                           !names.empty() && names.back().find(':') != std::string::npos;
-    if (continues)
-      names.back() += "," + part;
-    else
-      names.push_back(part);
-  }
-  return names;
-}
-
 }  // namespace hmax

@@ -24,10 +24,6 @@ Method with_values(const Method& method, const Parameters& changed);
 /// The families of methods(), in their order.
 std::vector<std::string> method_families();
 
-/// The names of a list that was cut at every comma: parameters are put back to the method they follow, so
-/// that "newmark:beta=0.25" and "gamma=0.5" are one name.
-std::vector<std::string> with_their_parameters(const std::vector<std::string>& parts);
-
 /// The methods of a list of names. A name is an id or alias as of find_method, a family
 /// ("explicit_runge_kutta") or "all"; of the last two those are taken that suit all `problems`. Each is taken
 /// once.

@@ -214,19 +214,43 @@ std::int64_t parse_count(std::string_view what, std::string_view text, std::int6
   return static_cast<std::int64_t>(value);
 }
 
+namespace {
+
+/// The parts between commas, also empty ones: "\," is a comma of a part.
+std::vector<std::string> parts_between_commas(std::string_view text) {
+  std::vector<std::string> parts;
+  bool goes_on = false;
+  for (std::string_view part : split(text, ",")) {
+    const bool escapes = part.ends_with('\\') && part.data() + part.size() != text.data() + text.size();
+    if (escapes) part.remove_suffix(1);
+    if (goes_on)
+      parts.back().append(",").append(part);
+    else
+      parts.emplace_back(part);
+    goes_on = escapes;
+  }
+  return parts;
+}
+
+/// Whether a part is a setting of the name before it, as substeps=10 of vbd:iterations=1,substeps=10.
+bool is_setting_of(std::string_view name, std::string_view part) {
+  const auto first = [](std::string_view of) { return of.substr(0, of.find_first_of(":=")).size(); };
+  const bool sets = first(part) < part.size() && part[first(part)] == '=';
+  return sets && name.find(':') < name.find('=') && name.find('=') != name.npos;
+}
+
+}  // namespace
+
 std::vector<std::string> parse_names(std::string_view what, std::string_view text) {
   std::vector<std::string> names;
-  for (std::string_view part : split(text, ",")) {
-    part = trimmed(part);
+  for (const std::string& each : parts_between_commas(text)) {
+    const std::string_view part = trimmed(each);
     if (part.empty())
       throw InputError(
           fmt::format("{} is '{}', where a part is empty; write the parts with commas between "
                       "them and none at the ends",
                       what, text));
-    const auto is_setting = [](std::string_view name) { return name.find('=') != name.npos; };
-    // Of vbd:iterations=1,substeps=10 the second setting belongs to the name before it.
-    if (!names.empty() && is_setting(part) && part.find(':') == part.npos && is_setting(names.back()) &&
-        names.back().find(':') < names.back().find('='))
+    if (!names.empty() && is_setting_of(names.back(), part))
       names.back().append(",").append(part);
     else
       names.emplace_back(part);

@@ -124,7 +124,9 @@ std::vector<double> parse_numbers(std::string_view what, std::string_view text);
 /// to a larger one, within +-1e150
 std::array<double, 4> parse_window(std::string_view what, std::string_view text, std::string_view bounds,
                                    std::string_view example);
-/// "a,b" without blanks around the parts. @throws InputError when a part is empty
+/// "a,b" without blanks around the parts: the one splitter of lists of names. A setting stays with the name
+/// before it, "matrices:stiffness=K.mtx,mass=M.mtx", and "\," is a comma of a name, "a\,b.vtk".
+/// @throws InputError when a part is empty
 std::vector<std::string> parse_names(std::string_view what, std::string_view text);
 /// "m=2" as name and number.
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text);

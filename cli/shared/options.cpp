@@ -58,7 +58,12 @@ CLI::Option* add_repeated(CLI::App& command, const std::string& name, std::vecto
 
 CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<std::string>& texts,
                       const std::string& description, const std::string& type) {
-  return command.add_option(name, texts, description)->delimiter(',')->type_name(type);
+  const auto read = [&texts, name](const std::vector<std::string>& lists) {
+    texts.clear();
+    for (const std::string& list : lists)
+      for (std::string& each : parse_names(name, list)) texts.push_back(std::move(each));
+  };
+  return command.add_option_function<std::vector<std::string>>(name, read, description)->type_name(type);
 }
 
 CLI::Option* add_arguments(CLI::App& command, const std::string& name, std::vector<std::string>& texts,

@@ -37,6 +37,23 @@ TEST(SweepCommand, NamesTheReadingThatMethodsOfTheirOwnStepsNeed) {
   expect_refused(told, "choose their steps themselves; give --sampled");
 }
 
+TEST(SweepCommand, KeepsCommasOfNamesInItsLists) {
+  const Shell shell;
+  write_text(shell / "a,b.toml", "[equations]\nx = \"-x\"\n[initial]\nx = 1\n");
+  const std::string matrix = "%%MatrixMarket matrix coordinate real symmetric\n1 1 1\n1 1 4\n";
+  write_text(shell / "K.mtx", matrix);
+  write_text(shell / "M:1.mtx", matrix);
+  const std::string options = " --methods rk4 --h 0.1 --fixed --t-end 1 --json --out ";
+  const auto files = shell.json("sweep --problems 'a\\,b.toml,liver_forced'" + options + "files");
+  EXPECT_EQ(files["rows"], 2);
+  EXPECT_EQ(shell.json("export files")[0]["problem"], "a,b");
+  const auto matrices = shell.json("sweep --problems 'matrices:stiffness=K.mtx,mass=M:1.mtx,liver_forced'" +
+                                   options + "of_two");
+  EXPECT_EQ(matrices["rows"], 2);
+  expect_refused(shell.hmax("sweep --problems a,b.toml" + options + "none"), "unknown problem 'a'");
+  expect_refused(shell.hmax("reproduce docket --files 'a\\,b.toml' --output docket"), "a,b.toml");
+}
+
 TEST(SweepCommand, ExploresOnAllCoresAndKeepsItsTimesOutOfWhatComparesTimes) {
   const Shell shell;
   // Several threads evaluate the formulas.

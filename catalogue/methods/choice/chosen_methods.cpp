@@ -34,7 +34,7 @@ void require_any(const ChosenMethods& chosen, const std::vector<std::string>& na
 
 ChosenMethods chosen_methods(const std::vector<std::string>& names, const std::vector<Problem>& problems) {
   ChosenMethods chosen;
-  for (const std::string& name : with_their_parameters(names)) add_methods(name, problems, chosen);
+  for (const std::string& name : names) add_methods(name, problems, chosen);
   require_any(chosen, names);
   return chosen;
 }

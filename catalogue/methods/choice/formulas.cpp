@@ -157,7 +157,7 @@ Formula formula_of(const Method& method) {
 ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
                                           const std::vector<Problem>& problems) {
   ChosenMethods chosen;
-  for (const std::string& name : with_their_parameters(names)) {
+  for (const std::string& name : names) {
     const std::optional<Formula> held = held_formula(name);
     if (held && !held->method)
       add_once(chosen.methods, without_code(*held));
@@ -171,7 +171,7 @@ ChosenMethods chosen_methods_and_formulas(const std::vector<std::string>& names,
 ChosenFormulas chosen_formulas(const std::vector<std::string>& names) {
   const std::vector<std::string> families = method_families();
   ChosenFormulas chosen;
-  for (const std::string& name : with_their_parameters(names)) {
+  for (const std::string& name : names) {
     if (name != "all" && std::ranges::find(families, name) == families.end()) {
       add_once(chosen.formulas, find_formula(name));
       continue;
