@@ -21,6 +21,7 @@ struct Scene {
   std::string integrator;      ///< as the file calls it; empty: none
   std::string method;          ///< of hmax, with its parameters: "hht_alpha:alpha=-0.05"
   std::optional<double> step;  ///< of the file [s]
+  std::string gradients;  ///< the most conjugate gradients of a solve; empty: that program has other solvers
   std::vector<std::string> notes;  ///< sentences: what was left out, and what differs from that program
   /// Where the numbers of materials stand: "bar.inp, line 7" of "nu:TIP".
   std::map<std::string, std::string> places;

@@ -80,9 +80,7 @@ class SofaSceneReader {
     if (!solver_) return;
     builder_.set_step(step_);
     if (gradients_ && solver_->type.starts_with("EulerImplicit"))
-      builder_.scene.notes.push_back(fmt::format(
-          "the limit is of exact solves; --linear cg:TOLERANCE,{} takes conjugate gradients as this scene does",
-          gradients_->tag.attribute("iterations", "25")));
+      builder_.scene.gradients = gradients_->tag.attribute("iterations", "25");
   }
 
  private:

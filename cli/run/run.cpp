@@ -544,7 +544,7 @@ void run(const RunOptions& options, const Problem& problem, Console& console) {
                        problem, method, spec.adaptive);
 
   remark_unusual(console, problem);
-  options.problem.remark_idle(console, problem);
+  options.problem.remark_idle(console, problem, method.needs_jacobian && !method.is_foreign());
   if (is_too_slow(method, problem.y0.size()))
     console.remark(fmt::format(
         "{} factors a dense matrix of {} rows in every step, which may take seconds; the implicit "

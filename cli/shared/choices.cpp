@@ -84,9 +84,13 @@ const Scene& MeshOptions::read() const {
   return *read_;
 }
 
-void MeshOptions::remark_scene(Console& console) const {
+void MeshOptions::remark_scene(Console& console, bool takes_linear) const {
   if (scene.empty()) return;
   for (const std::string& note : read().notes) console.remark(note);
+  if (const std::string& most = read().gradients; !most.empty())
+    console.remark(fmt::format(
+        "this scene solves its equations by up to {} conjugate gradients, and hmax to rounding{}", most,
+        takes_linear ? fmt::format("; --linear cg:TOLERANCE,{} does as the scene", most) : ""));
 }
 
 std::optional<double> MeshOptions::metres() const {
@@ -252,8 +256,8 @@ ProblemSettings ProblemChoice::settings() const {
   return settings;
 }
 
-void ProblemChoice::remark_idle(Console& console, const Problem& made) const {
-  body.remark_scene(console);
+void ProblemChoice::remark_idle(Console& console, const Problem& made, bool takes_linear) const {
+  body.remark_scene(console, takes_linear);
   for (const std::string& assignment : set) {
     const auto [name, value] = parse_assignment("--set", assignment);
     // A term that is switched off is what was asked for.

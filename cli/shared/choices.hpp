@@ -29,8 +29,9 @@ struct MeshOptions {
   [[nodiscard]] bool is_given() const { return !mesh.empty() || !scene.empty(); }
   /// The scene, of which there is one. @throws InputError as read_scene()
   [[nodiscard]] const Scene& read() const;
-  /// Says on standard error what the scene leaves out.
-  void remark_scene(Console& console) const;
+  /// Says on standard error what the scene leaves out, and how it solves.
+  /// @param takes_linear  whether the command has --linear cg:TOLERANCE,ITERATIONS, and its methods take it
+  void remark_scene(Console& console, bool takes_linear = false) const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
   /// What the options say as parameters of catalogue/models/tissue_parameters.hpp. Of a scene without those
@@ -90,8 +91,8 @@ struct ProblemChoice {
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;
   /// Says on standard error which parameters of --set change nothing of the problem that came of them, and
-  /// what a scene leaves out.
-  void remark_idle(Console& console, const Problem& made) const;
+  /// what a scene leaves out, as remark_scene() has it.
+  void remark_idle(Console& console, const Problem& made, bool takes_linear = false) const;
 
  private:
   void add_name_to(CLI::App& command);

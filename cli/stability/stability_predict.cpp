@@ -327,7 +327,7 @@ void predict_rows(PredictOptions options, Console& console) {
     static_cast<void>(options.device.place(problems, methods, others));
   if (options.verify) require_code(methods);
   for (const Problem& problem : problems) remark_unusual(console, problem);
-  options.problem.remark_idle(console, problems.front());
+  options.problem.remark_idle(console, problems.front(), std::ranges::any_of(methods, takes_step_options));
   std::optional<Store> store;
   if (!options.out.empty()) store = Store::open_or_create(store_path(options.out));
   const LimitAnswer answer = [&] {

@@ -82,6 +82,23 @@ TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
                    "the step of 0.01 s with EulerExplicitSolver (symplectic_euler) is unstable: at most"));
 }
 
+TEST(StabilityOfScenes, NameLinearOnlyWhereItIsAnOption) {
+  Shell shell;
+  const std::string scene = " --scene gel.scn --unit m,kg,s";
+  ASSERT_EQ(shell.hmax("mesh convert cube:n=2 gel.scn --h 0.01").exit_code, 0);
+  const auto told = [&](const std::string& command) {
+    const Told answer = shell.hmax(command + scene);
+    EXPECT_EQ(answer.exit_code, 0) << answer.err;
+    EXPECT_TRUE(says(answer.err, "by up to 1000 conjugate gradients")) << command;
+    return says(answer.err, "--linear cg:TOLERANCE,1000 does");
+  };
+  EXPECT_TRUE(told("stability predict"));
+  EXPECT_FALSE(told("stability predict --methods rk4"));
+  EXPECT_TRUE(told("run --method linearly_implicit_euler --h 0.01 --t-end 0.02"));
+  EXPECT_FALSE(told("run --method rk4 --h 1e-4 --t-end 1e-3"));
+  EXPECT_FALSE(told("stability modes --count 1"));
+}
+
 /// The limit under the load itself, which moves the body.
 TEST(StabilityOfScenes, OfSofaHaveTheLoadAndTheSolverThatWereWritten) {
   Shell shell;
