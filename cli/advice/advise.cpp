@@ -33,6 +33,7 @@
 #include "cli/shared/work_limit.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/process/leaving.hpp"
 #include "plots/pages/answer_words.hpp"
 #include "problems/tissue/sofa_scene.hpp"
 #include "results/fingerprint.hpp"
@@ -217,6 +218,7 @@ std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
   constexpr double soon = 2;  // [s]
   Progress progress(console, "advise");
   const auto& interrupted = interrupt_flag();
+  const LeavesIterations leaves(interrupted, [] { throw Interrupted{"no method was finished"}; });
   const double begun = elapsed_seconds();
   bool waits = !console.json;  // whether people may still wait for a first answer
   const AdviceWatcher watcher = [&](double share, const std::string& what) {

@@ -19,6 +19,7 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/process/leaving.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "plots/curves.hpp"
@@ -189,6 +190,7 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   std::optional<Interrupted> interrupted;
   try {
     Progress progress(console, "fidelity");
+    const LeavesIterations leaves(interrupt_flag(), [] { throw Interrupted{"no method was finished"}; });
     question.watch = [&] {
       if (interrupt_flag()) throw Interrupted{"no method was finished"};
       progress.update(static_cast<double>(rows.size()) / static_cast<double>(methods.size()),

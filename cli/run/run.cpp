@@ -28,6 +28,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "core/process/leaving.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "integrators/run_end.hpp"
@@ -138,11 +139,11 @@ CountedRun reported_run(const Runner& runner, const RunSpec& spec, std::optional
   if (timed(runner, first_hundredth, {}).cpu_seconds < 0.01) return timed(runner, spec, {});
   Progress progress(console, "run");
   const auto& interrupted = interrupt_flag();
+  const LeavesIterations leaves(interrupted, [] { throw Interrupted{}; });
   std::uint32_t count = 0;
   return timed(runner, spec, [&](double t, const auto&) {
-    if (++count % 1024 != 0) return;
-    if (interrupted) throw Interrupted{};
-    progress.update(t / spec.t_end);
+    if (interrupted.load(std::memory_order_relaxed)) throw Interrupted{};
+    if (++count % 1024 == 0) progress.update(t / spec.t_end);
   });
 }
 

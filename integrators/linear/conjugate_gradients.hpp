@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "core/process/leaving.hpp"
 #include "integrators/linear/block_structure.hpp"
 
 namespace hmax {
@@ -311,6 +312,7 @@ class ConjugateGradients {
     p_ = z_;
     Real rz = r_.dot(z_);
     for (int k = 1; k <= limit; ++k) {
+      leave_when_asked();
       parts.A.multiply(p_, q_);
       // p^T A p
       const Real curvature = p_.dot(q_);

@@ -9,6 +9,7 @@
 
 #include <Eigen/SparseLU>
 
+#include "core/process/leaving.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/linear/conjugate_gradients.hpp"
 #include "integrators/linear/panel_factor.hpp"
@@ -340,11 +341,13 @@ void SparseSolver<Scalar>::set(LinearSolve choice) {
 
 template <class Scalar>
 bool SparseSolver<Scalar>::factor(const Matrix& A) {
+  leave_when_asked();
   return solvers_->factor(A);
 }
 
 template <class Scalar>
 int SparseSolver<Scalar>::solve(Eigen::Ref<Vector> x) {
+  leave_when_asked();
   return solvers_->solve(x);
 }
 

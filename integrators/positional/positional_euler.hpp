@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "core/process/leaving.hpp"
 #include "integrators/hermite.hpp"
 #include "integrators/positional/positional_system.hpp"
 #include "integrators/stats.hpp"
@@ -53,7 +54,10 @@ class PositionalEuler {
       const Real end = s == substeps_ ? t + h : t + s * part;
       start_ = q_;
       iteration_.begin(system, end, part, start_, v_, q_);
-      for (int i = 0; i < iterations_; ++i) iteration_.improve(system, end, part, q_, work_);
+      for (int i = 0; i < iterations_; ++i) {
+        leave_when_asked();
+        iteration_.improve(system, end, part, q_, work_);
+      }
       v_ = (q_ - start_) / part;
     }
     work_.newton += static_cast<std::int64_t>(iterations_) * substeps_;

@@ -111,6 +111,15 @@ TEST(Progress, IsForTerminalsAlone) {
   EXPECT_EQ(told.err, "hmax: interrupted\n");
 }
 
+TEST(Progress, EndsOnCtrlCInTheMiddleOfAStep) {
+  // A step takes minutes; `timeout` would kill what does not end.
+  const Told told =
+      Shell().line("timeout --foreground -k 20 -s INT 2 '" HMAX_PROGRAM
+                   "' fidelity --mesh phantom --load press --rate 60 --method vbd:iterations=1000000");
+  EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
+  EXPECT_EQ(told.err, "hmax: interrupted; no method was finished\n");
+}
+
 TEST(ExitCode, OfMemoryThatRunsOutIsThatOfAnInternalErrorWithARemedy) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the address sanitizer reserves more memory than the limit of this test";
