@@ -352,6 +352,18 @@ double default_tool_stiffness(double young, double depth, double radius) {
   return 500 * young / (reach * std::sqrt(reach));
 }
 
+/// Beside a sphere that is 1e4 times as large as the body the surface departs from a plane by a hundred
+/// thousandth of the body's size; beyond, depths and the places of the tool are differences of radii.
+/// @throws InputError  for larger ones
+void require_round(double radius, double size) {
+  constexpr double most = 1e4;
+  if (radius > most * size)
+    throw InputError(fmt::format(
+        "tool_radius is {} m, and contacts of spheres of more than {:.3g} m with a body of {:.3g} m are lost to rounding; "
+        "give that or less, which touches as a plane does",
+        to_text(radius), most * size, size));
+}
+
 /// A sphere that touches the body, or where the user places it its starting point, with its front and moves
 /// on from there.
 /// @throws InputError  when a tool meets nothing, or starts inside the body
@@ -363,6 +375,7 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
   const HeldEnd way = directed ? HeldEnd(direction.normalized()) : end;
   const double size = diagonal_of(mesh);
   SphereTool tool{.radius = p.tool_radius > 0 ? p.tool_radius : 0.05 * size};
+  require_round(tool.radius, size);
   tool.stiffness =
       p.tool_stiffness > 0 ? p.tool_stiffness : default_tool_stiffness(young, p.depth, tool.radius);
   tool.damping = p.tool_damping;

@@ -74,6 +74,17 @@ TEST(Tool, ThatBeginsInsideTheBodyIsRefused) {
   EXPECT_EQ(at(0.03, 0.02, 0.11), "");
 }
 
+TEST(Tool, TooLargeToTellDepthsFromRoundingIsRefused) {
+  // Diagonals of 0.173 m: 1700 m are told, and what is 1e6 m large met nothing.
+  EXPECT_GE(share_reached(pressed("cube:n=4,edge=0.1", {{"depth", 0.005}, {"tool_radius", 1700}})), 0.9);
+  for (const double radius : {1800.0, 1e5, 1e20})
+    EXPECT_TRUE(says(error_of<InputError>([&] {
+                       pressed("cube:n=4,edge=0.1", {{"depth", 0.005}, {"tool_radius", radius}});
+                     }),
+                     "spheres of more than 1.73e+03 m"))
+        << radius;
+}
+
 TEST(Tool, DeeperThanItsDiameterIsFollowedToItsEquilibrium) {
   const Problem problem =
       make_problem("fem_neo_hookean/tool@beam", {.parameters = {{"depth", 0.021}, {"tool_radius", 0.01}}});
