@@ -68,9 +68,12 @@ std::vector<FormulaPiece> pieces_of(const Problem& problem, double period, bool 
 /// Of all problems; empty where one has none.
 std::vector<std::vector<FormulaPiece>> formulas(const std::function<Problem(std::size_t i)>& problem_at,
                                                 const std::vector<double>& periods, bool fixed) {
-  const auto at = [&](std::size_t i) { return pieces_of(problem_at(i), periods[i], fixed); };
-  if (periods.empty() || at(0).empty()) return {};
-  auto all = parallel_map(periods.size(), at);
+  if (periods.empty()) return {};
+  const auto first = pieces_of(problem_at(0), periods[0], fixed);
+  if (first.empty()) return {};
+  auto all = parallel_map(periods.size(), [&](std::size_t i) {
+    return i == 0 ? first : pieces_of(problem_at(i), periods[i], fixed);
+  });
   if (std::ranges::any_of(all, [](const auto& pieces) { return pieces.empty(); })) return {};
   return all;
 }

@@ -1,7 +1,10 @@
 #include "limits/by_steps/period_maps.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -174,6 +177,37 @@ TEST(PeriodMaps, OfFormulasAreThoseOfSingleRuns) {
   expect("p*cos(t) - x^3 - 0.05*v", 3);
   expect("p*sign(sin(t))*max(0, cos(3*t)) - x - x^3 - 0.2*v", 2);
   expect("sin(1e7*t)*p/1e13 - x", 1);
+}
+
+/// With as many attempts as a period takes it has an image, with one less none: in three pieces as alone.
+TEST(PeriodMaps, CountTheAttemptsOfAllPiecesTogether) {
+  HostDevice device;
+  const double period = 2 * std::acos(-1.0);
+  const Problem problem = formulas("(t < 1.3 ? 5 : t < 4 ? p : 0) - x^3 - 0.3*v", {7.5}).front();
+  const VectorXd start = Vector2d(0.5, 1);
+  std::int64_t enough = 1;
+  while (std::isnan(stroboscope(problem, period, enough)(start)[0])) ++enough;
+  ASSERT_GT(enough, 20);
+  for (const MotionRunner& runner : {in_lanes(), motions_on(device, 3)}) {
+    const auto image = [&](std::int64_t most) {
+      MotionRunner limited = runner;
+      limited.formulas = [&](AdaptiveSteps steps, const FormulaPrograms& programs) {
+        steps.most_attempts = most;
+        return runner.formulas(steps, programs);
+      };
+      VectorXd state = start;
+      bool begun = false;
+      period_maps([&](std::size_t) { return problem; }, {period}, {},
+                  limited)({[&]() -> std::optional<MapCall> {
+                              if (std::exchange(begun, true)) return std::nullopt;
+                              return MapCall{0, &state, nullptr};
+                            },
+                            [](const MapCall&) {}});
+      return state;
+    };
+    EXPECT_EQ(image(enough), stroboscope(problem, period)(start));
+    EXPECT_TRUE(std::isnan(image(enough - 1)[0]));
+  }
 }
 
 TEST(PeriodMaps, OfFormulasMakeTheDiagramOfSingleRunsOnADevice) {
