@@ -137,8 +137,8 @@ std::optional<Problem> made(const std::function<Problem()>& make) {
 }
 
 /// How many points stand elsewhere, and how far at most, in words.
-std::string words_of_moves(const TetMesh& before, const TetMesh& after) {
-  const Eigen::VectorXd moves = (after.points - before.points).colwise().norm();
+std::string words_of_moves(const TetMesh& from, const TetMesh& to) {
+  const Eigen::VectorXd moves = (to.points - from.points).colwise().norm();
   return fmt::format("moves {} of {} points by at most {:.2g} mm", (moves.array() > 0).count(), moves.size(),
                      1e3 * moves.maxCoeff());
 }

@@ -244,8 +244,8 @@ Figure work_precision_figure(const std::vector<Row>& rows, const std::vector<Sho
   require_some(kept);
   const auto follow = [](const Row& row) { return row.key.mode == "fixed" ? row.key.h : row.key.rtol; };
   const auto time = [](const Row& row) {
-    const TimingSummary time = summarise(times_of(row));
-    return Measured{row.error_global, time.median, time.q1, time.q3};
+    const TimingSummary times = summarise(times_of(row));
+    return Measured{row.error_global, times.median, times.q1, times.q3};
   };
   const auto evaluations = [](const Row& row) {
     return Measured{row.error_global, static_cast<double>(row.rhs), 0, 0};

@@ -51,14 +51,15 @@ Amplification of_map(const MotionMap& whole) {
   return amplification;
 }
 
-// zeta, s = zeta - 1 and s^2 as polynomials in zeta: q_n+1 - q_n and the second difference, by shifts.
-const Polynomial zeta{0, 1}, s{-1, 1}, s_squared{1, -2, 1};
+// zeta = `one_shift`, s = zeta - 1 and s^2 as polynomials in zeta: q_n+1 - q_n and the second difference, by
+// shifts.
+const Polynomial one_shift{0, 1}, s{-1, 1}, s_squared{1, -2, 1};
 
 }  // namespace
 
 Amplification symplectic_euler_amplification() {
   // s^2 + h gamma s + h^2 kappa zeta.
-  return of_map({.inertia = s_squared, .damper = s, .spring = zeta});
+  return of_map({.inertia = s_squared, .damper = s, .spring = one_shift});
 }
 
 // Velocity Verlet: v_half = v + h/2 a, q_new = q + h v_half, v_new = v_half + h/2 a_new. What differs is
@@ -67,9 +68,9 @@ Amplification kick_drift_kick_amplification(KickDamping damping) {
   // Of (q, v_half) the same steps.
   if (damping == KickDamping::half_step) return symplectic_euler_amplification();
   const Polynomial W{0.5L, 0.5L};
-  MotionMap map{.inertia = product(zeta, s_squared),
+  MotionMap map{.inertia = product(one_shift, s_squared),
                 .damper = sum(product(W, s), s_squared),
-                .spring = product(zeta, zeta)};
+                .spring = product(one_shift, one_shift)};
   // The new acceleration is that of the predicted velocity, (1 + h/2 gamma) a_new = ... + h/2 gamma a: with
   // a = s^2 it adds  h/2 gamma (zeta - 1) s^2, and of a single oscillation all that stands beside zeta is
   // s^2 + h gamma W s + h^2 kappa zeta.

@@ -18,7 +18,7 @@ constexpr double sliding_width = 900;
 constexpr const char* red = "#d00000";
 // Of the house's colours, those that nobody takes for red; a second row repeats them with a square.
 constexpr std::array palette{0, 2, 6, 3, 4, 5};
-constexpr double seconds = 12, moving = 0.9;  // the rest of a round it stands still
+constexpr double round_seconds = 12, moving = 0.9;  // the rest of a round it stands still
 
 std::string colour_at(std::size_t k) { return colour_name(palette[k % palette.size()]); }
 
@@ -96,7 +96,7 @@ std::string animation(const std::string& attribute, const std::string& values, c
   return fmt::format(
       "<animate attributeName=\"{}\" values=\"{}\" keyTimes=\"{}\" dur=\"{:g}s\" "
       "repeatCount=\"indefinite\"{}/>",
-      attribute, values, times, seconds, jumps ? " calcMode=\"discrete\"" : "");
+      attribute, values, times, round_seconds, jumps ? " calcMode=\"discrete\"" : "");
 }
 
 /// From one value to another when the step passes `exit`; nothing when it never does.

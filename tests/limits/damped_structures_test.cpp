@@ -15,13 +15,13 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr int n = static_cast<int>(most_cheaply_factored) + 100;
+constexpr int chain_links = static_cast<int>(most_cheaply_factored) + 100;
 
 /// Of a chain of springs, or dampers, with `of_spring(i)` between masses i - 1 and i.
 template <class OfSpring>
 Sparse chain(const OfSpring& of_spring) {
   std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < chain_links; ++i) {
     const double k = of_spring(i);
     entries.emplace_back(i, i, k);
     if (i == 0) continue;
@@ -29,20 +29,20 @@ Sparse chain(const OfSpring& of_spring) {
     entries.emplace_back(i - 1, i, -k);
     entries.emplace_back(i, i - 1, -k);
   }
-  Sparse matrix(n, n);
+  Sparse matrix(chain_links, chain_links);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;
 }
 
 /// Stiff springs about one mass, of which those on one side are damped.
 Problem damped_chain(double stiffness, double damping) {
-  constexpr int middle = n / 3;
+  constexpr int middle = chain_links / 3;
   return {.id = "chain",
-          .y0 = Eigen::VectorXd::Zero(2 * n),
+          .y0 = Eigen::VectorXd::Zero(2 * chain_links),
           .t_end = 1,
           .system = linear_structure(
               chain([&](int i) { return stiffness * (1 + 3 * std::exp(-std::pow((i - middle) / 5.0, 2))); }),
-              Eigen::VectorXd::Ones(n), chain([&](int i) { return i < middle ? damping : 0; }))};
+              Eigen::VectorXd::Ones(chain_links), chain([&](int i) { return i < middle ? damping : 0; }))};
 }
 
 TEST(DampedStructures, AreObservedInAFewSteps) {

@@ -45,20 +45,20 @@ class FreeParts : public testing::Test {
 };
 
 /// Boxes around the bottom of the first cube and around both bottoms.
-constexpr const char* first = "-1,0.2,-1,1,-0.001,0.001";
+constexpr const char* first_bottom = "-1,0.2,-1,1,-0.001,0.001";
 constexpr const char* both = "-1,1,-1,1,-0.001,0.001";
 
 TEST_F(FreeParts, AreNamedWithTheRemedy) {
   EXPECT_EQ(free_parts_in_words(made("fem_green", {both})), "");
   EXPECT_EQ(
-      free_parts_in_words(made("fem_green", {first})),
+      free_parts_in_words(made("fem_green", {first_bottom})),
       "the supports hold no point of the part of 48 tetrahedra (49, 50, 51, ...), which moves freely; hold more "
       "points");
-  EXPECT_TRUE(says(free_parts_in_words(made("fem_green", {first, "points:28"})), "one point"));
+  EXPECT_TRUE(says(free_parts_in_words(made("fem_green", {first_bottom, "points:28"})), "one point"));
 }
 
 TEST_F(FreeParts, MoveWithoutForceAndWithUnitMass) {
-  const Problem problem = made("fem_green", {first});
+  const Problem problem = made("fem_green", {first_bottom});
   const Eigen::MatrixXd R = free_motions(*problem.body);
   ASSERT_EQ(R.cols(), 6);
   const Eigen::MatrixXd one = R.transpose() * problem.body->mass().asDiagonal() * R;
@@ -70,7 +70,7 @@ TEST_F(FreeParts, MoveWithoutForceAndWithUnitMass) {
 }
 
 TEST_F(FreeParts, HaveNoEquilibriumUnderTheirWeight) {
-  const Problem problem = made("fem_green", {first});
+  const Problem problem = made("fem_green", {first_bottom});
   const StaticSolution fallen = found_equilibrium(problem, 1, {}, [] { return 0.0; });
   EXPECT_FALSE(fallen.converged);
   EXPECT_TRUE(says(cause_of(problem, fallen), "49, 50, 51"));
@@ -84,7 +84,7 @@ TEST_F(FreeParts, AreInEquilibriumWhereNothingPushesThem) {
   // A press acts on the end of the box around all that is opposite to `axis`: of the first cube or the
   // second.
   for (const double axis : {-1.0, 1.0}) {
-    const Problem problem = made("fem_green/press", {first}, {{"axis", axis}, {"force", 0.01}});
+    const Problem problem = made("fem_green/press", {first_bottom}, {{"axis", axis}, {"force", 0.01}});
     const StaticSolution found = found_equilibrium(problem, 1, {}, [] { return 0.0; });
     EXPECT_EQ(found.converged, axis < 0) << cause_of(problem, found);
     EXPECT_EQ(found.singular, axis > 0);
@@ -94,7 +94,7 @@ TEST_F(FreeParts, AreInEquilibriumWhereNothingPushesThem) {
 
 TEST_F(FreeParts, TakeNoPartInTheVerificationOfALimit) {
   for (const double alpha : {0.0, 1.0}) {
-    const Problem problem = made("fem_green", {first}, {{"g", 0}, {"alpha", alpha}});
+    const Problem problem = made("fem_green", {first_bottom}, {{"g", 0}, {"alpha", alpha}});
     const Linearised near = linearised(problem, AskedState::equilibrium);
     ASSERT_TRUE(near.point.at_equilibrium);
     for (const char* name : {"rk4", "symplectic_euler", "newmark"}) {

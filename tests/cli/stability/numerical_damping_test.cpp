@@ -9,11 +9,11 @@
 namespace hmax {
 namespace {
 
-const std::string damping = "stability numerical-damping --h 0.01 ";
+const std::string numerical_damping = "stability numerical-damping --h 0.01 ";
 
 TEST(NumericalDampingOfABody, IsThatOfEachOfItsSlowestModes) {
   const nlohmann::json document = Shell().json(
-      damping +
+      numerical_damping +
       "--methods implicit_euler,vbd:iterations=3,substeps=2 --mesh cube:n=2 --model fem_cauchy --set g=0");
   EXPECT_EQ(document["model"], "fem_cauchy@cube:n=2");
   EXPECT_EQ(document["state"], "rest");
@@ -33,13 +33,13 @@ TEST(NumericalDampingOfABody, IsThatOfEachOfItsSlowestModes) {
 }
 
 TEST(NumericalDampingOfABody, SaysWhatIsWrong) {
-  const std::string body = damping + "--mesh cube:n=2 ";
+  const std::string body = numerical_damping + "--mesh cube:n=2 ";
   expect_refusal(body + "--method rk4 --frequency 8", "remove --frequency");
   expect_refusal(body + "--method cvode_bdf", "chooses its steps itself");
   expect_refusal(body + "--method xpbd", "take one of the two");
   expect_refusal(body + "--method rk4 --load breathing", "never settles");
   expect_refusal(body, "no method is given");
-  expect_refusal(damping + "--problem liver_linear --method rk4", "is no body on a mesh");
+  expect_refusal(numerical_damping + "--problem liver_linear --method rk4", "is no body on a mesh");
   expect_refusal("stability numerical-damping --mesh cube:n=2 --method rk4", "the step --h [s] is missing");
 }
 

@@ -29,12 +29,12 @@ TEST(StabilityOfScenes, SpeaksOfTheirIntegratorAndStep) {
   Shell shell;
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
   const std::string predict = "stability predict --scene bar.inp --unit mm,t,s";
-  const auto json = shell.hmax(predict + " --json").json();
-  const double h_max = json.at("rows").at(0).at("h_max");
-  EXPECT_EQ(json["rows"][0]["method"], "symplectic_euler");
-  EXPECT_EQ(json["scene"]["h"], 0.1);
-  EXPECT_EQ(json["scene"]["h_max"], h_max);
-  EXPECT_EQ(json["scene"]["within"], false);
+  const auto document = shell.hmax(predict + " --json").json();
+  const double h_max = document.at("rows").at(0).at("h_max");
+  EXPECT_EQ(document["rows"][0]["method"], "symplectic_euler");
+  EXPECT_EQ(document["scene"]["h"], 0.1);
+  EXPECT_EQ(document["scene"]["h_max"], h_max);
+  EXPECT_EQ(document["scene"]["within"], false);
   EXPECT_TRUE(says(shell.hmax(predict).out,
                    "the step of 0.1 s with *DYNAMIC, EXPLICIT (symplectic_euler) is unstable: at most"));
 
@@ -71,13 +71,13 @@ TEST(StabilityOfScenes, OfSofaHaveTheLimitOfTheBodyThatWasWritten) {
   EXPECT_TRUE(says(shell.hmax(predict).out,
                    "the step of 0.01 s with EulerImplicitSolver (linearly_implicit_euler) has no limit of"));
   change(shell, "gel.scn", implicit, "EulerExplicitSolver");
-  const auto json = shell.hmax(predict + " --json").json();
-  const double h_max = json["rows"][0]["h_max"];
+  const auto document = shell.hmax(predict + " --json").json();
+  const double h_max = document["rows"][0]["h_max"];
   EXPECT_NEAR(shell.hmax("stability predict --mesh phantom --method symplectic_euler --json" + body)
                   .json()["rows"][0]["h_max"],
               h_max, 1e-6 * h_max);
-  EXPECT_EQ(json["scene"]["integrator"], "EulerExplicitSolver");
-  EXPECT_EQ(json["scene"]["within"], false);
+  EXPECT_EQ(document["scene"]["integrator"], "EulerExplicitSolver");
+  EXPECT_EQ(document["scene"]["within"], false);
   EXPECT_TRUE(says(shell.hmax(predict).out,
                    "the step of 0.01 s with EulerExplicitSolver (symplectic_euler) is unstable: at most"));
 }
@@ -106,10 +106,10 @@ TEST(StabilityOfScenes, OfSofaHaveTheLoadAndTheSolverThatWereWritten) {
       " --support 'z<0.01' --material tissue:liver --model fem_green --load press --set force=2 ";
   ASSERT_EQ(shell.hmax("mesh convert phantom gel.scn --h 0.001 --method rk4 --set alpha=20" + body).exit_code,
             0);
-  const auto json = shell.json("stability predict --scene gel.scn --unit m,kg,s");
-  EXPECT_EQ(json["scene"]["integrator"], "RungeKutta4Solver");
-  EXPECT_EQ(json["scene"]["h"], 0.001);
-  const double h_max = json["rows"][0]["h_max"];
+  const auto document = shell.json("stability predict --scene gel.scn --unit m,kg,s");
+  EXPECT_EQ(document["scene"]["integrator"], "RungeKutta4Solver");
+  EXPECT_EQ(document["scene"]["h"], 0.001);
+  const double h_max = document["rows"][0]["h_max"];
   const std::string same = "stability predict --mesh phantom --method rk4 --alpha 20" + body;
   EXPECT_NEAR(shell.json(same)["rows"][0]["h_max"], h_max, 1e-6 * h_max);
   const double unloaded = shell.json(
@@ -131,9 +131,9 @@ TEST(StabilityOfScenes, AreNotJudgedWhereNothingIsKnown) {
   const Told sinks = shell.hmax(predict + "ball.scn");
   EXPECT_TRUE(says(sinks.out, "is not judged: the equilibrium under its load was not found"));
   EXPECT_EQ(sinks.exit_code, 1);
-  const auto json = shell.hmax(predict + "ball.scn --json").json();
-  EXPECT_TRUE(json["scene"]["within"].is_null());
-  EXPECT_TRUE(json["scene"]["h_max"].is_null());
+  const auto document = shell.hmax(predict + "ball.scn --json").json();
+  EXPECT_TRUE(document["scene"]["within"].is_null());
+  EXPECT_TRUE(document["scene"]["h_max"].is_null());
 
   ASSERT_EQ(shell.hmax("mesh convert ball:n=2 ball.scn --h 0.01 --model fem_cauchy").exit_code, 0);
   EXPECT_EQ(shell.hmax(predict + "ball.scn --json").json()["scene"]["within"], true);

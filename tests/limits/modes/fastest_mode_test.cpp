@@ -38,7 +38,7 @@ TetMesh cube_with_a_misplaced_point(Index& point) {
 TEST(FastestMode, OfAMisplacedPointIsOwnedBesideItAndGainsFromPuttingItBack) {
   Index point = 0;
   const TetMesh mesh = cube_with_a_misplaced_point(point);
-  for (const auto model : {tissue_model("fem_cauchy"), tissue_model("mass_spring")}) {
+  for (const auto& model : {tissue_model("fem_cauchy"), tissue_model("mass_spring")}) {
     const TissueBody body(mesh, {.model = model});
     const FastestMode mode = fastest_mode_of(body);
     EXPECT_NEAR(mode.kappa, fastest_by_all_of_them(body), 1e-6 * mode.kappa);
