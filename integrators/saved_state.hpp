@@ -40,7 +40,7 @@ concept PairLike = requires(T& value) {
   value.first, value.second;
 };
 template <class T>
-concept Complex = std::is_same_v<T, std::complex<double>> || std::is_same_v<T, std::complex<float>>;
+concept ComplexNumber = std::is_same_v<T, std::complex<double>> || std::is_same_v<T, std::complex<float>>;
 template <class T>
 concept VariantLike = requires(const T& value) {
   value.valueless_by_exception();
@@ -82,7 +82,7 @@ class StateVisitor {
       visit_as<std::uint8_t>(value);
     } else if constexpr (std::is_arithmetic_v<T>) {
       visit_elements(&value, 1);
-    } else if constexpr (detail::Complex<T>) {
+    } else if constexpr (detail::ComplexNumber<T>) {
       visit_elements(reinterpret_cast<typename T::value_type*>(&value), 2);  // real, imaginary
     } else if constexpr (detail::VariantLike<T>) {
       auto index = static_cast<std::uint64_t>(value.index());
