@@ -24,45 +24,60 @@ namespace hmax {
 
 namespace {
 
-/// Rows of a table as they come. Where there is a limit, every 2^k-th row, so that no more than twice it are
-/// kept.
-class Rows {
+/// A motion of any number of rows as curves show it: of each of equally long stretches of rows those in which
+/// a column is least or largest. No peak is lost, however short it is.
+class Outline {
  public:
-  Rows(std::vector<std::vector<double>>& columns, std::optional<std::size_t> limit)
-      : columns_(columns), limit_(limit), last_(columns.size()) {}
+  using Row = std::vector<double>;
 
-  void add(std::vector<double> row) {
-    last_ = std::move(row);
-    last_is_kept_ = count_++ % stride_ == 0;
-    if (!last_is_kept_) return;
-    keep_last();
-    if (!limit_ || columns_.front().size() < 2 * *limit_) return;
-    stride_ *= 2;
-    for (std::vector<double>& column : columns_) {
-      for (std::size_t i = 0; 2 * i < column.size(); ++i) column[i] = column[2 * i];
-      column.resize((column.size() + 1) / 2);
+  void add(Row row) {
+    if (count_++ % stride_ == 0) {
+      if (stretches_.size() == most) merge();
+      stretches_.emplace_back();
     }
-    last_is_kept_ = (count_ - 1) % stride_ == 0;
+    stretches_.back().push_back(std::move(row));
+    keep_extremes(stretches_.back());
   }
 
-  /// See integrators/saved_state.hpp.
-  void visit_state(auto& visit) { visit(columns_, last_, count_, stride_, last_is_kept_); }
-
-  /// The last row is always kept.
-  void finish() {
-    if (!last_is_kept_) keep_last();
+  /// @param columns  as many as rows have numbers
+  void write_to(std::vector<std::vector<double>>& columns) const {
+    for (const std::vector<Row>& rows : stretches_)
+      for (const Row& row : rows)
+        for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(row[i]);
   }
 
  private:
-  void keep_last() {
-    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].push_back(last_[i]);
+  static constexpr std::size_t most = 2000;  // stretches, an even number
+
+  /// The first and the last are those of the least and the largest time.
+  static void keep_extremes(std::vector<Row>& rows) {
+    std::vector<bool> kept(rows.size(), false);
+    for (std::size_t column = 0; column < rows.front().size(); ++column) {
+      const auto [least, largest] =
+          std::ranges::minmax_element(rows, {}, [=](const Row& row) { return row[column]; });
+      kept[static_cast<std::size_t>(least - rows.begin())] = true;
+      kept[static_cast<std::size_t>(largest - rows.begin())] = true;
+    }
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (kept[i]) rows[count++].swap(rows[i]);
+    rows.resize(count);
   }
 
-  std::vector<std::vector<double>>& columns_;
-  std::optional<std::size_t> limit_;
-  std::vector<double> last_;
+  /// Two stretches each become one.
+  void merge() {
+    for (std::size_t i = 0; i < most / 2; ++i) {
+      std::vector<Row> both = std::move(stretches_[2 * i]);
+      std::ranges::move(stretches_[2 * i + 1], std::back_inserter(both));
+      keep_extremes(both);
+      stretches_[i] = std::move(both);
+    }
+    stretches_.resize(most / 2);
+    stride_ *= 2;
+  }
+
+  std::vector<std::vector<Row>> stretches_;
   std::size_t count_ = 0, stride_ = 1;
-  bool last_is_kept_ = true;
 };
 
 /// The rows before the first in which a state is above `times` the largest of the start; two rows at least.
@@ -81,8 +96,6 @@ Table before_it_leaves(Table table, double times) {
   return table;
 }
 
-constexpr std::size_t most_drawn = 4000;  // points of a curve
-
 /// Runs once more for the points, kept by the checkpoint if there is one together with what the points
 /// change.
 template <class... Members>
@@ -100,13 +113,61 @@ bool begins_fast(const Table& table) {
   return t.size() > 20 && t.front() == 0 && t.back() > 0 && t[t.size() / 2] < 1e-3 * t.back();
 }
 
+/// The columns of a motion, without rows.
+Table columns_of(const WatchedRun& run) {
+  const auto& [problem, method, runner, spec] = run;
+  Table table;
+  table.notes = {{"problem", problem.id},
+                 {"parameters", describe(problem.parameters)},
+                 {"y0", start_in_words(problem)},
+                 {"method", method.id}};
+  if (spec.adaptive) {
+    table.notes.emplace_back("rtol", to_text(spec.rtol));
+    table.notes.emplace_back("atol", to_text(spec.atol));
+    table.notes.emplace_back("control", control_of(method, spec));
+  } else {
+    table.notes.emplace_back("h", to_text(spec.h));
+  }
+  table.columns = {"t [s]"};
+  std::ranges::copy(problem.shown.in_order(states_with_units(problem)), std::back_inserter(table.columns));
+  if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
+  return table;
+}
+
+/// The numbers of a row of columns_of().
+std::vector<double> row_at(const Problem& problem, double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  std::vector<double> row{problem.shown.time(t)};
+  if (const auto here = end_of(problem, t, y)) {
+    row.insert(row.end(), {here->max_displacement, here->energy});
+  } else {
+    const Eigen::VectorXd listed = problem.shown.state(y);
+    row.insert(row.end(), listed.begin(), listed.end());
+  }
+  return row;
+}
+
+/// The first columns of a motion as curves show them.
+Table outline_of(const WatchedRun& run, std::size_t most_columns) {
+  Table table = columns_of(run);
+  table.columns.resize(std::min(table.columns.size(), most_columns));
+  table.values.resize(table.columns.size());
+  Outline outline;
+  run.runner.run(run.spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+    std::vector<double> row = row_at(run.problem, t, y);
+    row.resize(table.columns.size());
+    outline.add(std::move(row));
+  });
+  outline.write_to(table.values);
+  return table;
+}
+
 /// Between the long steps of an error control motions are smooth: more points of the same run.
 Table smooth(const WatchedRun& run, Table table) {
-  constexpr std::size_t samples = most_drawn / 2;
+  constexpr std::size_t samples = 2000;
   if (!run.spec.adaptive || run.spec.every > 0 || table.values.front().size() > samples) return table;
   WatchedRun closer = run;
   closer.spec.every = run.spec.t_end / static_cast<double>(samples);
-  return points_of(closer);
+  return outline_of(closer, table.columns.size());
 }
 
 /// The method and how its steps are chosen.
@@ -153,54 +214,29 @@ std::size_t write_series(const std::filesystem::path& file, const WatchedRun& ru
   return frames.size();
 }
 
-Table points_of(const WatchedRun& run, std::optional<std::size_t> limit, RunCheckpoint* checkpoint) {
-  const auto& [problem, method, runner, spec] = run;
-  Table table;
-  table.notes = {{"problem", problem.id},
-                 {"parameters", describe(problem.parameters)},
-                 {"y0", start_in_words(problem)},
-                 {"method", method.id}};
-  if (spec.adaptive) {
-    table.notes.emplace_back("rtol", to_text(spec.rtol));
-    table.notes.emplace_back("atol", to_text(spec.atol));
-    table.notes.emplace_back("control", control_of(method, spec));
-  } else {
-    table.notes.emplace_back("h", to_text(spec.h));
-  }
-  table.columns = {"t [s]"};
-  std::ranges::copy(problem.shown.in_order(states_with_units(problem)), std::back_inserter(table.columns));
-  if (problem.body) table.columns.insert(table.columns.end(), {"largest displacement [m]", "energy [J]"});
+Table points_of(const WatchedRun& run, RunCheckpoint* checkpoint) {
+  Table table = columns_of(run);
   table.values.resize(table.columns.size());
-  Rows rows(table.values, limit);
-  const Sink add = [&rows, &table, &problem = problem](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+  const Sink add = [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
     if (static_cast<double>(table.values[0].size()) > most_points)
       throw InputError(
           fmt::format("the run has more than {:.0g} steps, too many to write; give --every", most_points));
-    std::vector<double> row{problem.shown.time(t)};
-    if (const auto here = end_of(problem, t, y)) {
-      row.insert(row.end(), {here->max_displacement, here->energy});
-    } else {
-      const Eigen::VectorXd listed = problem.shown.state(y);
-      row.insert(row.end(), listed.begin(), listed.end());
-    }
-    rows.add(std::move(row));
+    const std::vector<double> row = row_at(run.problem, t, y);
+    for (std::size_t i = 0; i < row.size(); ++i) table.values[i].push_back(row[i]);
   };
-  watch(run, checkpoint, add, rows);
-  rows.finish();
+  watch(run, checkpoint, add, table.values);
   return table;
 }
 
 Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
   constexpr std::size_t most_states = 8;
   const bool diverged = record.outcome == Outcome::diverged;
-  Table table = points_of(run, most_drawn);
+  const std::size_t states = columns_of(run).columns.size() - 1;
+  Table table = outline_of(run, 1 + most_states);
   const bool logarithmic = begins_fast(table);
   if (!logarithmic) table = smooth(run, std::move(table));
   if (diverged) table = before_it_leaves(std::move(table), 100);
-  const std::size_t states = table.columns.size() - 1;
-  const auto first = table.columns.begin() + 1;
-  const std::vector<std::string> shown(first,
-                                       first + static_cast<std::ptrdiff_t>(std::min(states, most_states)));
+  const std::vector<std::string> shown(table.columns.begin() + 1, table.columns.end());
   const std::vector<LabelledTable> motion{{"", table}};
   Figure figure = series_figure(
       diverged

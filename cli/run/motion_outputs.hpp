@@ -35,11 +35,9 @@ struct WatchedRun {
 };
 
 /// The points that are passed, time in the first column; of bodies how far and with how much energy.
-/// @param limit  where there is one, every 2^k-th point and the last: at most twice as many
 /// @param checkpoint  where the run and its points are kept, or null
 /// @throws InputError  for more than most_points
-Table points_of(const WatchedRun& run, std::optional<std::size_t> limit = {},
-                RunCheckpoint* checkpoint = nullptr);
+Table points_of(const WatchedRun& run, RunCheckpoint* checkpoint);
 
 /// A mesh at every instant that is passed, for ParaView: a list FILE.pvd and the meshes beside it.
 /// @returns how many
@@ -49,9 +47,9 @@ Table points_of(const WatchedRun& run, std::optional<std::size_t> limit = {},
 std::size_t write_series(const std::filesystem::path& file, const WatchedRun& run,
                          RunCheckpoint* checkpoint = nullptr);
 
-/// The states over time, one above the other, of larger systems the first eight, and of an oscillator its
-/// orbit. Time is logarithmic where most of the points lie at the beginning. A motion that diverges is drawn
-/// as far as its states stay below a hundred times their start.
+/// The states over time, one above the other, of larger systems the first eight, and of one position and
+/// velocity the orbit. No peak is left out. Time is logarithmic where most of the points lie at the
+/// beginning. A motion that diverges is drawn as far as its states stay below a hundred times their start.
 Figure motion_figure(const WatchedRun& run, const RunRecord& record);
 
 }  // namespace hmax

@@ -443,7 +443,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
 /// @returns how many points or meshes were written
 std::size_t write_output(const RunOptions& options, const WatchedRun& run, RunCheckpoint* checkpoint) {
   if (is_series(options)) return write_series(options.output, run, checkpoint);
-  const Table table = points_of(run, {}, checkpoint);
+  const Table table = points_of(run, checkpoint);
   write_csv(options.output, table);
   return table.values[0].size();
 }
@@ -646,7 +646,7 @@ void add_run(CLI::App& app, Console& console) {
   add_flag(command, "--full", options->full, "With --json and a mesh: print the whole end state");
   options->picture.add_to(
       command,
-      "Draw the body at the end of the run; without a mesh the states over time and an oscillator's orbit");
+      "Draw the body at the end of the run; without a mesh the states over time and the orbit of one position");
   add_number(command, "--t-start", options->t_start,
              "Start time of a file of formulas [s]; its t0 by default");
   add_number(command, "--t-end", options->t_end,

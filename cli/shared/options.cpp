@@ -46,9 +46,9 @@ CLI::Option* add_text(CLI::App& command, const std::string& name, std::string& t
 }
 
 CLI::Option* add_text(CLI::App& command, const std::string& name,
-                      std::function<void(const std::string&)> read, const std::string& description,
+                      const std::function<void(const std::string&)>& read, const std::string& description,
                       const std::string& type) {
-  return command.add_option_function<std::string>(name, std::move(read), description)->type_name(type);
+  return command.add_option_function<std::string>(name, read, description)->type_name(type);
 }
 
 CLI::Option* add_repeated(CLI::App& command, const std::string& name, std::vector<std::string>& texts,

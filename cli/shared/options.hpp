@@ -53,7 +53,7 @@ CLI::Option* add_text(CLI::App& command, const std::string& name, std::string& t
                       const std::string& description, const std::string& type = "TEXT");
 /// The same whose value `read` takes while the command line is parsed.
 CLI::Option* add_text(CLI::App& command, const std::string& name,
-                      std::function<void(const std::string&)> read, const std::string& description,
+                      const std::function<void(const std::string&)>& read, const std::string& description,
                       const std::string& type = "TEXT");
 /// An option that may be repeated, with one value each time.
 CLI::Option* add_repeated(CLI::App& command, const std::string& name, std::vector<std::string>& texts,

@@ -356,8 +356,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
       stability, console, "predict",
       "Predict the largest stable step of methods on a model, and the mode that limits it",
       {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
-       "hmax stability predict --problem liver_benchmark --methods "
-       "explicit_runge_kutta,structural --verify --json",
+       "hmax stability predict --problem liver_benchmark --methods explicit_runge_kutta,structural --verify --json",
        "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify",
        "hmax stability predict --mesh phantom --load press --methods rk4 --along load",
        "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"});

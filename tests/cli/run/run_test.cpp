@@ -154,6 +154,16 @@ TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
   EXPECT_LT(std::filesystem::file_size(shell / "long.svg"), 1'000'000U);
 }
 
+/// Each jump takes a few hundred of a million steps; the velocity reaches 1300 in it.
+TEST(Run, DrawsShortPeaksOfLongMotions) {
+  const Shell shell;
+  const Json told =
+      shell.json("run --problem van_der_pol --method ode45 --rtol 1e-6 --atol 1e-6 --picture jumps.svg");
+  EXPECT_GT(told.at("stats").at("steps"), 1e6);
+  if (told.at("picture").is_null()) return;  // no gnuplot
+  EXPECT_TRUE(says(read_text(shell / "jumps.svg"), ">-1000<")) << "the axis ends before the peak";
+}
+
 TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
   for (const char* method : {"radau_iia_5", "sdirk_4", "tr_bdf2"})
     for (const char* rtol : {"1e-2", "1e-3", "1e-4", "1e-6"})

@@ -536,7 +536,8 @@ TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
   EXPECT_EQ(lost.at("state_kind"), "rest");
   EXPECT_TRUE(says(lost.at("status").get<std::string>(), "tetrahedron"));
   EXPECT_EQ(shell.json("stability modes --at rest " + hanging).at("state_kind"), "rest");
-  expect_refused(shell.hmax(predict + "--problem liver_linear --at rest"), "liver_linear is none; remove it");
+  expect_refused(shell.hmax(predict + "--problem liver_linear --at rest"),
+                 "liver_linear is no body on a mesh, and --at rest");
   expect_refused(shell.hmax(predict + "--mesh phantom --at motion"), "rest");
 }
 
