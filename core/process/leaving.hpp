@@ -17,19 +17,24 @@ inline std::atomic<void (*)()> throwing{nullptr};
 }
 }  // namespace detail
 
-/// While it lives, leave_when_asked() throws as soon as the flag is set, in every thread. There is one at a
-/// time, and it outlives the work.
+/// While it lives, leave_when_asked() throws as soon as the flag is set, in every thread; it outlives the
+/// work. One within another holds for its own time.
 class LeavesIterations {
  public:
   /// @param flag      outlives this
   /// @param throwing  throws
-  LeavesIterations(const std::atomic<bool>& flag, void (*throwing)()) {
-    detail::throwing = throwing;
-    detail::leaving_flag = &flag;
+  LeavesIterations(const std::atomic<bool>& flag, void (*throwing)())
+      : throwing_(detail::throwing.exchange(throwing)), flag_(detail::leaving_flag.exchange(&flag)) {}
+  ~LeavesIterations() {
+    detail::leaving_flag = flag_;
+    detail::throwing = throwing_;
   }
-  ~LeavesIterations() { detail::leaving_flag = &detail::never; }
   LeavesIterations(const LeavesIterations&) = delete;
   LeavesIterations& operator=(const LeavesIterations&) = delete;
+
+ private:
+  void (*throwing_)();
+  const std::atomic<bool>* flag_;
 };
 
 /// Called once by each iteration whose number a user may choose, and before equations are solved that are

@@ -70,6 +70,8 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
                                                                                  : SUNLS_LUFACT_FAIL;
     } catch (const std::bad_alloc&) {
       return SUNLS_MEM_FAIL;
+    } catch (...) {  // whoever called the library leaves, see integrate()
+      return SUNLS_PACKAGE_FAIL_UNREC;
     }
   };
   made->ops->solve = [](SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, realtype) -> int {
@@ -81,6 +83,8 @@ LinearSolverHandle make_linear_solver(SUNContext context) {
       return SUNLS_SUCCESS;
     } catch (const std::bad_alloc&) {
       return SUNLS_MEM_FAIL;
+    } catch (...) {  // whoever called the library leaves, see integrate()
+      return SUNLS_PACKAGE_FAIL_UNREC;
     }
   };
   made->ops->free = [](SUNLinearSolver solver) -> int {

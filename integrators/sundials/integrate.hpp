@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/process/leaving.hpp"
 #include "integrators/implicit/jacobian.hpp"
 #include "integrators/implicit/stiff_part.hpp"
 #include "integrators/integrate.hpp"
@@ -220,6 +221,7 @@ RunEnd<double> integrate_piece(const Method& method, const Settings& settings, c
     double t_next = t;
     const int flag = solver->step(span.t_end, next.get(), t_next);
     binding.rethrow();
+    leave_when_asked();
     if (flag < 0) {
       const Failure failure = failure_of(flag);
       return finish(failure.outcome, t, failure.words);
