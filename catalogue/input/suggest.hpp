@@ -63,11 +63,18 @@ std::string did_you_mean(std::string_view wrong, const Names& names) {
   return best;
 }
 
-/// The remedy in an error about a name: "did you mean 'rk4'?", or `otherwise` when none is near.
+/// The remedy in an error about a name: "did you mean 'rk4'?", of several that are as near "'cpu' or 'gpu'?",
+/// or `otherwise` when none is near.
 template <class Names>
 std::string suggestion(std::string_view wrong, const Names& names, std::string_view otherwise) {
   const std::string near = did_you_mean(wrong, names);
-  return near.empty() ? std::string(otherwise) : fmt::format("did you mean '{}'?", near);
+  if (near.empty()) return std::string(otherwise);
+  const std::size_t edits = edit_distance(wrong, near);
+  std::string all = fmt::format("'{}'", near);
+  if (edits <= std::max<std::size_t>(1, wrong.size() / 3))  // no beginning that is completed
+    for (const auto& name : names)
+      if (name != near && edit_distance(wrong, name) == edits) all += fmt::format(" or '{}'", name);
+  return fmt::format("did you mean {}?", all);
 }
 
 /// The same with the names themselves, "known are rk4, leapfrog", when none is near.

@@ -297,13 +297,7 @@ std::pair<std::string, double> parse_assignment(std::string_view what, std::stri
 std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices) {
   if (std::ranges::find(choices, word) != choices.end()) return std::string(word);
-  const std::string near = did_you_mean(word, choices);
-  const bool alone = std::ranges::count_if(choices, [&](std::string_view choice) {
-                       return edit_distance(word, choice) <= edit_distance(word, near);
-                     }) == 1;
-  throw InputError(
-      fmt::format("{} is '{}'; {}", what, word,
-                  alone ? suggestion(word, choices) : fmt::format("known are {}", fmt::join(choices, ", "))));
+  throw InputError(fmt::format("{} is '{}'; {}", what, word, suggestion(word, choices)));
 }
 
 void TextTable::add(std::vector<std::string> row) {

@@ -130,8 +130,7 @@ std::array<double, 4> parse_window(std::string_view what, std::string_view text,
 std::vector<std::string> parse_names(std::string_view what, std::string_view text);
 /// "m=2" as name and number.
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text);
-/// `word` when it is one of `choices`. @throws InputError with a suggestion, or all of them where two are
-/// as near: cpu and gpu to tpu
+/// `word` when it is one of `choices`. @throws InputError with a suggestion
 std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices);
 

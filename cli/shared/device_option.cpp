@@ -92,7 +92,7 @@ std::shared_ptr<Device> DeviceChoice::place(const std::vector<Problem>& problems
     throw InputError(
         fmt::format("--device gpu runs none of these methods: {} {}; leave --device out, or name others",
                     left_out.front().id, left_out.front().why));
-  const std::shared_ptr<Device> device = open_gpu();
+  std::shared_ptr<Device> device = open_gpu();
   for (Method* const method : run) *method = on_device(std::move(*method), device);
   return device;
 }

@@ -47,6 +47,7 @@ TEST(Suggestion, OffersTheNearestNameOrElseTheNamesOrAnotherRemedy) {
   EXPECT_EQ(suggestion("euler", std::vector<std::string>{}), "there are none");
   EXPECT_EQ(suggestion("euler", names, "see the list"), "see the list");
   EXPECT_EQ(suggestion("stpe", names, "see the list"), "did you mean 'step'?");
+  EXPECT_EQ(suggestion("tpu", std::vector<std::string>{"cpu", "gpu"}), "did you mean 'cpu' or 'gpu'?");
 }
 
 }  // namespace

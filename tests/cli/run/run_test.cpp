@@ -46,7 +46,7 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
     EXPECT_TRUE(says(check.err, "gpu-check: skipped: "));
   }
   EXPECT_EQ(shell.json(body + " --json --full --device cpu").count("device"), 0U);
-  expect_refused(shell.hmax(body + " --device tpu"), "--device is 'tpu'; known are cpu, gpu");
+  expect_refused(shell.hmax(body + " --device tpu"), "--device is 'tpu'; did you mean 'cpu' or 'gpu'?");
   expect_refused(shell.hmax(body + " --precision single"), "is for --device gpu");
   expect_refused(shell.hmax(body + " --device gpu --precision half"), "--precision");
   expect_refused(shell.hmax(body + " --bodies 2"), "is for --device gpu");
