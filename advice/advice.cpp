@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "limits/rows/model_digest.hpp"
 

@@ -14,6 +14,7 @@
 #include "catalogue/device/device_run.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/resisting_model.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
@@ -390,7 +391,7 @@ class Search {
       const ReferenceMotion reference = reference_motion(
           motion, question_.frame(), question_.tolerance, watch_,
           explicit_limits(linearised(motion.problem, 0, motion.problem.y0)), placing(motion.problem));
-      advice_.other_model = {.id = other->body->settings().model.id,
+      advice_.other_model = {.id = settings_of(*other).model.id,
                              .load_share = motion.load_share,
                              .gravity_share = motion.gravity_share,
                              .scale = reference.scale,

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "bench/timing/timing.hpp"
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"

@@ -10,7 +10,6 @@
 #include "bench/timing/dealt_sweep.hpp"
 #include "bench/timing/sweep_file.hpp"
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/device_option.hpp"

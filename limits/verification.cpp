@@ -14,7 +14,6 @@
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "core/process/memory_share.hpp"

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -109,11 +110,11 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
   };
   const auto predict_at = [&](std::size_t point, std::size_t) {
     const Problem problem = problem_at(x.values[point % columns], y.values[point / columns]);
-    // A body may be factored for its equilibrium.
-    const MemoryShare memory(problem.body ? bytes_of_factor(static_cast<double>(problem.body->dofs())) : 0);
+    // It may be factored for its equilibrium.
+    const MemoryShare memory(bytes_of_factor(static_cast<double>(shape_size(problem))));
     const Linearised near = linearised(problem);
     // Without an equilibrium the limit would be that of another state than at the other points.
-    const bool lost = problem.body && !near.point.at_equilibrium;
+    const bool lost = near.point.is_body && !near.point.at_equilibrium;
     for (std::size_t i = 0; i < methods.size(); ++i) {
       const Prediction prediction = lost ? Prediction{} : predict(methods[i], near);
       maps[i].h_max[point] = prediction.h_max.value_or(nan);

@@ -90,7 +90,7 @@ std::vector<Eigen::Index> triangles_in(const ViewVolume& volume, const Eigen::Ma
 
 ViewSearch view_search(std::string_view mesh, std::string_view material) {
   const Problem problem = with_tool(mesh, material, {});
-  const SphereTool& tool = problem.body->settings().tools.front();
+  const SphereTool& tool = settings_of(problem).tools.front();
   const Eigen::Matrix3Xd& points = problem.body->mesh().points;
   const MeshTriangles triangles = surface_of(problem.body->mesh()).triangles;
   const Eigen::Vector3d along = tool.travel.normalized();

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "bench/timing/timing.hpp"
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/parallel_for.hpp"

@@ -16,7 +16,6 @@
 #include "catalogue/methods/tableau_file.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"

@@ -1,7 +1,6 @@
 /// What differs by the kind of a model: facts and verbs of any problem, so that nobody else has to ask.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -101,7 +101,7 @@ bool writes_scene(const AdviseOptions& options) {
 void keep_methods_of_sofa(const AdviseOptions& options, const Problem& problem,
                           std::vector<Method>& methods) {
   const TissueBody& body = require_body(
-      problem, "and --output FILE.scn is a scene of one; name a mesh with --mesh, or write FILE.html");
+      problem, "and FILE.scn is a scene of a body for SOFA; name a mesh with --mesh, or write FILE.html");
   std::string refusal;
   std::erase_if(methods, [&](const Method& method) {
     try {

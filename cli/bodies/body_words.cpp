@@ -9,6 +9,7 @@
 #include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
+#include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -25,9 +26,9 @@ void remark_unusual(Console& console, const Problem& problem) {
     for (const std::string& sentence : remarks_on_points(origin->file)) console.remark(sentence);
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
   // Who holds nothing at all knows that.
-  if (!problem.body->settings().supports.empty())
+  if (!settings_of(problem).supports.empty())
     if (const std::string free = free_parts_in_words(problem); !free.empty()) console.remark(free);
-  if (!problem.material.empty() && problem.body->settings().model.is_of_springs())
+  if (!problem.material.empty() && settings_of(problem).model.is_of_springs())
     console.remark(
         fmt::format("the Poisson's ratio of {} does not act: springs have 1/4 whatever the material says",
                     problem.material));

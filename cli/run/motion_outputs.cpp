@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "cli/run/checkpoint_option.hpp"
@@ -245,8 +244,10 @@ Figure motion_figure(const WatchedRun& run, const RunRecord& record) {
           : run.problem.id,
       motion, shown);
   for (Panel& panel : figure.panels) panel.x.logarithmic = logarithmic;
-  if (is_second_order(run.problem) && run.problem.y0.size() == 2)
-    figure.panels.push_back(phase_panel({.title = "orbit", .orbits = motion, .x = shown[0], .v = shown[1]}));
+  if (is_second_order(run.problem) && run.problem.y0.size() == 2) {
+    const std::vector<std::string> own = states_with_units(run.problem);  // the position first
+    figure.panels.push_back(phase_panel({.title = "orbit", .orbits = motion, .x = own[0], .v = own[1]}));
+  }
   figure.footer = fmt::format(
       "{}; {}{}", words_of_steps(run), describe_acting(run.problem),
       states > most_states ? fmt::format("; the first {} of {} states", most_states, states) : "");

@@ -9,7 +9,6 @@
 #include "bench/timing/timing.hpp"
 #include "catalogue/methods/kept_sink.hpp"
 #include "catalogue/methods/method.hpp"
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
@@ -436,7 +435,7 @@ void check_choices(const RunOptions& options, const Problem& problem, const Meth
     throw InputError(
         fmt::format("--jobs is for bodies and matrices, and {} is neither; leave it out", problem.id));
   if (!options.full) return;
-  require_body(problem, "and --full is for those; leave it out");
+  require_body(problem, "and shows all its states without --full; remove it");
   if (!json) throw InputError("--full applies to --json only; add --json, or remove it");
 }
 

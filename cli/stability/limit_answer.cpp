@@ -11,7 +11,6 @@
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "cli/bodies/body_words.hpp"
 #include "cli/stability/limit_words.hpp"
 #include "cli/stability/operating_point.hpp"

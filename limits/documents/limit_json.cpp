@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"

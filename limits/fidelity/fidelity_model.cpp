@@ -14,7 +14,6 @@
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/planar.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/by_steps/one_step_map.hpp"
@@ -203,8 +202,7 @@ void require_rest(const Problem& problem) {
         problem.id));
   if (is_driven(problem))
     throw InputError(
-        "the load changes with time and never settles, so that nothing comes to rest; take one that stays, of a body "
-        "gravity or press");
+        "the load changes with time and never settles, so that nothing comes to rest; take one that stays, like gravity");
 }
 
 }  // namespace

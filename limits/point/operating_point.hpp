@@ -65,7 +65,7 @@ struct OperatingPoint {
   std::string state = {};    ///< in words: which state, whose Jacobian
   std::string status = {};   ///< why it is not the state that was asked for
   std::string missing = {};  ///< says that a tool does not touch the body in this state
-  /// Of the problem, from its structure (problem_linearity.hpp).
+  /// Of the problem, from its structure (catalogue/models/model.hpp).
   Linearity linearity = Linearity::unknown;
   /// The bound of the spectral radius here that the system has [1/s]; null where it has none. It takes a
   /// while for a large body, and few methods ask for it.

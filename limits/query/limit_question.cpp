@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/along/trajectory_limit.hpp"
 

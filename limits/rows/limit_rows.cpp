@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "catalogue/models/model.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "limits/rows/model_digest.hpp"
 
 namespace hmax {

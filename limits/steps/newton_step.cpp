@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "catalogue/methods/catalogue.hpp"
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -9,7 +9,6 @@
 
 #include "catalogue/device/host_device.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "limits/modes/fastest_mode.hpp"
 #include "tests/results/scratch.hpp"
 

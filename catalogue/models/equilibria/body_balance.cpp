@@ -202,7 +202,7 @@ StaticSolution found_equilibrium(const Problem& problem, double load_scale, cons
 
 StaticSolution beyond_inversion(const Problem& problem, double load_scale, const StaticSettings& settings,
                                 const Clock& clock, StaticSolution solution) {
-  const bool pushes_back = problem.body->settings().model.resists_crushing;
+  const bool pushes_back = settings_of(problem).model.resists_crushing;
   // Steps of the load that somebody chose may be too few; loads that move are followed.
   if (!solution.barred || !pushes_back || settings.load_steps || equilibrium_time(problem) > 0)
     return solution;
@@ -251,7 +251,7 @@ std::string remedy_of_collapse(const TissueModel& model, bool names_model) {
 
 std::string status_of(const Problem& problem, const StaticSolution& solution, bool names_model) {
   std::string remedy = solution.remedy;
-  if (solution.barred) remedy += remedy_of_collapse(problem.body->settings().model, names_model);
+  if (solution.barred) remedy += remedy_of_collapse(settings_of(problem).model, names_model);
   return cause_of(problem, solution) + (remedy.empty() ? "" : "; take " + remedy);
 }
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "problems/tissue/body.hpp"
 

@@ -64,7 +64,7 @@ class UnheldBody {
   explicit UnheldBody(const Problem& problem)
       : mesh_(problem.body->mesh()), share_(parameter(problem, support_name).value_or(0)) {
     if (!(share_ > 0)) share_ = TissueParameters{}.support;
-    TissueSettings settings = problem.body->settings();
+    TissueSettings settings = settings_of(problem);
     settings.supports.clear();
     settings.elastic_supports.clear();
     settings.beta = settings.mass_step = 0;
@@ -229,7 +229,7 @@ std::string words_of_resisting_model(const Problem& problem) {
   const Clock no_clock = [] { return 0.0; };
   const StaticSolution solution =
       beyond_inversion(*other, 1, settings, no_clock, found_equilibrium(*other, 1, settings, no_clock));
-  const std::string_view id = other->body->settings().model.id, outcome = outcome_of(*other, solution);
+  const std::string_view id = settings_of(*other).model.id, outcome = outcome_of(*other, solution);
   if (outcome == "inverted")
     return fmt::format("; {} has an equilibrium only with inverted elements, at {}", id,
                        millimetres(largest_displacement(solution.q)));

@@ -14,7 +14,6 @@
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/problem_file.hpp"
 #include "catalogue/models/problems.hpp"
-#include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"

@@ -335,7 +335,7 @@ TEST(AdviseScene, WritesWhatItRecommendsAsASceneOfSofa) {
   for (const auto& row : damped["rows"]) EXPECT_NE(row["method"], "rk4");
   expect_refused(shell.hmax(ask + "--set beta=1e-3 --methods rk4 --output damped.scn --force"), "set beta=0");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --output a.scn"),
-                 "is a scene of one; name a mesh");
+                 "is a scene of a body for SOFA");
 }
 
 TEST(AdvisePage, SaysWhatWouldHelpWhereNothingSuits) {

@@ -195,7 +195,7 @@ TEST(TissueWords, RefuseOptionsOfOtherProblems) {
   const std::string body = "run --mesh phantom --method newmark --h 0.01 --t-end 0.1 ",
                     two = "run --problem liver_linear --method newmark --h 0.01 --t-end 0.1 ";
   expect_refusal(body + "--full", "--json");
-  expect_refusal(two + "--full --json", "no body on a mesh, and --full");
+  expect_refusal(two + "--full --json", "shows all its states without --full");
   expect_refusal(two + "--linear cg", "leave --linear out");
   expect_refusal(two + "--unit mm", "--unit is of a mesh file");
   for (const Json& method : Shell{}.json("list methods"))
