@@ -154,6 +154,19 @@ TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
   EXPECT_LT(std::filesystem::file_size(shell / "long.svg"), 1'000'000U);
 }
 
+TEST(Run, DrawsOrbitsOverThePositionWhateverAFileListsFirst) {
+  const Shell shell;
+  write_text(shell / "own.toml",
+             "[problem]\nt_end = 6\n[equations]\nv = \"-4*x\"\nx = \"v\"\n[initial]\nv = 0\nx = 1\n");
+  const Told told = shell.hmax("run --problem own.toml --method rk4 --h 0.01 --picture own.svg --json");
+  if (told.json().at("picture").is_null()) return;  // no gnuplot
+  const std::string svg = read_text(shell / "own.svg");
+  const std::size_t orbit = svg.find(">orbit<");
+  ASSERT_NE(orbit, svg.npos);
+  // The vertical axis is labelled first.
+  EXPECT_LT(svg.find(">v<", orbit), svg.find(">x<", orbit));
+}
+
 /// Each jump takes a few hundred of a million steps; the velocity reaches 1300 in it.
 TEST(Run, DrawsShortPeaksOfLongMotions) {
   const Shell shell;
