@@ -359,7 +359,7 @@ void require_round(double radius, double size) {
   constexpr double most = 1e4;
   if (radius > most * size)
     throw InputError(fmt::format(
-        "tool_radius is {} m, and contacts of spheres of more than {:.3g} m with a body of {:.3g} m are lost to rounding; "
+        "tool_radius is {} m, and contacts of spheres of more than {:.3g} m with a body of {:.3g} m may be lost to rounding; "
         "give that or less, which touches as a plane does",
         to_text(radius), most * size, size));
 }
