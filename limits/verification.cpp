@@ -296,7 +296,7 @@ double memory_of_runs(const Method& method, const Problem& problem) {
   // Some hundred vectors, the histories of multistep methods among them.
   double bytes = 100 * sizeof(double) * states;
   if (is_driven(problem)) bytes += sizeof(double) * states * static_cast<double>(most_observed_steps);
-  if (method.needs_jacobian) bytes += bytes_of_factor(static_cast<double>(shape_size(problem)));
+  if (method.needs_jacobian) bytes += bytes_of_factor(static_cast<double>(unknowns_of(problem)));
   return bytes;
 }
 

@@ -111,7 +111,7 @@ std::vector<StabilityMap> stability_maps(const std::vector<Method>& methods, con
   const auto predict_at = [&](std::size_t point, std::size_t) {
     const Problem problem = problem_at(x.values[point % columns], y.values[point / columns]);
     // It may be factored for its equilibrium.
-    const MemoryShare memory(bytes_of_factor(static_cast<double>(shape_size(problem))));
+    const MemoryShare memory(bytes_of_factor(static_cast<double>(unknowns_of(problem))));
     const Linearised near = linearised(problem);
     // Without an equilibrium the limit would be that of another state than at the other points.
     const bool lost = near.point.is_body && !near.point.at_equilibrium;

@@ -30,8 +30,6 @@ double size_of(const TetMesh& mesh) {
   return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
 }
 
-bool is_driven_by_time(const TissueBody& body) { return body.steady_from() > 0; }
-
 /// The largest displacement K^-1 f [m]; 0 where K has no inverse.
 double linear_displacement(const TissueBody::DofMatrix& K, Eigen::VectorXd f) {
   SparseSolver<double> solver;
@@ -127,7 +125,7 @@ std::pair<double, std::string> probing_share(const Problem& problem, const Watch
 
 ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   const TissueBody& body = *problem.body;
-  if (is_driven_by_time(body)) {
+  if (has_moving_load(problem)) {
     const double t_end = end_of_motion(problem);
     return {.problem = problem, .t_end = t_end, .words = "its own load"};
   }

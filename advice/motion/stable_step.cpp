@@ -41,7 +41,7 @@ struct WatchedMotion {
 WatchedMotion watched_run(const Candidate& candidate, const Problem& problem, double h, double t_end,
                           double most_seconds, const Watcher& watcher) {
   WatchedMotion run;
-  const Eigen::Index n = shape_size(problem);
+  const Eigen::Index n = unknowns_of(problem);
   const Eigen::VectorXd start = problem.y0.head(n);
   run.reach = Eigen::VectorXd::Zero(problem.body ? 1 : n);
   const double instants = std::clamp(most_numbers / static_cast<double>(n), 4.0, most_instants);
@@ -117,7 +117,7 @@ Pair neighbours(const Candidate& candidate, const Problem& problem, double scale
                 double most_seconds, const Watcher& watcher) {
   // Another direction for each number, so that every mode has a part.
   Problem beside = problem;
-  const Eigen::Index n = shape_size(problem);
+  const Eigen::Index n = unknowns_of(problem);
   for (Eigen::Index i = 0; i < n; ++i)
     beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
   Pair pair;

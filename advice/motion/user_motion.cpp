@@ -89,7 +89,7 @@ ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, con
       .words = fmt::format("{} of {} on {} point{}", presses ? "the forces" : "the displacements", user.name,
                            points.size(), points.size() == 1 ? "" : "s")};
   // The state has the size of what moves freely.
-  motion.problem.y0.setZero(2 * shape_size(motion.problem));
+  motion.problem.y0.setZero(2 * unknowns_of(motion.problem));
   const RestingBody resting = resting_under_gravity(motion.problem, watcher);
   motion.problem = resting.problem;
   motion.gravity_share = resting.share;

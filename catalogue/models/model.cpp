@@ -85,9 +85,9 @@ const TissueBody& require_body(const Problem& problem, std::string_view otherwis
   throw InputError(fmt::format("{} is no body on a mesh, {}", problem.id, otherwise));
 }
 
-bool bears_threads(const Problem& problem) { return problem.body || problem.again; }
+bool can_be_copied(const Problem& problem) { return problem.body || problem.again; }
 
-Problem for_own_thread(const Problem& problem) { return problem.body ? problem : problem.again(); }
+Problem copy_for_thread(const Problem& problem) { return problem.body ? problem : problem.again(); }
 
 Linearity linearity_of(const Problem& problem) {
   switch (problem.kind()) {
@@ -130,7 +130,7 @@ double end_of_motion(const Problem& problem) {
   return period <= most_ends * problem.t_end ? std::max(period, problem.t_end) : problem.t_end;
 }
 
-Eigen::Index shape_size(const Problem& problem) {
+Eigen::Index unknowns_of(const Problem& problem) {
   return problem.body ? problem.body->dofs() : problem.y0.size();
 }
 

@@ -15,11 +15,11 @@ namespace hmax {
 /// @throws InputError  of other kinds: "liver_forced is no body on a mesh, " and `otherwise`
 const TissueBody& require_body(const Problem& problem, std::string_view otherwise);
 
-/// Whether for_own_thread() can be asked: right-hand sides of a program cannot be made again.
-bool bears_threads(const Problem& problem);
+/// Whether there is a copy_for_thread(): right-hand sides of a program cannot be made again.
+bool can_be_copied(const Problem& problem);
 
 /// The problem for a thread of its own: bodies are shared, others made once more.
-Problem for_own_thread(const Problem& problem);
+Problem copy_for_thread(const Problem& problem);
 
 /// How the Jacobian depends on state and time, from the structure of the problem: its matrices, the
 /// parameters of an oscillator, the model and the contact of a body, or what the system says of itself.
@@ -41,11 +41,12 @@ std::optional<double> period_of_load(const Problem& problem);
 /// hundred times the problem's own end, and that at least.
 double end_of_motion(const Problem& problem);
 
-/// The numbers that tell the shape of a state: of a body its displacements, half of y, else all of y.
-Eigen::Index shape_size(const Problem& problem);
+/// How many unknowns the equations of an implicit step have: the degrees of freedom of a body, which are half
+/// of y, or all states of others.
+Eigen::Index unknowns_of(const Problem& problem);
 
 /// How far a state has moved: the largest displacement of a point of a body [m], of others max |y_i|.
-/// @param moved  shape (shape_size) or (dim)
+/// @param moved  shape (dim), or of a body its displacements, shape (dofs)
 double largest_change(const Problem& problem, const Eigen::Ref<const Eigen::VectorXd>& moved);
 
 /// Where a problem starts: its numbers, of many unknowns of matrices a digest of them, or "rest" of a body,

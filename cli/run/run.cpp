@@ -298,7 +298,7 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
     document["energy"] = end->energy;
     document["least_volume"] = end->least_volume;
     if (const auto tool = tool_report(problem, record.t_state, record.y)) document["tool"] = tool->json();
-    document["dofs"] = shape_size(problem);
+    document["dofs"] = unknowns_of(problem);
     document["body"] = body_json(problem);
     document["realtime_factor"] = run.realtime_factor();
     if (method.needs_jacobian) document["linear"] = to_string(spec.linear_solve);

@@ -258,14 +258,14 @@ class Query {
   /// How many threads a problem bears. What cannot be made again has one, and so has a device.
   static std::size_t threads_for(const Problem& problem, const std::vector<Method>& methods) {
     if (std::ranges::any_of(methods, [](const Method& each) { return each.device != nullptr; })) return 1;
-    if (!bears_threads(problem)) return 1;
+    if (!can_be_copied(problem)) return 1;
     return std::max<std::size_t>(1, problem.kind() == ModelKind::plugin ? jobs() / 2 : jobs());
   }
 
   /// The problem of each worker that takes some of `count` methods.
   static std::vector<Problem> problems_of_workers(const Problem& problem, std::size_t count) {
     std::vector<Problem> own(1, problem);
-    while (own.size() < count) own.push_back(for_own_thread(problem));
+    while (own.size() < count) own.push_back(copy_for_thread(problem));
     return own;
   }
 

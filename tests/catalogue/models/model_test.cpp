@@ -49,12 +49,12 @@ TEST(Model, ThatIsNoBodyIsRefusedWithWhatItMeans) {
 TEST(Model, ChangesByTheLargestDisplacementOfAPointOrTheLargestState) {
   const Problem body = make_problem("fem_green@cube:n=1");
   Eigen::VectorXd y = Eigen::VectorXd::Zero(body.y0.size());
-  EXPECT_EQ(shape_size(body), y.size() / 2);
+  EXPECT_EQ(unknowns_of(body), y.size() / 2);
   y.head(3) << 3, 0, 4;
-  y[shape_size(body)] = 1000;  // a velocity
+  y[unknowns_of(body)] = 1000;  // a velocity
   EXPECT_EQ(largest_change(body, y), 5);
   const Problem two = make_problem("van_der_pol");
-  EXPECT_EQ(shape_size(two), 2);
+  EXPECT_EQ(unknowns_of(two), 2);
   EXPECT_EQ(largest_change(two, Eigen::Vector2d(1, -7)), 7);
 }
 
@@ -65,12 +65,12 @@ TEST(Model, NamesStatesWithTheirUnitsWhereTheyAreKnown) {
 
 TEST(Model, IsSharedByThreadsOrMadeOnceMore) {
   const Problem body = make_problem("fem_green@cube:n=1");
-  EXPECT_EQ(for_own_thread(body).body, body.body);
+  EXPECT_EQ(copy_for_thread(body).body, body.body);
   Problem called = make_problem("van_der_pol");
-  EXPECT_TRUE(bears_threads(called));
-  EXPECT_EQ(for_own_thread(called).id, called.id);
+  EXPECT_TRUE(can_be_copied(called));
+  EXPECT_EQ(copy_for_thread(called).id, called.id);
   called.again = nullptr;
-  EXPECT_FALSE(bears_threads(called));
+  EXPECT_FALSE(can_be_copied(called));
 }
 
 TEST(Model, MovesThroughAWholePeriodOfItsLoad) {
