@@ -180,7 +180,7 @@ std::string html_of(const Sessions& sessions, const std::string& store) {
   const bool one = first == last;
   std::string libraries;
   for (const auto& [name, version] : machine.libraries)
-    libraries += (libraries.empty() ? "" : ", ") + name + " " + version;
+    libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", name, version);
   std::vector<std::pair<std::string, std::string>> facts{
       {"date (UTC)", one ? first->started : first->started + " to " + last->started},
       {"caches", machine.caches},
