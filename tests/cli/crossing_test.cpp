@@ -171,15 +171,19 @@ struct Crossing {
         covered.back().push_back(number.try_emplace(pair, number.size()).first->second);
     }
     std::vector<bool> missing(number.size(), true);
-    const auto news = [&](std::size_t i) {
-      return std::ranges::count_if(covered[i], [&](std::size_t pair) { return missing[pair]; });
-    };
+    // What a case covers of what is left, or did at a choice before: it never grows.
+    std::vector<std::ptrdiff_t> news;
+    for (const std::vector<std::size_t>& pairs : covered) news.push_back(std::ssize(pairs));
     std::vector<Case> chosen;
     for (;;) {
       std::size_t best = 0;
-      for (std::size_t i = 1, most = static_cast<std::size_t>(news(0)); i < all.size(); ++i)
-        if (const auto count = static_cast<std::size_t>(news(i)); count > most) best = i, most = count;
-      if (news(best) == 0) return chosen;
+      std::ptrdiff_t most = 0;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        if (news[i] <= most) continue;
+        news[i] = std::ranges::count_if(covered[i], [&](std::size_t pair) { return missing[pair]; });
+        if (news[i] > most) best = i, most = news[i];
+      }
+      if (most == 0) return chosen;
       chosen.push_back(all[best]);
       for (const std::size_t pair : covered[best]) missing[pair] = false;
     }

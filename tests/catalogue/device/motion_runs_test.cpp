@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <random>
@@ -72,38 +73,47 @@ std::array<std::uint64_t, 2> plane_bits(const Vector2d& y) {
   return {std::bit_cast<std::uint64_t>(y[0]), std::bit_cast<std::uint64_t>(y[1])};
 }
 
+using Devices = std::vector<Device*>;
+
 /// How many have ended in which way, after a comparison of all bits.
-std::map<Outcome, std::size_t> expect_same_ends(const RunMotions& found, const RunMotions& expected,
+std::map<Outcome, std::size_t> expect_same_ends(const Devices& devices,
+                                                const std::function<RunMotions(Device&)>& found,
+                                                const RunMotions& expected,
                                                 const std::vector<OscillatorRun>& runs) {
-  const auto there = ends_of(found, runs), here = ends_of(expected, runs);
-  std::map<Outcome, std::size_t> outcomes;
-  std::size_t unequal = 0;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    unequal += there[i].outcome != here[i].outcome || there[i].attempts != here[i].attempts ||
-               (is_bounded(here[i].y) && plane_bits(there[i].y) != plane_bits(here[i].y));
-    ++outcomes[here[i].outcome];
+  const auto here = ends_of(expected, runs);
+  for (Device* device : devices) {
+    const auto there = ends_of(found(*device), runs);
+    std::size_t unequal = 0;
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      unequal += there[i].outcome != here[i].outcome || there[i].attempts != here[i].attempts ||
+                 (is_bounded(here[i].y) && plane_bits(there[i].y) != plane_bits(here[i].y));
+    EXPECT_EQ(unequal, 0U) << "of " << runs.size();
   }
-  EXPECT_EQ(unequal, 0U) << "of " << runs.size();
+  std::map<Outcome, std::size_t> outcomes;
+  for (const OscillatorRun& run : here) ++outcomes[run.outcome];
   return outcomes;
 }
 
-void expect_same_shared(Device& device) {
+void expect_same_shared(const Devices& devices) {
   const Ensemble all(motion_count, 1.3);
   const double period = all.runs.front().t_end;
   for (const char* method : {"rk4", "dormand_prince_54", "rk2_heun", "dop_853"}) {
     const SharedSteps steps{.method = method, .w = 1.3, .t_end = period, .h = period / 230.5};
-    const auto outcomes =
-        expect_same_ends(motions_on(device, 3000).shared(steps), in_lanes().shared(steps), all.runs);
+    const auto outcomes = expect_same_ends(
+        devices, [&](Device& device) { return motions_on(device, 3000).shared(steps); },
+        in_lanes().shared(steps), all.runs);
     EXPECT_GT(outcomes.at(Outcome::diverged), 100U) << method;
     EXPECT_GT(outcomes.at(Outcome::reached_end), motion_count / 2) << method;
   }
   const Ensemble few(70, 1.3);  // for more steps than a launch takes
   const SharedSteps steps{.method = "rk4", .w = 1.3, .t_end = period, .h = period / 2500};
-  expect_same_ends(motions_on(device, 3000).shared(steps), in_lanes().shared(steps), few.runs);
+  expect_same_ends(
+      devices, [&](Device& device) { return motions_on(device, 3000).shared(steps); },
+      in_lanes().shared(steps), few.runs);
 }
 
 /// Beside steps that are shared by a single motion.
-void expect_same_own_steps(Device& device) {
+void expect_same_own_steps(const Devices& devices) {
   Ensemble all(motion_count, 0);
   for (std::size_t i = 0; i < all.runs.size(); ++i)
     all.runs[i].h = all.runs[i].t_end / (80.0 + static_cast<double>(i % 90));
@@ -115,16 +125,20 @@ void expect_same_own_steps(Device& device) {
         in_lanes().shared(steps)({[&] { return std::exchange(run, nullptr); }, client.ended});
       }
     };
-    const auto outcomes = expect_same_ends(motions_on(device, 3000).own_steps(method), expected, all.runs);
+    const auto outcomes = expect_same_ends(
+        devices, [&](Device& device) { return motions_on(device, 3000).own_steps(method); }, expected,
+        all.runs);
     EXPECT_GT(outcomes.at(Outcome::reached_end), motion_count / 2) << method;
   }
 }
 
-void expect_same_adaptive(Device& device) {
+void expect_same_adaptive(const Devices& devices) {
   const Ensemble all(motion_count, 0);
   const auto outcomes_at = [&](double tolerance, std::int64_t most) {
     const AdaptiveSteps steps{.tolerances = {tolerance, tolerance}, .most_attempts = most, .steady = false};
-    return expect_same_ends(motions_on(device, 3000).adaptive(steps), in_lanes().adaptive(steps), all.runs);
+    return expect_same_ends(
+        devices, [&](Device& device) { return motions_on(device, 3000).adaptive(steps); },
+        in_lanes().adaptive(steps), all.runs);
   };
   auto outcomes = outcomes_at(1e-11, 4000);
   EXPECT_GT(outcomes[Outcome::reached_end], motion_count / 2);
@@ -144,20 +158,20 @@ Problem formulas(const std::string& acceleration, double p = 1) {
 }
 
 /// In groups that are not those of rows.
-std::vector<int> expect_same_fates(Device& device, const Problem& problem, const Window& window) {
+std::vector<int> expect_same_fates(const Devices& devices, const Problem& problem, const Window& window) {
   const auto equilibria = find_equilibria(planar_field(problem, 0, window.size()), window);
   const auto grid = [&](const MotionRunner& runner, std::size_t at_once) {
     const std::vector<FatesOf> each(64, fates_of_starts(problem, window, equilibria, runner));
     return basins(each, window, 50, 41, {}, at_once).fate;
   };
-  std::vector<int> fates = grid(motions_on(device, 700), 800);
-  EXPECT_EQ(fates, grid(in_lanes(), 1)) << problem.id;
+  std::vector<int> fates = grid(in_lanes(), 1);
+  for (Device* device : devices) EXPECT_EQ(grid(motions_on(*device, 700), 800), fates) << problem.id;
   return fates;
 }
 
 /// The states at which runs of formulas end, by adaptive steps and by fixed ones: numbers differ from motion
 /// to motion, as do the sides of jumps that motions are on.
-void expect_same_ends_of_formulas(Device& device, const std::string& acceleration, double t_end,
+void expect_same_ends_of_formulas(const Devices& devices, const std::string& acceleration, double t_end,
                                   std::int64_t most_attempts = 4000) {
   SCOPED_TRACE(acceleration);
   FormulaPrograms programs;
@@ -180,25 +194,27 @@ void expect_same_ends_of_formulas(Device& device, const std::string& acceleratio
                     .piece = &pieces[runs.size() % pieces.size()],
                     .attempts = static_cast<std::int64_t>(runs.size() % 3)});
   const AdaptiveSteps steps{.tolerances = {1e-9, 1e-9}, .most_attempts = most_attempts, .steady = true};
-  auto outcomes = expect_same_ends(motions_on(device, 700).formulas(steps, programs),
-                                   in_lanes().formulas(steps, programs), runs);
+  auto outcomes = expect_same_ends(
+      devices, [&](Device& device) { return motions_on(device, 700).formulas(steps, programs); },
+      in_lanes().formulas(steps, programs), runs);
   EXPECT_GT(outcomes[most_attempts < 4000 ? Outcome::too_many_steps : Outcome::reached_end], 1000U);
   for (FormulaPiece& piece : pieces) piece.span.t0 = 0;
   runs.resize(800);
   for (const std::string_view method : {"rk4", "dormand_prince_54", "explicit_euler"}) {
-    outcomes = expect_same_ends(motions_on(device, 700).formula_steps(method, programs),
-                                in_lanes().formula_steps(method, programs), runs);
+    outcomes = expect_same_ends(
+        devices, [&](Device& device) { return motions_on(device, 700).formula_steps(method, programs); },
+        in_lanes().formula_steps(method, programs), runs);
     EXPECT_GT(outcomes[Outcome::reached_end], 400U);
   }
 }
 
 /// Formulas: a pendulum with places of rest beside one another, one that is driven away, a spring that
 /// breaks, a stop that a condition tells, and functions that are exact.
-void expect_same_fates_of_formulas(Device& device) {
+void expect_same_fates_of_formulas(const Devices& devices) {
   const Window wide{{-9, -4}, {9, 4}}, window{{-3, -3}, {3, 3}};
   std::ptrdiff_t leave = 0, rest = 0;
   const auto look = [&](const std::string& acceleration, const Window& seen) {
-    const std::vector<int> fates = expect_same_fates(device, formulas(acceleration), seen);
+    const std::vector<int> fates = expect_same_fates(devices, formulas(acceleration), seen);
     leave += std::ranges::count(fates, int{unbounded});
     rest += std::ranges::count_if(fates, [](int fate) { return fate >= 0; });
   };
@@ -215,19 +231,19 @@ void expect_same_fates_of_formulas(Device& device) {
   }
   EXPECT_GT(leave, 500);
   EXPECT_GT(rest, 4000);
-  expect_same_ends_of_formulas(device, "sqrt(abs(x)) - max(x, min(v, 1))^4/90 - 0.7*v/(1 + x^2)", 7);
-  expect_same_ends_of_formulas(device, "x > 1 ? -x - 40*(x - 1) : -x", 30, 25);
-  expect_same_ends_of_formulas(device, "(t < 3 ? p*t : 1) - x - x^3/9 - v/2", 7);
+  expect_same_ends_of_formulas(devices, "sqrt(abs(x)) - max(x, min(v, 1))^4/90 - 0.7*v/(1 + x^2)", 7);
+  expect_same_ends_of_formulas(devices, "x > 1 ? -x - 40*(x - 1) : -x", 30, 25);
+  expect_same_ends_of_formulas(devices, "(t < 3 ? p*t : 1) - x - x^3/9 - v/2", 7);
   if (!cosines_are_those_of_musl()) return;
-  expect_same_ends_of_formulas(device, "-sin(3*x) - 0.2*v*(2 + cos(3*x))", 7);
+  expect_same_ends_of_formulas(devices, "-sin(3*x) - 0.2*v*(2 + cos(3*x))", 7);
   // Angles beyond those that a device reduces, in all of its digits.
-  expect_same_ends_of_formulas(device, "-sin(1e7*x)", 1e-6);
-  expect_same_ends_of_formulas(device, "p*cos(3*t) - x^3 - v/5", 7);
-  expect_same_ends_of_formulas(device, "p*cos(3e7*t)/1e11 - x - v", 7);
+  expect_same_ends_of_formulas(devices, "-sin(1e7*x)", 1e-6);
+  expect_same_ends_of_formulas(devices, "p*cos(3*t) - x^3 - v/5", 7);
+  expect_same_ends_of_formulas(devices, "p*cos(3e7*t)/1e11 - x - v", 7);
 }
 
 /// Two places of rest, starts that are bound to leave, and a window with one of two places.
-void expect_same_fates(Device& device) {
+void expect_same_fates(const Devices& devices) {
   std::ptrdiff_t leave = 0;
   for (const auto& [parameters, window] :
        std::vector<std::pair<Parameters, Window>>{{{{"k1", -1}, {"c", 0.2}}, {{-3, -3}, {3, 3}}},
@@ -239,8 +255,8 @@ void expect_same_fates(Device& device) {
       const std::vector<FatesOf> each(64, fates_of_starts(problem, window, equilibria, runner));
       return basins(each, window, 110, 91, {}, at_once).fate;
     };
-    const std::vector<int> fates = grid(motions_on(device, 3000), 4000);
-    EXPECT_EQ(fates, grid(in_lanes(), 1));
+    const std::vector<int> fates = grid(in_lanes(), 1);
+    for (Device* device : devices) EXPECT_EQ(grid(motions_on(*device, 3000), 4000), fates);
     EXPECT_GT(std::ranges::count_if(fates, [](int fate) { return fate >= 0; }), 1000);
     leave += std::ranges::count(fates, int{unbounded});
   }
@@ -248,15 +264,14 @@ void expect_same_fates(Device& device) {
 }
 
 TEST(HostDevice, RunsMotionsWithTheBitsOfTheLanes) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_shared(device);
-    expect_same_fates(device);
-    expect_same_fates_of_formulas(device);
-    if (!cosines_are_those_of_musl()) continue;
-    expect_same_own_steps(device);
-    expect_same_adaptive(device);
-  }
+  HostDevice forwards, backwards(true);
+  const Devices devices{&forwards, &backwards};
+  expect_same_shared(devices);
+  expect_same_fates(devices);
+  expect_same_fates_of_formulas(devices);
+  if (!cosines_are_those_of_musl()) return;
+  expect_same_own_steps(devices);
+  expect_same_adaptive(devices);
 }
 
 TEST(MotionRuns, RefuseWhatHasOtherBits) {
@@ -283,15 +298,15 @@ TEST(MotionRuns, RefuseWhatHasOtherBits) {
   EXPECT_FALSE(runner.formula_steps("radau_iia_5", {exponential}));
 }
 
-TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared(*device); }
+TEST_F(Gpu, RunsSharedStepsWithTheBitsOfTheLanes) { expect_same_shared({device.get()}); }
 TEST_F(Gpu, FindsBasinsWithTheBitsOfTheLanes) {
-  expect_same_fates(*device);
-  expect_same_fates_of_formulas(*device);
+  expect_same_fates({device.get()});
+  expect_same_fates_of_formulas({device.get()});
 }
 TEST_F(Gpu, RunsMotionsOfOwnCosinesWithTheBitsOfTheLanes) {
   if (!cosines_are_those_of_musl()) GTEST_SKIP() << "this build has other cosines";
-  expect_same_adaptive(*device);
-  expect_same_own_steps(*device);
+  expect_same_adaptive({device.get()});
+  expect_same_own_steps({device.get()});
 }
 
 /// Told to scripts/gpu-check: what a million motions take by the events of the device.

@@ -279,19 +279,19 @@ TEST(ReproduceTissue, MakesAPageWithItsPicturesWhereEverySolverFindsTheEquilibri
   // Two loads, in equilibrium and in motion, three models, two methods.
   EXPECT_EQ(study.at("paths").size(), 24U);
   double largest_change = 0;
+  std::map<std::string, double> alone;  // the limit of a model and a method
   for (const nlohmann::json& path : study.at("paths")) {
     const double least = path.at("h_min"), at_rest = path.at("h_rest");
     EXPECT_GT(least, 0) << path;
     largest_change = std::max(largest_change, 1 - least / at_rest);
     // Without a load every path begins with the body at rest.
-    const double alone =
-        shell
-            .json("stability predict --mesh phantom --model " + path.at("model").get<std::string>() +
-                  " --material liver:male_normal --set g=0 --methods " + path.at("method").get<std::string>())
-            .at("rows")
-            .at(0)
-            .at("h_max");
-    EXPECT_NEAR(at_rest, alone, 1e-6 * alone) << path;
+    const std::string what = path.at("model").get<std::string>() +
+                             " --material liver:male_normal --set g=0 --methods " +
+                             path.at("method").get<std::string>();
+    if (!alone.contains(what))
+      alone[what] =
+          shell.json("stability predict --mesh phantom --model " + what).at("rows").at(0).at("h_max");
+    EXPECT_NEAR(at_rest, alone[what], 1e-6 * alone[what]) << path;
   }
   EXPECT_GT(largest_change, 0.001);
   expect_identified(study.at("thigh"), shell);
