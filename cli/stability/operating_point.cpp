@@ -30,7 +30,7 @@ void OperatingPointChoice::add_to(CLI::App& command) {
 AskedState OperatingPointChoice::of(const Problem& problem) const {
   if (at.empty()) return AskedState::equilibrium;
   if (parse_choice("--at", at, words) == words[0]) return AskedState::equilibrium;
-  require_body(problem, "and --at rest is of bodies alone; remove it");
+  require_body(problem, "and --at rest is for bodies only; remove it");
   return AskedState::rest;
 }
 

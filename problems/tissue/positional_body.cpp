@@ -196,7 +196,8 @@ std::string PositionalBody::why_no_pieces(const TissueBody& body) {
                           [](const TissueMaterial& each) { return each.fibre_young != 0; }))
     return "does not have the forces of fibres; leave fibre_E out";
   if (std::ranges::any_of(body.spring_sets(), &SpringSet::has_dampers))
-    return "does not have the dampers of springs; leave damper out and set alpha or beta";
+    return "does not have the dampers of springs; leave damper out and set alpha, or beta where the "
+           "method has it";
   return {};
 }
 
