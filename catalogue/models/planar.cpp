@@ -80,7 +80,7 @@ double largest_amplitude(const OscillatorParameters& p) {
 }
 
 /// Ends a run from inside.
-struct Left {};
+struct SeenEnough {};
 
 // More steps than this show no more: a line of so many points has filled its loops.
 constexpr int most_steps = 6000;
@@ -94,9 +94,9 @@ void follow(Problem problem, const Vector2d& start, double t_end, const See& see
   int steps = 0;
   try {
     find_method(drawing_method(problem)).bind(problem).run(spec, [&](double t, const auto& y) {
-      if (!see(t, Vector2d(y)) || ++steps > most_steps) throw Left{};
+      if (!see(t, Vector2d(y)) || ++steps > most_steps) throw SeenEnough{};
     });
-  } catch (const Left&) {
+  } catch (const SeenEnough&) {
   }
 }
 

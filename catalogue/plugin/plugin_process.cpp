@@ -319,7 +319,7 @@ void PluginProcess::greet() {
     facts_.quaternions.push_back(static_cast<Eigen::Index>(first));
   }
   const auto vector = [&at](Eigen::Index n) {
-    const Eigen::VectorXd numbers = Eigen::Map<const Eigen::VectorXd>(at, n);
+    Eigen::VectorXd numbers = Eigen::Map<const Eigen::VectorXd>(at, n);
     at += n;
     return numbers;
   };

@@ -250,8 +250,8 @@ class InpSceneReader {
       if (gravity_) file_.fail(line.place, "GRAV is given twice; remove one");
       const double size = file_.number(line, 2, "acceleration");
       Eigen::Vector3d direction;
-      for (int k = 0; k < 3; ++k)
-        direction[k] = file_.number(line, static_cast<std::size_t>(3 + k), "direction of gravity");
+      for (std::size_t k = 0; k < 3; ++k)
+        direction[static_cast<Eigen::Index>(k)] = file_.number(line, 3 + k, "direction of gravity");
       if (direction.isZero(0)) file_.fail(line.place, "gravity has no direction; correct it");
       gravity_ = amplitude * size * direction.normalized();
     }

@@ -48,8 +48,8 @@ ThighAnatomy::ThighAnatomy(const Thigh& thigh)
 
 Eigen::Vector3d ThighAnatomy::place(Eigen::Index point) const {
   const Eigen::Vector2d apart = point_distances();
-  return {apart.x() * static_cast<double>(point / along_), apart.y() * static_cast<double>(point % along_),
-          0};
+  const Eigen::Index around = point / along_, along = point % along_;
+  return {apart.x() * static_cast<double>(around), apart.y() * static_cast<double>(along), 0};
 }
 
 double ThighAnatomy::bone_depth(double x, double y) const {
