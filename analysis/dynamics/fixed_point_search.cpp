@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -132,112 +131,78 @@ FixedPoint fixed_point_at(const PlanarMap& map, const Vector2d& y, const Vector2
   return {y, mu, classify_map(mu)};
 }
 
-/// The angle from a to b, in (-pi, pi].
-/// atan2 of cross and dot product, independent of both lengths.
-double turn(const Vector2d& a, const Vector2d& b) { return std::atan2(a(0) * b(1) - a(1) * b(0), a.dot(b)); }
-
-/// The angle by which g turns from a to b on a straight line; NaN where that cannot be said.
-/// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
-/// looks of a smooth g.
-/// @param looks  that are left, of all lines
-double turn_between(const PlanarMap& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
-                    const Vector2d& gb, int& looks) {
-  const Vector2d middle = (a + b) / 2;
-  const Vector2d gm = g(middle);
-  for (const Vector2d& known : {gm, gb})
-    if (!known.allFinite() || known.isZero(0)) return std::nan("");
-  const double first = turn(ga, gm), second = turn(gm, gb);
-  constexpr double little = std::numbers::pi / 4;
-  if (std::abs(first) < little && std::abs(second) < little) return first + second;
-  if (--looks <= 0 || middle == a || middle == b) return std::nan("");
-  return turn_between(g, a, ga, middle, gm, looks) + turn_between(g, middle, gm, b, gb, looks);
-}
-
 /// The square of a lattice over the window with its lower left corner at (i, j).
 struct Cell {
-  int i, j, width;
+  std::int64_t i, j, width;
 };
+
+/// At the corners of a square and in its middle.
+using Values = std::array<Vector2d, 5>;
 
 /// A tree of squares: each is dropped, divided or handed to Newton's method. Values at lattice points are
 /// kept, so that squares share those of their corners.
+/// Points keep what Newton's method finds:
+///   take(start, leash)     starts it; the leash is in sizes of the window
+///   covers(box, values)    whether nothing more is to be found in a box with these values
+///   is_crowded(box)        whether there may be more than its size shows
+///   ends()                 whether the search has to end early
+template <class Points>
 class CellSearch {
  public:
-  CellSearch(const PlanarMap& map, const Window& window, std::int64_t most_steps)
-      : left_(most_steps), size_(window.size()), window_(window) {
-    map_ = [this, &map](const Vector2d& y) {
-      --left_;
-      return map(y);
-    };
-  }
+  /// @param g      whose zeros are searched for
+  /// @param leash  three widths of the square at least
+  CellSearch(const PlanarMap& g, const Window& window, Points& points, double leash)
+      : g_(g), window_(window), size_(window.size()), points_(points), leash_(leash) {}
 
-  /// Starts with 32 x 32 squares.
-  FixedPointSearch run() {
-    for (int i = 0; i < sides; i += coarse)
-      for (int j = 0; j < sides; j += coarse) explore({i, j, coarse});
-    found_.whole = left_ > 0;
-    std::ranges::sort(found_.points, less, &FixedPoint::state);
-    return std::move(found_);
+  /// Starts with 32 x 32 squares. Whether it has come to its end.
+  bool run() {
+    for (std::int64_t i = 0; i < sides; i += coarse)
+      for (std::int64_t j = 0; j < sides; j += coarse) explore({i, j, coarse});
+    return !points_.ends();
   }
 
  private:
-  static constexpr int finest = 2, coarse = 256, sides = 32 * coarse;  // in distances of the lattice
-  static constexpr std::size_t isolated = 500;                         // more points than this are no points
+  // In distances of the lattice: squares to begin with, and those that are divided further where it is
+  // crowded.
+  static constexpr std::int64_t sides = std::int64_t{1} << 48, coarse = sides / 32, fine = sides / 4096;
 
-  /// The state at a place of the lattice, which has 8192 distances a side.
-  [[nodiscard]] Vector2d at(double i, double j) const {
-    return window_.lower + Vector2d(i, j).cwiseProduct(size_) / sides;
+  /// The state at a place of the lattice.
+  [[nodiscard]] Vector2d at(std::int64_t i, std::int64_t j) const {
+    return window_.lower + Vector2d(double(i), double(j)).cwiseProduct(size_) / double(sides);
   }
 
-  /// Phi(y) - y in sizes of the window, at a point of the lattice.
-  const Vector2d& value(int i, int j) {
-    const auto [entry, isnew] = values_.try_emplace(std::int64_t{i} * (sides + 1) + j);
-    if (isnew) {
-      const Vector2d y = at(i, j);
-      entry->second = (map_(y) - y).cwiseQuotient(size_);
-    }
+  const Vector2d& value(std::int64_t i, std::int64_t j) {
+    const auto [entry, isnew] = values_.try_emplace({i, j});
+    if (isnew) entry->second = g_(at(i, j));
     return entry->second;
   }
 
-  /// Newton's method from the middle of a cell, which may stray three widths; the point is kept if it is
-  /// new.
   void take(const Cell& cell) {
-    constexpr double same = 1e-7;  // in sizes of the window
-    const double middle = cell.width / 2.0;
-    const auto y =
-        newton_fixed_point(map_, window_, at(cell.i + middle, cell.j + middle), 3.0 * cell.width / sides);
-    if (!y) return;
-    const bool known = std::ranges::any_of(found_.points, [&](const FixedPoint& other) {
-      return (other.state - *y).cwiseQuotient(size_).norm() < same;
-    });
-    if (known) return;
-    found_.points.push_back(fixed_point_at(map_, *y, size_ / 16));
-    if (found_.points.size() > isolated) left_ = 0;
+    points_.take((at(cell.i, cell.j) + at(cell.i + cell.width, cell.j + cell.width)) / 2,
+                 std::max(leash_, 3 * double(cell.width) / double(sides)));
   }
 
   /// Into four quarters, each explored in turn.
   void split(const Cell& cell) {
-    const int half = cell.width / 2;
-    for (const int i : {cell.i, cell.i + half})
-      for (const int j : {cell.j, cell.j + half}) explore({i, j, half});
+    const std::int64_t half = cell.width / 2;
+    for (const std::int64_t i : {cell.i, cell.i + half})
+      for (const std::int64_t j : {cell.j, cell.j + half}) explore({i, j, half});
   }
 
-  /// Decides by the values of g = Phi(y) - y at the four corners and the middle.
+  /// Decides by the values of g at the four corners and the middle.
   void explore(const Cell& cell) {
-    if (left_ <= 0) return;
+    if (points_.ends()) return;
     const auto [i, j, width] = cell;
-    const std::array<Vector2d, 5> g{value(i, j), value(i + width, j), value(i, j + width),
-                                    value(i + width, j + width), value(i + width / 2, j + width / 2)};
+    const Values g{value(i, j), value(i + width, j), value(i, j + width), value(i + width, j + width),
+                   value(i + width / 2, j + width / 2)};
     const auto finite = std::ranges::count_if(g, [](const Vector2d& at) { return at.allFinite(); });
     if (finite == 0) return;
     if (finite < 5) {  // the edge of what diverges
       if (width > coarse / 8) split(cell);
       return;
     }
-    constexpr double rounding = 1e-9;
-    if (std::ranges::all_of(g, [](const Vector2d& at) { return at.cwiseAbs().maxCoeff() < rounding; })) {
-      left_ = 0;  // every point of the cell is fixed
-      return;
-    }
+    const Window box{at(i, j), at(i + width, j + width)};
+    if (points_.covers(box, g)) return;
     // g(u) = a + B u + misfit, u in [-1, 1]^2.
     const Vector2d a = (g[0] + g[1] + g[2] + g[3]) / 4;
     // Slopes of the plane of least squares through the corners, in half widths of the cell.
@@ -247,49 +212,99 @@ class CellSearch {
     const Vector2d doubt = 2 * ((g[0] + g[3] - g[1] - g[2]) / 4).cwiseAbs() + 2 * (g[4] - a).cwiseAbs();
     // |a_i| > sum_j |B_ij| + doubt_i: component i has no zero in [-1, 1]^2.
     if ((a.cwiseAbs().array() > (B.cwiseAbs().rowwise().sum() + doubt).array()).any()) return;
+    const bool is_crowded = points_.is_crowded(box);
     const Matrix2d inverse = B.inverse();
-    if (inverse.allFinite()) {
+    if (inverse.allFinite() && !is_crowded) {
       // u = -B^-1 (a + misfit): where |B^-1 a| exceeds 1 + |B^-1| doubt no zero lies in the cell.
       const Vector2d zero = inverse * a, around = inverse.cwiseAbs() * doubt;
       if ((zero.cwiseAbs().array() > 1 + around.array()).any()) return;
       if (around.maxCoeff() < 0.5) return take(cell);
     }
-    width > finest ? split(cell) : take(cell);
+    if (width > (is_crowded ? 2 : fine)) return split(cell);
+    take(cell);
   }
 
-  std::int64_t left_;
-  Vector2d size_;
+  struct Hash {
+    std::size_t operator()(const std::pair<std::int64_t, std::int64_t>& place) const {
+      return std::hash<std::int64_t>()(place.first * 0x9E3779B97F4A7C15 + place.second);
+    }
+  };
+
+  const PlanarMap& g_;
   Window window_;
-  PlanarMap map_;
-  std::unordered_map<std::int64_t, Vector2d> values_;
-  FixedPointSearch found_;
+  Vector2d size_;
+  Points& points_;
+  double leash_;
+  std::unordered_map<std::pair<std::int64_t, std::int64_t>, Vector2d, Hash> values_;
+};
+
+/// More than these are not isolated, or nobody reads them; fewer may be searched for down to rounding.
+constexpr std::size_t most_points = 500, few = 20;
+
+/// Of a map, each once.
+class FixedPoints {
+ public:
+  FixedPoints(const PlanarMap& map, const Window& window, std::int64_t most_steps)
+      : map_(map), window_(window), left_(most_steps) {}
+
+  Vector2d map(const Vector2d& y) {
+    --left_;
+    return map_(y);
+  }
+  [[nodiscard]] bool ends() const { return left_ <= 0; }
+  [[nodiscard]] static bool is_crowded(const Window& /*box*/) { return false; }
+  /// Ends where every point of the cell is fixed.
+  bool covers(const Window& /*box*/, const Values& g) {
+    constexpr double rounding = 1e-9;
+    if (std::ranges::all_of(g, [](const Vector2d& at) { return at.cwiseAbs().maxCoeff() < rounding; }))
+      left_ = 0;
+    return left_ == 0;
+  }
+  void take(const Vector2d& start, double leash) {
+    constexpr double same = 1e-7;  // in sizes of the window
+    const PlanarMap counted = [this](const Vector2d& y) { return map(y); };
+    const auto y = newton_fixed_point(counted, window_, start, leash);
+    if (!y) return;
+    const bool known = std::ranges::any_of(found, [&](const FixedPoint& other) {
+      return (other.state - *y).cwiseQuotient(window_.size()).norm() < same;
+    });
+    if (known) return;
+    found.push_back(fixed_point_at(counted, *y, window_.size() / 16));
+    if (found.size() > most_points) left_ = 0;
+  }
+
+  std::vector<FixedPoint> found{};
+
+ private:
+  const PlanarMap& map_;
+  Window window_;
+  std::int64_t left_;
+};
+
+/// Of a field.
+class FieldPoints {
+ public:
+  /// @param is_suspicious  whether some have been missed
+  FieldPoints(Equilibria& equilibria, std::int64_t most_evaluations, bool is_suspicious)
+      : equilibria_(equilibria), most_(most_evaluations), is_suspicious_(is_suspicious) {}
+
+  [[nodiscard]] bool ends() const {
+    return !equilibria_.isolated() || equilibria_.count() > most_points || equilibria_.evaluations() > most_;
+  }
+  /// Around one of few others may be very near.
+  [[nodiscard]] bool is_crowded(const Window& box) const {
+    return is_suspicious_ || (equilibria_.count() <= few && equilibria_.holds(box));
+  }
+  [[nodiscard]] bool covers(const Window& box, const Values& /*g*/) const { return equilibria_.covers(box); }
+  void take(const Vector2d& start, double leash) { equilibria_.take(start, leash); }
+
+ private:
+  Equilibria& equilibria_;
+  std::int64_t most_;
+  bool is_suspicious_;
 };
 
 }  // namespace
-
-// The winding number of g along the border, from the angles between neighbouring values.
-std::optional<int> degree_around(const PlanarMap& g, const Window& window) {
-  require_valid(window);
-  constexpr int pieces = 64;
-  int looks = 10'000;
-  const Vector2d &lower = window.lower, &upper = window.upper;
-  const std::array<Vector2d, 5> corners{lower, Vector2d(upper(0), lower(1)), upper,
-                                        Vector2d(lower(0), upper(1)), lower};
-  double angle = 0;
-  Vector2d from = lower, there = g(from);
-  for (std::size_t side = 0; side < 4; ++side)
-    for (int piece = 1; piece <= pieces; ++piece) {
-      // 64 pieces a side, counter-clockwise from the lower left corner.
-      const double share = double(piece) / pieces;
-      const Vector2d to = (1 - share) * corners[side] + share * corners[side + 1];
-      const Vector2d next = g(to);
-      angle += turn_between(g, from, there, to, next, looks);
-      if (!std::isfinite(angle)) return std::nullopt;
-      from = to;
-      there = next;
-    }
-  return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));
-}
 
 // The product is real but for rounding, so its real part has the sign of the determinant.
 std::optional<int> index_of(const FixedPoint& point) {
@@ -311,28 +326,19 @@ void sum_indices(FixedPointSearch& found) {
     found.index_sum = index && found.index_sum ? std::optional(*found.index_sum + *index) : std::nullopt;
   }
 }
-
-/// The largest finite |f_i| on a grid over a window; 1 where that is 0.
-Vector2d size_of_field(const PlanarField& field, const Window& window) {
-  constexpr int grid = 16;
-  Vector2d largest = Vector2d::Zero();
-  for (int i = 0; i <= grid; ++i)
-    for (int j = 0; j <= grid; ++j) {
-      const Vector2d f =
-          field.rhs(window.lower + Vector2d(i, j).cwiseProduct(window.size()) / grid).cwiseAbs();
-      if (f.allFinite()) largest = largest.cwiseMax(f);
-    }
-  return largest.unaryExpr([](double size) { return size > 0 ? size : 1.0; });
-}
 }  // namespace
 
 // The degree is taken of the same g in sizes of the window: scaling by positive numbers does not change it.
 FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window, std::int64_t most_steps) {
   require_valid(window);
-  FixedPointSearch found = CellSearch(map, window, most_steps).run();
   const Vector2d size = window.size();
-  found.degree =
-      degree_around([&](const Vector2d& y) -> Vector2d { return (map(y) - y).cwiseQuotient(size); }, window);
+  FixedPoints points(map, window, most_steps);
+  const PlanarMap g = [&](const Vector2d& y) -> Vector2d { return (points.map(y) - y).cwiseQuotient(size); };
+  FixedPointSearch found;
+  found.whole = CellSearch(g, window, points, 0).run();
+  std::ranges::sort(points.found, less, &FixedPoint::state);
+  found.points = points.found;
+  found.degree = degree_around(g, window);
   sum_indices(found);
   return found;
 }
@@ -372,35 +378,28 @@ std::vector<PeriodTwo> find_period_two(const PlanarMap& map, const Window& windo
   return found;
 }
 
-// Each point of the search in cells is sharpened by Newton's method on f with its own Jacobian.
-EquilibriumSet search_equilibria(const PlanarField& field, const Window& window) {
-  EquilibriumSet found;
-  found.points = find_equilibria(field, window);
-  const Vector2d size = window.size(), largest = size_of_field(field, window);
-  // Phi(y) - y = f in units of its own size, so that fixed points of this map are the equilibria.
-  const PlanarMap map = [&](const Vector2d& y) -> Vector2d {
-    return y + field.rhs(y).cwiseQuotient(largest).cwiseProduct(size);
+// Where the degree tells that one of few has been missed, all squares are divided down to rounding.
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
+                                 std::int64_t most_evaluations) {
+  Equilibria equilibria(field, window);
+  equilibria.take_grid(15);
+  const PlanarMap f = [&](const Vector2d& y) { return equilibria.rhs(y); };
+  // Valleys in which zeros lie may not run along the axes: a leash far beyond the width of small squares.
+  const auto search = [&](bool is_suspicious) {
+    const std::int64_t most = is_suspicious ? equilibria.evaluations() + 100'000 : most_evaluations;
+    FieldPoints points(equilibria, most, is_suspicious);
+    return CellSearch(f, window, points, 0.02).run();
   };
-  const FixedPointSearch searched = search_fixed_points(map, window);
-  found.whole = searched.whole;
-  found.degree = searched.degree;
-  if (searched.whole)
-    for (const FixedPoint& point : searched.points) {
-      const std::optional<Equilibrium> refined = equilibrium_from(field, window, point.state);
-      if (refined && std::ranges::none_of(found.points, [&](const Equilibrium& known) {
-            return known.is(refined->state, refined->resolution);
-          }))
-        found.points.push_back(*refined);
-    }
-  std::ranges::sort(found.points, [](const Equilibrium& a, const Equilibrium& b) {
-    return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
-  });
-  found.index_sum = 0;
-  for (const Equilibrium& point : found.points) {
-    if (point.type == EquilibriumType::degenerate) found.index_sum.reset();
-    if (!found.index_sum) break;
-    *found.index_sum += point.type == EquilibriumType::saddle ? -1 : 1;
+  EquilibriumSet found;
+  found.whole = search(false);
+  found.degree = degree_around(field.rhs, window);
+  found.index_sum = equilibria.index_sum();
+  const bool is_missing = found.degree && found.index_sum && !found.accounts();
+  if (found.whole && is_missing && equilibria.count() <= few) {
+    search(true);
+    found.index_sum = equilibria.index_sum();
   }
+  found.points = equilibria.points();
   return found;
 }
 

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "analysis/dynamics/phase_plane.hpp"
+#include "analysis/dynamics/equilibria.hpp"
 
 namespace hmax {
 
@@ -66,14 +66,6 @@ std::optional<Eigen::Vector2d> newton_fixed_point(const PlanarMap& map, const Wi
 /// @param h  [s]
 bool is_spurious(const PlanarMap& f, double h, const Eigen::Vector2d& y, const Window& window);
 
-/// How often g turns around zero while y goes once around the border of the window, counter-clockwise: the
-/// sum of the indices of all zeros inside [strogatz2015nonlinear] section 6.8. The border is halved until g
-/// turns by less than pi / 4 from one look to the next; nothing where g is zero or not finite on it. (1 / 2
-/// pi) of the total change of the angle of g. Zero does not say that there are no zeros inside: a saddle (-1)
-/// and a node (+1) cancel.
-/// @return  an integer; the indices of nodes, foci and centres are +1, of saddles -1
-std::optional<int> degree_around(const PlanarMap& g, const Window& window);
-
 /// sign det(I - D Phi): the index of a fixed point as a zero of Phi(y) - y. Nothing at a multiplier of one to
 /// 1e-8, where it is not decided by the multipliers.
 /// The product of 1 - mu over the multipliers, conjugate pairs making positive factors. In the plane det(D
@@ -118,10 +110,12 @@ struct EquilibriumSet : DegreeCheck {
   std::vector<Equilibrium> points;  ///< by first then second component, each once
 };
 
-/// Every equilibrium in a window: those of find_equilibria and of the search in cells, as if f were
-/// Phi(y) - y. The index is sign det J: -1 of saddles, 1 of nodes, foci and centres, none of degenerate ones.
-/// Where equilibria are not isolated the search is cut short, and they are those of find_equilibria alone.
+/// Every equilibrium in a window: those of find_equilibria and of a search in cells, which are divided until
+/// a component of f has no zero there, a known equilibrium is the only one, or J changes so little that
+/// Newton's method takes over. It is cut short where equilibria are not isolated.
+/// @param most_evaluations  of f and J, after which the search is cut short
 /// @throws std::invalid_argument as find_equilibria
-EquilibriumSet search_equilibria(const PlanarField& field, const Window& window);
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
+                                 std::int64_t most_evaluations = 400'000);
 
 }  // namespace hmax

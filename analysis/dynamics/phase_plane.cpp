@@ -25,91 +25,6 @@ Vector2d at(const Window& window, double u, double v) {
   return window.lower + Vector2d(u, v).cwiseProduct(window.size());
 }
 
-/// Largest finite magnitudes of f or J over a grid: what "zero" is measured against.
-/// @param grid  intervals on each side: (grid + 1)^2 points
-template <class Of>
-auto largest_over(const Window& window, int grid, const Of& of) {
-  auto largest = of(window.lower);
-  largest.setZero();
-  for (int i = 0; i <= grid; ++i)
-    for (int j = 0; j <= grid; ++j) {
-      const auto sizes = of(at(window, double(i) / grid, double(j) / grid)).cwiseAbs().eval();
-      if (sizes.allFinite()) largest = largest.cwiseMax(sizes);
-    }
-  return largest;
-}
-
-/// A zero of f.
-struct Root {
-  Vector2d y;
-  /// What its coordinates are measured against: rounding errs by shares of themselves, whatever the window;
-  /// where Newton's method came near but slowly, or J is nearly singular, as at a multiple root, the window.
-  Vector2d size;
-  [[nodiscard]] Vector2d resolution() const { return 1e-6 * size; }
-};
-
-/// The part of the window within its size.
-Window around(const Root& root, const Window& window) {
-  return {(root.y - root.size).cwiseMax(window.lower), (root.y + root.size).cwiseMin(window.upper)};
-}
-
-Equilibrium equilibrium_at(const PlanarField& field, const Window& window, const Root& root) {
-  const Matrix2d J = field.jacobian(root.y);
-  return {root.y, classify(J, largest_over(around(root, window), 8, field.jacobian)), eigenvalues_2x2(J),
-          root.resolution()};
-}
-
-/// A coordinate that is zero to rounding is printed as 0.
-/// @param near       no farther from 0 than it
-/// @param tolerated  sizes of f
-void round_to_zero(const PlanarField& field, const Vector2d& near, const Vector2d& tolerated, Vector2d& y) {
-  for (int i = 0; i < 2; ++i) {
-    Vector2d rounded = y;
-    rounded(i) = 0;
-    if (std::abs(y(i)) < near(i) && (field.rhs(rounded).cwiseAbs().array() <= tolerated.array()).all())
-      y = rounded;
-  }
-}
-
-/// Newton's method from y, in units of the window; nothing when it does not arrive inside the window.
-/// @param scale  sizes of f
-std::optional<Root> newton(const PlanarField& field, const Window& window, const Vector2d& scale,
-                           Vector2d y) {
-  // Linear convergence to a double root gains one bit a step, so many more steps than to a simple one.
-  constexpr int most_steps = 300;
-  const Vector2d size = window.size();
-  Vector2d d = size;
-  const auto is_small = [&](double share, double of_window) {
-    return (d.cwiseAbs().array() <= share * y.cwiseAbs().cwiseMax(of_window * size).array()).all();
-  };
-  for (int step = 0; step < most_steps && !is_small(1e-14, 1e-3); ++step) {
-    const Vector2d f = field.rhs(y);
-    const Matrix2d J = field.jacobian(y);
-    if (!f.allFinite() || !J.allFinite()) return std::nullopt;
-    // Minimum-norm step: on a line of equilibria J is singular and the nearest point of the line is wanted.
-    // J S (d / S) = -f with S the sizes of the window.
-    d.setZero();
-    if (!f.isZero(0)) d = minimum_norm_solution(J * size.asDiagonal(), -f);
-    if (!d.allFinite()) return std::nullopt;
-    const double length = d.norm();
-    if (length > 1) d /= length;  // near a fold of f the full step may leave for infinity
-    d = d.cwiseProduct(size);
-    y += d;
-  }
-  const Vector2d f = field.rhs(y).cwiseAbs();
-  const bool is_known = is_small(1e-6, 1e-10);
-  if (!is_known && (d.cwiseAbs().array() > 1e-5 * size.array()).any()) return std::nullopt;  // on its way
-  if (!f.allFinite() || (f.array() > 1e-12 * scale.array()).any()) return std::nullopt;
-  const Vector2d slack = 1e-9 * size;
-  if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
-    return std::nullopt;
-  const Matrix2d J = field.jacobian(y) * size.asDiagonal();
-  const bool is_simple = is_known && std::abs(J.determinant()) > 1e-10 * J.squaredNorm();
-  round_to_zero(field, (is_simple ? 1e-13 : 1e-7) * size, f.cwiseMax(1e-15 * scale), y);
-  // Where terms of f cancel, coordinates near 0 have the rounding of these terms.
-  return Root{y, is_simple ? y.cwiseAbs().cwiseMax(1e-7 * size) : size};
-}
-
 /// @throws std::invalid_argument  when the table has no such column
 std::size_t column_index(const Table& table, std::string_view name) {
   const auto found = std::find(table.columns.begin(), table.columns.end(), name);
@@ -166,51 +81,23 @@ std::string_view name_of(EquilibriumType type) {
 }
 
 // T = lambda_1 + lambda_2, D = lambda_1 lambda_2; damping ratio zeta = -T / (2 sqrt(D)) where D > 0.
-EquilibriumType classify(const Matrix2d& J, const Matrix2d& scale) {
+EquilibriumType classify(const Matrix2d& slopes) {
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const Matrix2d J = slopes / slopes.cwiseAbs().maxCoeff();  // whose determinant does not overflow
   const double T = J.trace();
   const double D = J.determinant();
-  // The largest determinant that entries of these sizes can make.
-  const double largest = std::abs(scale(0, 0) * scale(1, 1)) + std::abs(scale(0, 1) * scale(1, 0));
-  if (!(std::abs(D) > 1e-7 * largest)) return EquilibriumType::degenerate;
+  // The rounding of the difference of the two products.
+  const double rounded = 4 * epsilon * (std::abs(J(0, 0) * J(1, 1)) + std::abs(J(0, 1) * J(1, 0)));
+  if (!(std::abs(D) > rounded)) return EquilibriumType::degenerate;
   if (D < 0) return EquilibriumType::saddle;
   // The rounding of T itself, and the damping ratio T / (2 sqrt D) below which a focus is called a centre.
-  const double rounding = 4 * std::numeric_limits<double>::epsilon() * J.diagonal().cwiseAbs().sum();
+  const double rounding = 4 * epsilon * J.diagonal().cwiseAbs().sum();
   if (std::abs(T) <= std::max(rounding, 2e-12 * std::sqrt(D))) return EquilibriumType::centre;
   // Nodes include T^2 = 4 D to rounding: critical damping computed from m, c and k rarely hits it exactly.
   // Discriminant T^2 - 4 D of lambda^2 - T lambda + D.
-  const bool node = T * T >= 4 * D * (1 - 8 * std::numeric_limits<double>::epsilon());
+  const bool node = T * T >= 4 * D * (1 - 8 * epsilon);
   if (T < 0) return node ? EquilibriumType::stable_node : EquilibriumType::stable_focus;
   return node ? EquilibriumType::unstable_node : EquilibriumType::unstable_focus;
-}
-
-EquilibriumType classify(const Matrix2d& J) { return classify(J, J); }
-
-std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
-                                            const Vector2d& start) {
-  require_valid(window);
-  const Vector2d scale = largest_over(window, 15, field.rhs);
-  const auto root = newton(field, window, scale, start);
-  if (!root) return std::nullopt;
-  return equilibrium_at(field, window, *root);
-}
-
-// Newton's method from the centres of a grid of cells.
-std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
-  require_valid(window);
-  if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
-  const Vector2d scale = largest_over(window, std::max(8, starts), field.rhs);
-  std::vector<Equilibrium> found;
-  for (int i = 0; i < starts; ++i)
-    for (int j = 0; j < starts; ++j) {
-      const auto root = newton(field, window, scale, at(window, (i + 0.5) / starts, (j + 0.5) / starts));
-      if (root && std::ranges::none_of(
-                      found, [&](const Equilibrium& known) { return known.is(root->y, root->resolution()); }))
-        found.push_back(equilibrium_at(field, window, *root));
-    }
-  std::sort(found.begin(), found.end(), [](const Equilibrium& a, const Equilibrium& b) {
-    return std::pair(a.state(0), a.state(1)) < std::pair(b.state(0), b.state(1));
-  });
-  return found;
 }
 
 // The direction is that on a square picture of the window, f_i / size_i, normalised there; arrows are

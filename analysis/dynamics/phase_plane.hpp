@@ -87,12 +87,11 @@ struct Equilibrium {
   EquilibriumType type;   ///< by classify()
   std::array<std::complex<double>, 2>
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
-  /// In the units of the two components: what is nearer in both is this one, but for rounding.
-  Eigen::Vector2d resolution = Eigen::Vector2d::Zero();
-
-  [[nodiscard]] bool is(const Eigen::Vector2d& other, const Eigen::Vector2d& its_resolution) const {
-    return ((state - other).cwiseAbs().array() <= resolution.cwiseMax(its_resolution).array()).all();
-  }
+  /// Of f around it, the only zero there; nothing where it is not isolated, or f not finite around it.
+  std::optional<int> index{};
+  /// Whether J jumps there. Then eigenvalues are the rates of growth along the rays that motions follow, or
+  /// rate and angular frequency of a turn.
+  bool kink = false;
 };
 
 /// The type of the equilibrium with Jacobian J, from the signs of T, D and T^2 - 4 D. [strogatz2015nonlinear]
@@ -101,22 +100,10 @@ struct Equilibrium {
 ///   degenerate.
 /// A centre needs T to be zero to rounding: |T| <= 1e-12 of 2 sqrt(D), a damping ratio no measurement can
 /// tell from 0. A critically damped system (T^2 = 4 D) counts as a node.
-/// @param scale  typical magnitudes of the entries of J; D is zero when below 1e-7 of what these entries
-/// could make: a double root is known to the square root of rounding
-EquilibriumType classify(const Eigen::Matrix2d& J, const Eigen::Matrix2d& scale);
-/// The same with the entries of J themselves as magnitudes.
 EquilibriumType classify(const Eigen::Matrix2d& J);
 
-/// The equilibrium in the window that Newton's method reaches from a point; nothing where it reaches none.
-/// y <- y - J^-1 f by at most 120 steps, none longer than the window; found when |f_i| <= 1e-12 of its
-/// largest value on a grid.
-/// @throws std::invalid_argument when the window is empty or not finite
-std::optional<Equilibrium> equilibrium_from(const PlanarField& field, const Window& window,
-                                            const Eigen::Vector2d& start);
-
-/// Every equilibrium in the window that Newton's method reaches from a grid of starts x starts points, sorted
-/// by first then second component, each once. A line of equilibria is represented by points of it, all
-/// `degenerate`.
+/// The equilibria in the window that Newton's method reaches from a grid, see Equilibria, by first then
+/// second component. A line of equilibria is represented by points of it, all `degenerate`.
 /// @param starts  of each component: starts^2 Newton iterations
 /// @throws std::invalid_argument when the window is empty or not finite, or starts < 1
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts = 15);

@@ -203,8 +203,8 @@ std::string equilibria_table(const PhaseView& view, const Console& console) {
   const auto names = states_with_units(view.problem);
   TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
   for (const Equilibrium& e : view.equilibria)
-    table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
-               in_words(e.eigenvalues)});
+    table.add({fmt::format("{}{}", name_of(e.type), e.kink ? ", kink" : ""), short_name(e.state(0)),
+               short_name(e.state(1)), in_words(e.eigenvalues)});
   return "\n" + table.text(console) + guarantee(view) + "\n";
 }
 
@@ -253,7 +253,7 @@ std::string guarantee(const PhaseView& view) {
                    {.one = "equilibrium",
                     .many = "equilibria",
                     .of = "field",
-                    .without = "degenerate",
+                    .without = "without an index",
                     .border = "an equilibrium lies on it, or the field is not finite there"});
 }
 
@@ -294,6 +294,10 @@ PhaseView view_of(const PhaseOptions& options) {
         fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at); "
                     "what the motion settles to is shown by --poincare.",
                     short_name(t)));
+  if (std::ranges::any_of(view.equilibria, &Equilibrium::kink))
+    view.remarks.push_back(
+        "At a kink the field has no Jacobian: two real eigenvalues are the rates along the rays that motions "
+        "follow, a pair of complex ones is rate and angular frequency of a turn.");
   if (view.equilibria.empty())
     view.remarks.push_back(
         fmt::format("There is no equilibrium with {} from {} to {} and {} from {} to {}; look elsewhere with "
@@ -336,6 +340,7 @@ Json to_json(const std::vector<Equilibrium>& equilibria) {
     list.push_back({{"x", e.state(0)},
                     {"v", e.state(1)},
                     {"type", name_of(e.type)},
+                    {"kink", e.kink},
                     {"eigenvalues", to_json(e.eigenvalues)}});
   return list;
 }
@@ -350,9 +355,11 @@ std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
 }
 
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
-  const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
-  const Vector2d direction = eigenvector(J, saddle.eigenvalues[into ? 1 : 0].real());
   const double small = 1e-4 * view.window.size().minCoeff();
+  // At a kink J is that of one side, with eigenvalues of its own.
+  const Vector2d beside = saddle.state + (saddle.kink ? small : 0.0) * Vector2d(1, 0.4);
+  const Eigen::Matrix2d J = view.field.jacobian(beside);
+  const Vector2d direction = eigenvector(J, eigenvalues_2x2(J)[into ? 1 : 0].real());
   const Problem problem = into ? reversed(view.still) : view.still;
   std::vector<Curve> ways;
   for (const double sign : {1.0, -1.0}) {

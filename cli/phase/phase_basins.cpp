@@ -34,11 +34,13 @@ void require_attractor(const PhaseView& view) {
         fmt::format("--basins is for problems that do not depend on time, and {} is driven; set its force to "
                     "zero, or see what it settles to with --poincare",
                     view.problem.id));
-  if (std::ranges::none_of(view.equilibria, attracts))
-    throw InputError(fmt::format(
-        "no stable equilibrium of {} was found in the window, so nothing has a basin; {}", view.problem.id,
-        view.check.accounts() ? "look elsewhere with --window"
-                              : "some may have been missed: narrow --window"));
+  if (std::ranges::any_of(view.equilibria, attracts)) return;
+  const bool is_told =
+      view.check.accounts() &&
+      std::ranges::count(view.equilibria, EquilibriumType::degenerate, &Equilibrium::type) == 0;
+  throw InputError(fmt::format(
+      "no stable equilibrium of {} was found in the window, so nothing has a basin; {}", view.problem.id,
+      is_told ? "look elsewhere with --window" : "some may have been missed: narrow --window"));
 }
 
 /// Columns and rows of --cells, "200" or "200,100". @param most  of either

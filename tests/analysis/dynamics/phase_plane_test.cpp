@@ -1,9 +1,12 @@
 #include "analysis/dynamics/phase_plane.hpp"
 
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+
+#include "analysis/dynamics/fixed_point_search.hpp"
 
 namespace hmax {
 namespace {
@@ -264,6 +267,215 @@ TEST(PhasePlane, ARealEigenvalueHasItsDirection) {
     EXPECT_NEAR(d.norm(), 1, 1e-15);
     EXPECT_LT((J * d - lambda * d).norm(), 1e-14) << lambda;
   }
+}
+
+/// x' = v, v' = f(x) - c v with f'(x).
+PlanarField oscillator(std::function<double(double)> f, std::function<double(double)> slope, double c = 1) {
+  return {[=](const Vector2d& y) { return Vector2d(y(1), f(y(0)) - c * y(1)); },
+          [=](const Vector2d& y) { return (Matrix2d() << 0, 1, slope(y(0)), -c).finished(); }};
+}
+
+/// f(x) = -a x where x > 0, -b x elsewhere.
+PlanarField kinked(double a, double b, double c = 1) {
+  return oscillator([=](double x) { return -(x > 0 ? a : b) * x; },
+                    [=](double x) { return -(x > 0 ? a : b); }, c);
+}
+
+PlanarField power(double root, int n) {
+  return oscillator([=](double x) { return -std::pow(x - root, n); },
+                    [=](double x) { return -n * std::pow(x - root, n - 1); });
+}
+
+Window square_of(double far) { return {{-far, -far}, {far, far}}; }
+
+TEST(Equilibria, AMultipleZeroIsOneDegeneratePoint) {
+  for (const double far : {1.03, 50.0, 1e4, 1e9})
+    for (const double root : {0.0, 1.0})
+      for (const int n : {2, 3, 5, 9}) {
+        const auto found = search_equilibria(power(root, n), square_of(far));
+        ASSERT_EQ(found.points.size(), 1U) << far << " " << root << " " << n;
+        EXPECT_EQ(found.points[0].type, EquilibriumType::degenerate);
+        EXPECT_NEAR(found.points[0].state(0), root, 1e-6);
+        EXPECT_EQ(found.points[0].index, n % 2) << far << " " << n;
+        EXPECT_TRUE(found.accounts());
+      }
+  // A saddle and a node in one, whose index is 0.
+  const PlanarField saddle_node{
+      [](const Vector2d& y) { return Vector2d(y(0) * y(0), -y(1)); },
+      [](const Vector2d& y) { return (Matrix2d() << 2 * y(0), 0, 0, -1).finished(); }};
+  const auto found = search_equilibria(saddle_node, square_of(1));
+  ASSERT_EQ(found.points.size(), 1U);
+  EXPECT_EQ(found.points[0].type, EquilibriumType::degenerate);
+  EXPECT_EQ(found.points[0].index, 0);
+}
+
+/// (x - 1)^7 and its terms, which cancel to rounding within 0.01 of 1.
+TEST(Equilibria, WhatRoundingHidesIsOneDegeneratePoint) {
+  const auto expanded = [](double x) {
+    return -(((((((x - 7) * x + 21) * x - 35) * x + 35) * x - 21) * x + 7) * x - 1);
+  };
+  const auto slope = [](double x) {
+    return -((((((7 * x - 42) * x + 105) * x - 140) * x + 105) * x - 42) * x + 7);
+  };
+  for (const double far : {1.0, 1.1, 50.0, 1e4}) {
+    const auto found = search_equilibria(oscillator(expanded, slope), square_of(far));
+    ASSERT_EQ(found.points.size(), 1U) << far;
+    EXPECT_EQ(found.points[0].type, EquilibriumType::degenerate) << far;
+    EXPECT_NEAR(found.points[0].state(0), 1, 0.02) << far;
+  }
+}
+
+TEST(Equilibria, PairsAreTwoDownToRounding) {
+  for (const double far : {1.03, 50.0, 1e4, 1e9})
+    for (const double apart : {1e-5, 1e-6, 1e-7, 1e-8, 1e-9}) {
+      const auto found = search_equilibria(oscillator([=](double x) { return (x - 1) * (x - 1 - apart); },
+                                                      [=](double x) { return 2 * (x - 1) - apart; }),
+                                           square_of(far));
+      ASSERT_EQ(found.points.size(), 2U) << far << " " << apart;
+      EXPECT_EQ(found.points[0].type, EquilibriumType::stable_node);
+      EXPECT_EQ(found.points[1].type, EquilibriumType::saddle);
+      EXPECT_NEAR(found.points[1].state(0) - found.points[0].state(0), apart, 1e-15);
+      EXPECT_TRUE(found.accounts());
+    }
+  // Around zero, and what only nearly is one.
+  const auto parabola = [](double above) {
+    return oscillator([=](double x) { return x * x + above; }, [](double x) { return 2 * x; });
+  };
+  EXPECT_EQ(search_equilibria(parabola(-1e-18), square_of(1)).points.size(), 2U);
+  EXPECT_TRUE(search_equilibria(parabola(1e-12), square_of(1)).points.empty());
+}
+
+/// Between two nodes a millionth of the window apart lies a saddle that no grid shows.
+TEST(Equilibria, AThirdOneIsFoundBetweenTwo) {
+  const auto field = oscillator([](double x) { return -x + 1e-6 * std::tanh(2e6 * x); },
+                                [](double x) { return -1 + 2 / std::pow(std::cosh(2e6 * x), 2); });
+  const auto found = search_equilibria(field, {{-3.1, -2.2}, {2.7, 2.9}});
+  ASSERT_EQ(found.points.size(), 3U);
+  EXPECT_EQ(found.points[1].type, EquilibriumType::saddle);
+  EXPECT_TRUE(found.accounts());
+}
+
+TEST(Equilibria, NoneIsListedOutsideTheWindow) {
+  const auto count = [](int n, double upper) {
+    const auto found = search_equilibria(power(1, n), {{-1, -1}, {upper, 1}});
+    for (const Equilibrium& e : found.points) EXPECT_LE(e.state(0), upper);
+    return found.points.size();
+  };
+  for (const int n : {1, 2, 3}) {
+    EXPECT_EQ(count(n, 1), 1U) << n;
+    EXPECT_EQ(count(n, 1 - 1e-9), 0U) << n;
+  }
+}
+
+TEST(Equilibria, TailsThatNeverEndInAZeroHaveNone) {
+  const auto exponential = [](double minus) {
+    return oscillator([=](double x) { return std::exp(x) - minus; }, [](double x) { return std::exp(x); });
+  };
+  for (const double far : {5.0, 50.0, 500.0}) {
+    const auto none = search_equilibria(exponential(0), square_of(far));
+    EXPECT_TRUE(none.points.empty()) << far;
+    EXPECT_TRUE(none.whole) << far;
+    const auto one = search_equilibria(exponential(1), square_of(far));
+    ASSERT_EQ(one.points.size(), 1U) << far;
+    EXPECT_EQ(one.points[0].type, EquilibriumType::saddle);
+    EXPECT_TRUE(one.accounts()) << far;
+  }
+}
+
+/// Lines, straight and closed, and a stretch of one between two kinks.
+TEST(Equilibria, LinesOfThemAreNotPoints) {
+  const PlanarField line{[](const Vector2d& y) { return Vector2d(y(1), -y(1)); },
+                         [](const Vector2d&) { return (Matrix2d() << 0, 1, 0, -1).finished(); }};
+  const PlanarField circle{
+      [](const Vector2d& y) -> Vector2d { return (1 - y.squaredNorm()) * Vector2d(y(0) - 300, y(1) + 200); },
+      [](const Vector2d& y) -> Matrix2d {
+        return (1 - y.squaredNorm()) * Matrix2d::Identity() -
+               2 * Vector2d(y(0) - 300, y(1) + 200) * y.transpose();
+      }};
+  const auto gap = oscillator([](double x) { return std::max(-0.5 - x, 0.0) - std::max(x - 0.5, 0.0); },
+                              [](double x) { return std::abs(x) > 0.5 ? -1.0 : 0.0; });
+  for (const PlanarField& field : {line, circle, gap})
+    for (const double far : {1.1, 50.0}) {
+      const auto found = search_equilibria(field, square_of(far));
+      EXPECT_FALSE(found.points.empty());
+      EXPECT_FALSE(found.whole);
+      EXPECT_FALSE(found.index_sum);
+      for (const Equilibrium& e : found.points)
+        EXPECT_EQ(e.type, EquilibriumType::degenerate) << far << " " << e.state.transpose();
+    }
+}
+
+/// Half turns of the two linear oscillators on both sides: pi / w of each, growing by -c / 2 in time.
+TEST(Equilibria, AKinkHasTheTypeOfTheFieldAroundIt) {
+  const auto at = [](const PlanarField& field, double far) {
+    const auto found = search_equilibria(field, square_of(far));
+    EXPECT_EQ(found.points.size(), 1U);
+    EXPECT_TRUE(found.accounts());
+    EXPECT_TRUE(found.points.at(0).kink);
+    return found.points.at(0);
+  };
+  for (const double far : {1.03, 50.0, 1e6}) {
+    const Equilibrium focus = at(kinked(1.5, 0.5), far);
+    EXPECT_EQ(focus.type, EquilibriumType::stable_focus);
+    EXPECT_NEAR(focus.eigenvalues[0].real(), -0.5, 1e-5);
+    EXPECT_NEAR(focus.eigenvalues[0].imag(), 2 / (1 / std::sqrt(1.25) + 1 / std::sqrt(0.25)), 1e-5);
+    EXPECT_EQ(at(kinked(1.5, 0.5, -0.1), far).type, EquilibriumType::unstable_focus);
+    EXPECT_EQ(at(kinked(1.5, 0.5, 0), far).type, EquilibriumType::centre);
+    EXPECT_EQ(at(kinked(1001, 1), far).type, EquilibriumType::stable_focus);
+    // v = s x of both sides are rays: s^2 + 4 s + 1.5 = 0, s^2 + 4 s + 0.5 = 0.
+    const Equilibrium node = at(kinked(1.5, 0.5, 4), far);
+    EXPECT_EQ(node.type, EquilibriumType::stable_node);
+    EXPECT_NEAR(node.eigenvalues[0].real(), -2 + std::sqrt(3.5), 1e-5);
+    EXPECT_NEAR(node.eigenvalues[1].real(), -2 - std::sqrt(3.5), 1e-5);
+    EXPECT_EQ(at(kinked(-0.5, -1.5), far).type, EquilibriumType::saddle);
+    EXPECT_EQ(at(kinked(-0.5, -1.5), far).index, -1);
+    // -|x|: a saddle on the left, a focus on the right.
+    const Equilibrium half = at(kinked(1, -1), far);
+    EXPECT_EQ(half.type, EquilibriumType::degenerate);
+    EXPECT_EQ(half.index, 0);
+  }
+}
+
+/// x' = v, v' = -x - sign(v), and slopes that vanish like a logarithm: from far both look simple.
+TEST(Equilibria, AJumpOrAVanishingSlopeIsDegenerate) {
+  const PlanarField friction{[](const Vector2d& y) {
+                               return Vector2d(y(1), -y(0) - (y(1) > 0 ? 1 : y(1) < 0 ? -1 : 0));
+                             },
+                             [](const Vector2d&) { return (Matrix2d() << 0, 1, -1, 0).finished(); }};
+  const auto flat = oscillator([](double x) { return -x * std::log1p(x * x); },
+                               [](double x) { return -std::log1p(x * x) - 2 * x * x / (1 + x * x); });
+  for (const PlanarField& field : {friction, flat})
+    for (const double far : {1.03, 50.0, 1e4}) {
+      const auto found = search_equilibria(field, square_of(far));
+      ASSERT_EQ(found.points.size(), 1U) << far;
+      EXPECT_EQ(found.points[0].type, EquilibriumType::degenerate) << far;
+    }
+  EXPECT_EQ(search_equilibria(flat, square_of(1e9)).points.at(0).type, EquilibriumType::degenerate);
+}
+
+/// What is shifted or has other units has the same equilibria.
+TEST(Equilibria, UnitsAndOriginDoNotMatter) {
+  for (const double unit : {1e-9, 1.0, 1e9})
+    for (const double force : {1e-9, 1.0, 1e9})
+      for (const double shift : {0.0, 1e6}) {
+        const PlanarField well{[=](const Vector2d& y) {
+                                 const double x = y(0) / unit - shift;
+                                 return Vector2d(y(1), unit * force * (x - x * x * x) - y(1));
+                               },
+                               [=](const Vector2d& y) {
+                                 const double x = y(0) / unit - shift;
+                                 return (Matrix2d() << 0, 1, force * (1 - 3 * x * x), -1).finished();
+                               }};
+        for (const double far : {2.0, 1e3, 1e6}) {
+          const Vector2d middle(unit * shift, 0), reach(unit * far, unit * far);
+          const auto found = search_equilibria(well, {middle - reach, middle + 1.1 * reach});
+          ASSERT_EQ(found.points.size(), 3U) << unit << " " << force << " " << shift << " " << far;
+          EXPECT_EQ(found.points[1].type, EquilibriumType::saddle);
+          for (int i = 0; i < 3; ++i)
+            EXPECT_NEAR(found.points[static_cast<std::size_t>(i)].state(0) / unit, shift + i - 1, 1e-8);
+          EXPECT_TRUE(found.accounts());
+        }
+      }
 }
 
 }  // namespace

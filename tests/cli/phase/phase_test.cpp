@@ -317,6 +317,54 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   EXPECT_TRUE(says(runaway.json().at("status").get<std::string>(), "diverges"));
 }
 
+/// x' = v, v' = `force`.
+void write_oscillator(const Shell& shell, const std::string& force) {
+  write_text(shell / "own.toml", "[equations]\nx = \"v\"\nv = \"" + force + "\"\n[initial]\nx = 1\nv = 0\n");
+}
+
+TEST(Phase, AStableKinkHasABasin) {
+  const Shell shell;
+  write_oscillator(shell, "-x - 0.5*abs(x) - v");
+  const std::string basins = "own.toml --window -2,2,-2,2 --basins --cells 6";
+  const Json document = phase(shell, basins);
+  EXPECT_EQ(types_of(document), Types{"stable_focus"});
+  EXPECT_EQ(document.at("equilibria")[0].at("kink"), true);
+  EXPECT_EQ(document.at("attractors")[0].at("share"), 1);
+  EXPECT_EQ(document.at("undecided"), 0);
+  EXPECT_TRUE(says(document.at("remarks")[0].get<std::string>(), "kink"));
+  EXPECT_TRUE(says(shell.hmax("phase --problem " + basins).out, "stable_focus, kink"));
+  // A saddle on the left of it.
+  write_oscillator(shell, "-abs(x) - v");
+  const Json search = phase(shell, "own.toml --window -2,2,-2,2").at("search");
+  EXPECT_EQ(search.at("index_sum"), 0);
+  EXPECT_EQ(search.at("degree"), 0);
+  expect_refused(shell.hmax("phase --problem " + basins), "nothing has a basin");
+}
+
+TEST(Phase, FixedPointsFarFromZeroAreFound) {
+  const Shell shell;
+  write_oscillator(shell, "1e6 - x - v");
+  const Json map = phase(shell, "own.toml --window 0,2e6,-1e6,1e6 --method rk4 --h 0.1");
+  ASSERT_EQ(map.at("fixed_points").size(), 1U);
+  EXPECT_EQ(map.at("fixed_points")[0].at("spurious"), false);
+  EXPECT_NEAR(map.at("fixed_points")[0].at("x").get<double>(), 1e6, 1e-4);
+  EXPECT_NEAR(map.at("equilibria")[0].at("x").get<double>(), 1e6, 1e-9);
+  write_oscillator(shell, "1e6 - x - v + cos(t)");
+  const Json section =
+      phase(shell, "own.toml --poincare --periods 20 --period 6.283185307179586 --window 0,2e6,-1e6,1e6");
+  EXPECT_EQ(section.at("periodic").size(), 1U);
+}
+
+TEST(Phase, AStripThatStiffensHasOneEquilibriumInAnyWindow) {
+  const Shell shell;
+  write_oscillator(shell, "9.81 - (0.4*v + 40*x*exp(x/0.02)) / 0.1");
+  for (const char* window : {"-0.1,0.1,-1,1", "-1,1,-1,1", "-5,5,-100,100"}) {
+    const Json document = phase(shell, std::string("own.toml --window ") + window);
+    EXPECT_EQ(types_of(document), Types{"stable_focus"}) << window;
+    EXPECT_EQ(document.at("search").at("cut_short"), false) << window;
+  }
+}
+
 TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
   const Shell shell;
   const Json document = phase(
@@ -384,7 +432,7 @@ TEST(Phase, RefusesBasinsOfNothing) {
   expect_refused(shell.hmax("phase --problem liver_cubic --set c=0 --basins"),
                  "look elsewhere with --window");
   expect_refused(
-      shell.hmax("phase --problem liver_cubic --set k1=-1 --basins --window=-1e20,1e20,-1e20,1e20"),
+      shell.hmax("phase --problem liver_cubic --set k1=-1 --basins --window=-1e60,1e60,-1e60,1e60"),
       "some may have been missed: narrow --window");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1"), "--cells");
   expect_refused(shell.hmax("phase --problem liver_cubic --basins --cells 1e6"), "--cells");
