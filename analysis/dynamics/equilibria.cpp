@@ -211,7 +211,6 @@ bool Equilibria::is_simple(const Vector2d& y, const Boxes& found) {
   return is_within(bend(y, found.inner / 1024), 1e-9 * field_.jacobian(y).cwiseAbs() * size_);
 }
 
-/// By how much J differs between the points of a ring, as a share of itself.
 double Equilibria::change_of_slopes(const Vector2d& y, const Vector2d& r) {
   const Slopes J = slopes(field_, y, r);
   double change = 0;

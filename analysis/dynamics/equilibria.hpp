@@ -44,6 +44,8 @@ class Equilibria {
   /// Newton's method from the centres of starts x starts cells.
   void take_grid(int starts);
 
+  /// By how much J differs between points of the border of a box of half widths r, as a share of itself.
+  double change_of_slopes(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
   /// Whether a known equilibrium lies in this box.
   [[nodiscard]] bool holds(const Window& box) const;
   /// Whether an equilibrium is known that is the only one in all of this box.
@@ -77,7 +79,6 @@ class Equilibria {
   bool is_simple(const Eigen::Vector2d& y, const Boxes& found);
   bool is_hidden_zero(const Eigen::Vector2d& y, const Boxes& found);
   bool has_neighbours(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
-  double change_of_slopes(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
   void judge_kink(const Boxes& found, Equilibrium& e);
   void judge(Eigen::Vector2d y, bool arrived);
   [[nodiscard]] bool is_known(const Eigen::Vector2d& y) const;

@@ -145,6 +145,7 @@ using Values = std::array<Vector2d, 5>;
 ///   take(start, leash)     starts it; the leash is in sizes of the window
 ///   covers(box, values)    whether nothing more is to be found in a box with these values
 ///   is_crowded(box)        whether there may be more than its size shows
+///   is_straight(box)       whether what the values in a box tell of slopes may be believed
 ///   ends()                 whether the search has to end early
 template <class Points>
 class CellSearch {
@@ -217,8 +218,9 @@ class CellSearch {
     if (inverse.allFinite() && !is_crowded) {
       // u = -B^-1 (a + misfit): where |B^-1 a| exceeds 1 + |B^-1| doubt no zero lies in the cell.
       const Vector2d zero = inverse * a, around = inverse.cwiseAbs() * doubt;
-      if ((zero.cwiseAbs().array() > 1 + around.array()).any()) return;
-      if (around.maxCoeff() < 0.5) return take(cell);
+      const bool misses = (zero.cwiseAbs().array() > 1 + around.array()).any();
+      if ((misses || around.maxCoeff() < 0.5) && points_.is_straight(box))
+        return misses ? void() : take(cell);
     }
     if (width > (is_crowded ? 2 : fine)) return split(cell);
     take(cell);
@@ -253,6 +255,7 @@ class FixedPoints {
   }
   [[nodiscard]] bool ends() const { return left_ <= 0; }
   [[nodiscard]] static bool is_crowded(const Window& /*box*/) { return false; }
+  [[nodiscard]] static bool is_straight(const Window& /*box*/) { return true; }
   /// Ends where every point of the cell is fixed.
   bool covers(const Window& /*box*/, const Values& g) {
     constexpr double rounding = 1e-9;
@@ -296,6 +299,9 @@ class FieldPoints {
     return is_suspicious_ || (equilibria_.count() <= few && equilibria_.holds(box));
   }
   [[nodiscard]] bool covers(const Window& box, const Values& /*g*/) const { return equilibria_.covers(box); }
+  [[nodiscard]] bool is_straight(const Window& box) const {
+    return equilibria_.change_of_slopes((box.lower + box.upper) / 2, box.size() / 2) < 0.1;
+  }
   void take(const Vector2d& start, double leash) { equilibria_.take(start, leash); }
 
  private:

@@ -111,7 +111,7 @@ struct EquilibriumSet : DegreeCheck {
 };
 
 /// Every equilibrium in a window: those of find_equilibria and of a search in cells, which are divided until
-/// a component of f has no zero there, a known equilibrium is the only one, or J changes so little that
+/// a component of f has no zero there, a known equilibrium is the only one, or f is so nearly affine that
 /// Newton's method takes over. It is cut short where equilibria are not isolated.
 /// @param most_evaluations  of f and J, after which the search is cut short
 /// @throws std::invalid_argument as find_equilibria
