@@ -27,7 +27,7 @@ double turn(const Vector2d& a, const Vector2d& b) {
 
 /// The angle by which g turns from a to b on a straight line; NaN where that cannot be said.
 /// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
-/// looks of a smooth g.
+/// looks of a smooth g. Where g jumps it goes the shorter way, as motions do that slide along a jump.
 /// @param looks  that are left, of all lines
 template <class Function>
 double turn_between(const Function& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
@@ -39,7 +39,11 @@ double turn_between(const Function& g, const Vector2d& a, const Vector2d& ga, co
   const double first = turn(ga, gm), second = turn(gm, gb);
   constexpr double little = std::numbers::pi / 4;
   if (std::abs(first) < little && std::abs(second) < little) return first + second;
-  if (--looks <= 0 || middle == a || middle == b) return std::nan("");
+  if (middle == a || middle == b) {  // neighbouring numbers
+    const double jump = turn(ga, gb);
+    return std::abs(jump) < 0.99 * std::numbers::pi ? jump : std::nan("");
+  }
+  if (--looks <= 0) return std::nan("");
   return turn_between(g, a, ga, middle, gm, looks) + turn_between(g, middle, gm, b, gb, looks);
 }
 
@@ -143,9 +147,9 @@ std::optional<Vector2d> Equilibria::step(const Vector2d& y) {
   return d.cwiseProduct(size_);
 }
 
-/// Whether so many steps lead from each point of the border of a box into its inner quarter. Where f is not
-/// finite it has no motions either: those points do not count.
-bool Equilibria::returns(const Vector2d& y, const Vector2d& r, int steps) {
+/// Whether so many steps lead from each point of the border of a box into the box `to`. Where f is not finite
+/// it has no motions either: those points do not count.
+bool Equilibria::returns(const Vector2d& y, const Vector2d& r, const Vector2d& to, int steps) {
   int counted = 0;
   for (std::size_t k = 0; k < ring.size(); ++k) {
     Vector2d z = on_ring(y, r, k);
@@ -156,7 +160,7 @@ bool Equilibria::returns(const Vector2d& y, const Vector2d& r, int steps) {
       const auto d = step(z);
       if (!d || d->isZero(0)) return false;
       z += *d;
-      is_back = is_within(z - y, r / 4);
+      is_back = is_within(z - y, to);
     }
     if (!is_back) return false;
   }
@@ -174,7 +178,9 @@ std::optional<Equilibria::Boxes> Equilibria::boxes(const Vector2d& y, int steps)
     const Vector2d r = (std::ldexp(1.0, power) * size_).cwiseMax(least);
     if (r == before) continue;
     ++tried;
-    passed = returns(y, r, steps) ? passed + 1 : 0;
+    // Many steps may pass another zero: they must lead into the box before, so that boxes are a chain.
+    const Vector2d to = steps > 1 && tried > 1 ? Vector2d(before.cwiseMin(r / 4)) : Vector2d(r / 4);
+    passed = returns(y, r, to, steps) ? passed + 1 : 0;
     if (passed == 0 && found) break;
     if (passed == 2) found = Boxes{before, r, tried == 2};
     if (passed > 2) found->outer = r;
@@ -218,11 +224,17 @@ double Equilibria::change_of_slopes(const Vector2d& y, const Vector2d& r) {
   return change;
 }
 
-// A zero of order m is told from 4^m to 32^m times the rounding of f.
+// What hides a zero is rounding, which is as large in a smaller box: of a smooth f the bend falls by 64 or
+// more. Where there is none at all f is flat, by rounding only if it is still small where it no longer is.
 bool Equilibria::is_hidden_zero(const Vector2d& y, const Boxes& found) {
-  const Vector2d rounded = rounding(y, found.inner / 1024, found.inner);
-  return is_within(field_.rhs(y), 8 * rounded) &&
-         (found.from_rounding || is_within(bend(y, found.inner), 1e12 * rounded));
+  const auto bend_in = [&](double share) {
+    return bend(y, (share * found.inner).cwiseMax(8 * epsilon * y.cwiseAbs()));
+  };
+  if (!is_within(field_.rhs(y), 8 * rounding(y, found.inner / 1024, found.inner))) return false;
+  if (found.from_rounding) return true;
+  const Vector2d far = bend_in(1. / 1024), near = bend_in(1. / 8192);
+  return is_within(found.inner, size_ / 4) && is_within(far, 16 * near) &&
+         (near.array() > 0 || bend_in(1).array() <= 1e-6 * bend(y, size_).array()).all();
 }
 
 /// Whether Newton's method leads from around y to zeros that are not y.
@@ -240,6 +252,31 @@ bool Equilibria::has_neighbours(const Vector2d& y, const Vector2d& r) {
   return false;
 }
 
+/// Units of the second component in which both change each other alike, by J on the border of a box.
+double Equilibria::ratio_of_units(const Vector2d& y, const Vector2d& r) {
+  Matrix2d J = Matrix2d::Zero();
+  for (std::size_t k = 0; k < ring.size(); ++k) J += field_.jacobian(on_ring(y, r, k)).cwiseAbs();
+  return J(0, 1) > 0 && J(1, 0) > 0 ? std::sqrt(J(1, 0) / J(0, 1)) : size_(1) / size_(0);
+}
+
+// Of a smooth field J changes by an eighth as much on an eighth of the way.
+bool Equilibria::is_kink(const Vector2d& y, const Vector2d& r) {
+  const Vector2d units(1, ratio_of_units(y, r));
+  const auto change = [&](const Vector2d& at) {
+    double most = 0;
+    Matrix2d first;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+      const Matrix2d J =
+          units.cwiseInverse().asDiagonal() * field_.jacobian(on_ring(y, at, k)) * units.asDiagonal();
+      if (k == 0) first = J;
+      most = std::max(most, (J - first).norm() / (J.norm() + first.norm()));
+    }
+    return most;
+  };
+  const double near = change(r);
+  return near > 1e-6 && near > change(8 * r) / 2;  // 1e-6: no rounding of differences
+}
+
 // A field f(r u(phi)) = r g(phi) has the motions r' = r R(phi), phi' = P(phi): if P has no zero they turn,
 // and in a turn of the time T = int dphi / |P| grow by exp(int R dphi / |P|); otherwise its zeros are rays
 // that motions follow, with r' = R r. Of a linear field these are the eigenvalues.
@@ -247,28 +284,33 @@ void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
   constexpr int looks = 4096;
   // As far from rounding as from what bends.
   const Vector2d most = found.outer * std::sqrt(found.inner.cwiseQuotient(found.outer).maxCoeff());
-  Matrix2d J = Matrix2d::Zero();
-  for (std::size_t k = 0; k < ring.size(); ++k) J += field_.jacobian(on_ring(e.state, most, k)).cwiseAbs();
-  // In units in which both components change each other alike.
-  const double ratio = J(0, 1) > 0 && J(1, 0) > 0 ? std::sqrt(J(1, 0) / J(0, 1)) : size_(1) / size_(0);
+  const double ratio = ratio_of_units(e.state, most);
   Vector2d r(most(0), most(0) * ratio);
   r *= std::min(1.0, most(1) / r(1));
-  double time = 0, growth = 0, least = infinity, largest = -infinity, R_before = 0, P_before = 0;
-  for (int k = 0; k <= looks; ++k) {
+  double time = 0, growth = 0, least = infinity, largest = -infinity, R_before = 0, P_before = 0, P_first = 0;
+  const auto add_ray = [&](double rate) {
+    least = std::min(least, rate);
+    largest = std::max(largest, rate);
+  };
+  for (int k = 0; k <= looks + 1; ++k) {
     const double phi = 2 * std::numbers::pi * (k + 0.5) / looks;
     const Vector2d u(std::cos(phi), std::sin(phi));
     const Vector2d g = field_.rhs(e.state + r.cwiseProduct(u)).cwiseQuotient(r);
     const double R = u.dot(g), P = u(0) * g(1) - u(1) * g(0);
     const bool is_ray = std::abs(P) <= 1e-12 * g.norm();
-    if (is_ray || (k > 0 && (P > 0) != (P_before > 0))) {
-      const double ray = is_ray ? R : R_before + (R - R_before) * P_before / (P_before - P);
-      least = std::min(least, ray);
-      largest = std::max(largest, ray);
+    if (is_ray || (k > 0 && (P > 0) != (P_before > 0)))
+      add_ray(is_ray ? R : R_before + (R - R_before) * P_before / (P_before - P));
+    if (k > 1) {  // a double zero, as of critical damping, between looks: the vertex of a parabola
+      const double curve = P - 2 * P_before + P_first, slope = (P - P_first) / 2;
+      if (std::abs(slope) < std::abs(curve) &&
+          std::abs(P_before - slope * slope / (2 * curve)) < 1e-3 * std::abs(curve))
+        add_ray(R_before);
     }
-    if (k > 0) {
+    if (k > 0 && k <= looks) {
       time += 2 * std::numbers::pi / looks / std::abs(P);
       growth += 2 * std::numbers::pi / looks * R / std::abs(P);
     }
+    P_first = P_before;
     R_before = R;
     P_before = P;
   }
@@ -278,8 +320,10 @@ void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
              : least > 0     ? EquilibriumType::unstable_node
              : e.index == -1 ? EquilibriumType::saddle
                              : EquilibriumType::degenerate;
+    if (largest < 0 || least > 0) e.index = 1;
     return;
   }
+  e.index = 1;
   const std::complex<double> lambda(growth / time, 2 * std::numbers::pi / time);
   e.eigenvalues = {lambda, std::conj(lambda)};
   e.type = std::abs(growth) < 1e-6 ? EquilibriumType::centre
@@ -292,31 +336,33 @@ void Equilibria::judge(Vector2d y, bool arrived) {
   const Vector2d inside = y.cwiseMax(window_.lower).cwiseMin(window_.upper);
   if (!is_within(y - inside, 16 * epsilon * y.cwiseAbs())) return;
   // A coordinate that is zero to rounding is printed as 0.
-  const auto rounded = [&inside](const Vector2d& to) -> Vector2d {
-    return (inside.cwiseAbs().array() <= to.array()).select(0.0, inside);
+  const auto rounded = [&](const Vector2d& to) -> Vector2d {
+    const Vector2d near = (inside.cwiseAbs().array() <= to.array()).select(0.0, inside);
+    return near.cwiseMax(window_.lower).cwiseMin(window_.upper);
   };
   auto found = boxes(y, 1);
   if (found && !is_simple(y, *found)) found.reset();
   const bool simple = found.has_value();
   if (!found && is_within(field_.rhs(y), 8 * rounding(y, 1e-9 * size_, size_))) {
     found = boxes(y, 60);
-    if (found && !is_hidden_zero(rounded(found->inner / 4), *found)) found.reset();
+    if (found && !is_hidden_zero(rounded(found->inner), *found)) found.reset();
   }
   if (!found && !(arrived && is_within(field_.rhs(y), 8 * rounding(y, Vector2d(0, 0), y.cwiseAbs())))) return;
-  y = rounded(found ? Vector2d(found->inner / 4) : Vector2d(1e-15 * size_));
+  y = rounded(found ? Vector2d(simple ? found->inner / 4 : found->inner) : Vector2d(1e-15 * size_));
+  if (is_known(y)) return;
   const Matrix2d J = field_.jacobian(y);
   Equilibrium e{.state = y, .type = EquilibriumType::degenerate, .eigenvalues = eigenvalues_2x2(J)};
-  const Vector2d reach = found ? found->outer : Vector2d(1e-6 * size_);
-  if (simple) {  // where J differs between the sides of y, and not less so nearer to it
-    const double change = change_of_slopes(y, found->inner);
-    e.kink = change > 1e-3 && change > change_of_slopes(y, 8 * found->inner) / 2;
-  }
+  Vector2d reach = found ? found->outer : Vector2d(1e-6 * size_);
+  if (found && std::ranges::any_of(
+                   known_, [&](const Known& other) { return is_within(other.point.state - y, reach); }))
+    reach = found->inner;
+  e.kink = simple && is_kink(y, found->inner);
   if (simple && !e.kink) e.type = classify(J);
   e.index = e.type == EquilibriumType::degenerate ? degree_around(field_.rhs, {y - reach, y + reach})
             : e.type == EquilibriumType::saddle   ? std::optional(-1)
                                                   : std::optional(1);
   if (e.kink) judge_kink(*found, e);
-  if (!found && has_neighbours(y, reach)) isolated_ = false;
+  if (!found && (!e.index || has_neighbours(y, reach))) isolated_ = false;
   known_.push_back({e, reach});
 }
 

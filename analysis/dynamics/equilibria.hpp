@@ -23,10 +23,12 @@ std::optional<int> degree_around(const std::function<Eigen::Vector2d(const Eigen
 
 /// The equilibria in a window that Newton's method finds, each once.
 ///
-/// No size of f and none of the window decides what is one. Around a point that Newton's method reaches boxes
-/// grow from rounding upwards, and Newton's steps start from the border of each:
+/// No size of f decides what is one, and the window only gives the ladder of boxes its rungs. Around a point
+/// that Newton's method reaches boxes grow from rounding upwards, each 8 times as large as the one before,
+/// and Newton's steps start from the border of each:
 ///   - one step leads into the inner quarter, in two boxes of a row: a simple zero;
-///   - some steps do: an isolated zero of higher order, or one that rounding hides, `degenerate`;
+///   - some steps lead into the box before: an isolated zero of higher order, or one that rounding hides,
+///     `degenerate`;
 ///   - neither in any box: it is not isolated if it is a zero at all, such as a point of a line of them.
 /// The smallest box tells how well the point is known, the largest what else is the same point. Where J
 /// jumps from one side of the smallest to the other the zero is a kink, and has the type of the piecewise
@@ -71,7 +73,7 @@ class Equilibria {
   };
 
   std::optional<Eigen::Vector2d> step(const Eigen::Vector2d& y);
-  bool returns(const Eigen::Vector2d& y, const Eigen::Vector2d& r, int steps);
+  bool returns(const Eigen::Vector2d& y, const Eigen::Vector2d& r, const Eigen::Vector2d& to, int steps);
   std::optional<Boxes> boxes(const Eigen::Vector2d& y, int steps);
   Eigen::Vector2d bend(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
   Eigen::Vector2d rounding(const Eigen::Vector2d& y, const Eigen::Vector2d& small,
@@ -79,6 +81,8 @@ class Equilibria {
   bool is_simple(const Eigen::Vector2d& y, const Boxes& found);
   bool is_hidden_zero(const Eigen::Vector2d& y, const Boxes& found);
   bool has_neighbours(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
+  double ratio_of_units(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
+  bool is_kink(const Eigen::Vector2d& y, const Eigen::Vector2d& r);
   void judge_kink(const Boxes& found, Equilibrium& e);
   void judge(Eigen::Vector2d y, bool arrived);
   [[nodiscard]] bool is_known(const Eigen::Vector2d& y) const;

@@ -402,10 +402,13 @@ EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
   found.index_sum = equilibria.index_sum();
   const bool is_missing = found.degree && found.index_sum && !found.accounts();
   if (found.whole && is_missing && equilibria.count() <= few) {
-    search(true);
+    found.whole = search(true);
     found.index_sum = equilibria.index_sum();
   }
   found.points = equilibria.points();
+  for (const Equilibrium& e : found.points)  // on which side of the border rounding decides
+    if ((e.state.array() == window.lower.array()).any() || (e.state.array() == window.upper.array()).any())
+      found.degree.reset();
   return found;
 }
 

@@ -249,12 +249,13 @@ std::string guarantee(const Problem& problem, const Window& w, const DegreeCheck
 }
 
 std::string guarantee(const PhaseView& view) {
-  return guarantee(view.problem, view.window, view.check, view.equilibria.size(),
-                   {.one = "equilibrium",
-                    .many = "equilibria",
-                    .of = "field",
-                    .without = "without an index",
-                    .border = "an equilibrium lies on it, or the field is not finite there"});
+  return guarantee(
+      view.problem, view.window, view.check, view.equilibria.size(),
+      {.one = "equilibrium",
+       .many = "equilibria",
+       .of = "field",
+       .without = "without an index",
+       .border = "an equilibrium lies on it, or the field is not finite or turns round at a jump there"});
 }
 
 Json search_document(const Window& w, const DegreeCheck& check, const std::string& status) {
@@ -300,8 +301,9 @@ PhaseView view_of(const PhaseOptions& options) {
         "follow, a pair of complex ones is rate and angular frequency of a turn.");
   if (view.equilibria.empty())
     view.remarks.push_back(
-        fmt::format("There is no equilibrium with {} from {} to {} and {} from {} to {}; look elsewhere with "
+        fmt::format("{} with {} from {} to {} and {} from {} to {}; look elsewhere with "
                     "--window xmin,xmax,vmin,vmax.",
+                    found.accounts() ? "There is no equilibrium" : "No equilibrium was found",
                     problem.states[0], short_name(window.lower(0)), short_name(window.upper(0)),
                     problem.states[1], short_name(window.lower(1)), short_name(window.upper(1))));
   return view;

@@ -386,15 +386,21 @@ TEST(Equilibria, TailsThatNeverEndInAZeroHaveNone) {
 TEST(Equilibria, LinesOfThemAreNotPoints) {
   const PlanarField line{[](const Vector2d& y) { return Vector2d(y(1), -y(1)); },
                          [](const Vector2d&) { return (Matrix2d() << 0, 1, 0, -1).finished(); }};
-  const PlanarField circle{
-      [](const Vector2d& y) -> Vector2d { return (1 - y.squaredNorm()) * Vector2d(y(0) - 300, y(1) + 200); },
-      [](const Vector2d& y) -> Matrix2d {
-        return (1 - y.squaredNorm()) * Matrix2d::Identity() -
-               2 * Vector2d(y(0) - 300, y(1) + 200) * y.transpose();
-      }};
+  const auto circle_and = [](double x, double v) {  // beside the circle a node
+    const Vector2d node(x, v);
+    return PlanarField{[node](const Vector2d& y) -> Vector2d { return (1 - y.squaredNorm()) * (y - node); },
+                       [node](const Vector2d& y) -> Matrix2d {
+                         return (1 - y.squaredNorm()) * Matrix2d::Identity() - 2 * (y - node) * y.transpose();
+                       }};
+  };
   const auto gap = oscillator([](double x) { return std::max(-0.5 - x, 0.0) - std::max(x - 0.5, 0.0); },
                               [](double x) { return std::abs(x) > 0.5 ? -1.0 : 0.0; });
-  for (const PlanarField& field : {line, circle, gap})
+  const auto off_centre = search_equilibria(circle_and(0, 0), {{0.5, 0.5}, {3, 3}});
+  EXPECT_GT(off_centre.points.size(), 9U);
+  EXPECT_FALSE(off_centre.whole);
+  EXPECT_FALSE(search_equilibria(circle_and(0, 0), square_of(2)).whole);
+  EXPECT_FALSE(search_equilibria(gap, {{-1000, -50}, {1100, 30}}).whole);
+  for (const PlanarField& field : {line, circle_and(300, -200), gap})
     for (const double far : {1.1, 50.0}) {
       const auto found = search_equilibria(field, square_of(far));
       EXPECT_FALSE(found.points.empty());
@@ -403,6 +409,33 @@ TEST(Equilibria, LinesOfThemAreNotPoints) {
       for (const Equilibrium& e : found.points)
         EXPECT_EQ(e.type, EquilibriumType::degenerate) << far << " " << e.state.transpose();
     }
+}
+
+TEST(Equilibria, ADegenerateOneHidesNoOther) {
+  for (const int n : {2, 3})
+    for (double d = 0.479; d > 1e-4; d /= 8) {
+      const auto field = oscillator([=](double x) { return std::pow(x, n) * (d - x); },
+                                    [=](double x) { return std::pow(x, n - 1) * (n * d - (n + 1) * x); });
+      const auto found = search_equilibria(field, square_of(2));
+      ASSERT_EQ(found.points.size(), 2U) << n << " " << d;
+      EXPECT_EQ(found.points[0].type, EquilibriumType::degenerate);
+      EXPECT_EQ(found.points[1].type, EquilibriumType::stable_node);
+      EXPECT_NEAR(found.points[1].state(0), d, 1e-12);
+      EXPECT_TRUE(found.accounts());
+    }
+}
+
+/// A damper that touches from x = 0 on.
+TEST(Equilibria, TheDegreeIsKnownWhereTheFieldJumps) {
+  const PlanarField contact{
+      [](const Vector2d& y) { return Vector2d(y(1), 9.81 - (y(0) > 0 ? 1e5 * y(0) + 50 * y(1) : 0)); },
+      [](const Vector2d& y) {
+        return (Matrix2d() << 0, 1, y(0) > 0 ? -1e5 : 0, y(0) > 0 ? -50 : 0).finished();
+      }};
+  const auto found = search_equilibria(contact, {{-0.01, -1}, {0.01, 1}});
+  EXPECT_EQ(found.degree, 1);
+  EXPECT_TRUE(found.accounts());
+  EXPECT_EQ(found.points.size(), 1U);
 }
 
 /// Half turns of the two linear oscillators on both sides: pi / w of each, growing by -c / 2 in time.
@@ -433,7 +466,28 @@ TEST(Equilibria, AKinkHasTheTypeOfTheFieldAroundIt) {
     const Equilibrium half = at(kinked(1, -1), far);
     EXPECT_EQ(half.type, EquilibriumType::degenerate);
     EXPECT_EQ(half.index, 0);
+    // Critical on the left, where v = -2 x is a ray.
+    EXPECT_EQ(at(kinked(1, 4, 4), far).type, EquilibriumType::stable_node);
   }
+  for (const double tall : {1e-4, 1e4})
+    EXPECT_EQ(search_equilibria(kinked(1, -1), {{-2, -2 * tall}, {2, 2 * tall}}).index_sum, 0) << tall;
+}
+
+/// v' = -x - c v with another c for each sign of v: damping that differs is seen beside a stiff spring.
+TEST(Equilibria, AKinkOfTheDampingIsOne) {
+  const auto damped = [](double k, double out, double in) {
+    return PlanarField{
+        [=](const Vector2d& y) { return Vector2d(y(1), -k * y(0) - (y(1) > 0 ? out : in) * y(1)); },
+        [=](const Vector2d& y) { return (Matrix2d() << 0, 1, -k, y(1) > 0 ? -out : -in).finished(); }};
+  };
+  for (const double wide : {1e-3, 2.0}) {
+    const auto stiff = search_equilibria(damped(1e6, -0.2, 1), {{-wide, -1}, {wide, 1}});
+    EXPECT_EQ(stiff.points.at(0).type, EquilibriumType::stable_focus) << wide;
+    EXPECT_TRUE(stiff.accounts());
+    EXPECT_NEAR(stiff.points.at(0).eigenvalues[0].real(), -0.2, 1e-4);  // half of the mean of both
+  }
+  EXPECT_EQ(search_equilibria(damped(1, 0.1, 2), square_of(2)).points.at(0).type,
+            EquilibriumType::stable_node);
 }
 
 /// x' = v, v' = -x - sign(v), and slopes that vanish like a logarithm: from far both look simple.
