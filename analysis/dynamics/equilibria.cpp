@@ -277,58 +277,98 @@ bool Equilibria::is_kink(const Vector2d& y, const Vector2d& r) {
   return near > 1e-6 && near > change(8 * r) / 2;  // 1e-6: no rounding of differences
 }
 
+/// The k-th of `looks` directions around 0, more and more of them towards the axes, beside which stiff fields
+/// turn: tan(phi) grows by equal factors from 1e-7 to 1e7.
+Vector2d direction(int k, int looks) {
+  const int quadrant = k / (looks / 4) % 4, i = k % (looks / 4);
+  const double s = std::log(1e7) * (8 * (i + 0.5) / looks - 1);
+  const Vector2d u = Vector2d(1, std::exp(s)).normalized();
+  return quadrant == 0   ? u
+         : quadrant == 1 ? Vector2d(-u(1), u(0))
+         : quadrant == 2 ? Vector2d(-u)
+                         : Vector2d(u(1), -u(0));
+}
+
+/// A field r g(u) in a direction u of length 1: r' = r R and phi' = P.
+struct Swirl {
+  double R, P, size;  ///< size: |g|
+};
+
+/// R on the ray between two directions where P changes its sign.
+template <class Field>
+double rate_on_ray(const Field& field, Vector2d from, Vector2d to) {
+  const bool sign = field(from).P > 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vector2d middle = (from + to).normalized();
+    ((field(middle).P > 0) == sign ? from : to) = middle;
+  }
+  return field(from).R;
+}
+
+/// R on a ray between two directions that P only touches, as that of critical damping.
+template <class Field>
+std::optional<double> rate_on_touched_ray(const Field& field, const Vector2d& from, const Vector2d& to) {
+  const auto at = [&](double t) { return field(((1 - t) * from + t * to).normalized()); };
+  double least = 0, most = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double third = (most - least) / 3;
+    const bool is_left = std::abs(at(least + third).P) < std::abs(at(most - third).P);
+    (is_left ? most : least) += is_left ? -third : third;
+  }
+  const Swirl found = at((least + most) / 2);
+  return std::abs(found.P) <= 1e-9 * found.size ? std::optional(found.R) : std::nullopt;
+}
+
 // A field f(r u(phi)) = r g(phi) has the motions r' = r R(phi), phi' = P(phi): if P has no zero they turn,
-// and in a turn of the time T = int dphi / |P| grow by exp(int R dphi / |P|); otherwise its zeros are rays
-// that motions follow, with r' = R r. Of a linear field these are the eigenvalues.
+// and in a turn of the time T = int dphi / |P| grow by exp(int R dphi / |P|), by trapezia; otherwise its
+// zeros are rays that motions follow, with r' = R r. Of a linear field these are the eigenvalues.
 void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
-  constexpr int looks = 4096;
+  constexpr int looks = 8192;
   // As far from rounding as from what bends.
   const Vector2d most = found.outer * std::sqrt(found.inner.cwiseQuotient(found.outer).maxCoeff());
   const double ratio = ratio_of_units(e.state, most);
   Vector2d r(most(0), most(0) * ratio);
   r *= std::min(1.0, most(1) / r(1));
-  double time = 0, growth = 0, least = infinity, largest = -infinity, R_before = 0, P_before = 0, P_first = 0;
-  const auto add_ray = [&](double rate) {
-    least = std::min(least, rate);
-    largest = std::max(largest, rate);
-  };
-  for (int k = 0; k <= looks + 1; ++k) {
-    const double phi = 2 * std::numbers::pi * (k + 0.5) / looks;
-    const Vector2d u(std::cos(phi), std::sin(phi));
+  const auto field = [&](const Vector2d& u) -> Swirl {
     const Vector2d g = field_.rhs(e.state + r.cwiseProduct(u)).cwiseQuotient(r);
-    const double R = u.dot(g), P = u(0) * g(1) - u(1) * g(0);
-    const bool is_ray = std::abs(P) <= 1e-12 * g.norm();
-    if (is_ray || (k > 0 && (P > 0) != (P_before > 0)))
-      add_ray(is_ray ? R : R_before + (R - R_before) * P_before / (P_before - P));
-    if (k > 1) {  // a double zero, as of critical damping, between looks: the vertex of a parabola
-      const double curve = P - 2 * P_before + P_first, slope = (P - P_first) / 2;
-      if (std::abs(slope) < std::abs(curve) &&
-          std::abs(P_before - slope * slope / (2 * curve)) < 1e-3 * std::abs(curve))
-        add_ray(R_before);
-    }
-    if (k > 0 && k <= looks) {
-      time += 2 * std::numbers::pi / looks / std::abs(P);
-      growth += 2 * std::numbers::pi / looks * R / std::abs(P);
-    }
-    P_first = P_before;
-    R_before = R;
-    P_before = P;
+    return {u.dot(g), u(0) * g(1) - u(1) * g(0), g.norm()};
+  };
+  std::vector<double> rates;
+  double time = 0, growth = 0;
+  std::array<Vector2d, 3> u{direction(looks - 2, looks), direction(looks - 1, looks)};
+  std::array<Swirl, 3> at{field(u[0]), field(u[1])};
+  for (int k = 0; k < looks; ++k) {
+    u[2] = direction(k, looks);
+    at[2] = field(u[2]);
+    const double here = std::abs(at[1].P);
+    if (here <= 1e-12 * at[1].size)
+      rates.push_back(at[1].R);
+    else if ((at[1].P > 0) != (at[2].P > 0))
+      rates.push_back(rate_on_ray(field, u[1], u[2]));
+    else if (here < std::abs(at[0].P) && here <= std::abs(at[2].P))
+      if (const auto rate = rate_on_touched_ray(field, u[0], u[2])) rates.push_back(*rate);
+    const double half = turn(u[1], u[2]) / 2;
+    time += half / here + half / std::abs(at[2].P);
+    growth += half * at[1].R / here + half * at[2].R / std::abs(at[2].P);
+    std::shift_left(u.begin(), u.end(), 1);
+    std::shift_left(at.begin(), at.end(), 1);
   }
-  if (least <= largest) {
-    e.eigenvalues = {largest, least};
-    e.type = largest < 0     ? EquilibriumType::stable_node
-             : least > 0     ? EquilibriumType::unstable_node
-             : e.index == -1 ? EquilibriumType::saddle
-                             : EquilibriumType::degenerate;
-    if (largest < 0 || least > 0) e.index = 1;
+  if (rates.empty()) {
+    e.index = 1;
+    const std::complex<double> lambda(growth / time, 2 * std::numbers::pi / time);
+    e.eigenvalues = {lambda, std::conj(lambda)};
+    e.type = std::abs(growth) < 1e-6 ? EquilibriumType::centre
+             : growth < 0            ? EquilibriumType::stable_focus
+                                     : EquilibriumType::unstable_focus;
     return;
   }
-  e.index = 1;
-  const std::complex<double> lambda(growth / time, 2 * std::numbers::pi / time);
-  e.eigenvalues = {lambda, std::conj(lambda)};
-  e.type = std::abs(growth) < 1e-6 ? EquilibriumType::centre
-           : growth < 0            ? EquilibriumType::stable_focus
-                                   : EquilibriumType::unstable_focus;
+  const auto [least, largest] = std::ranges::minmax(rates);
+  e.eigenvalues = {largest, least};
+  e.type = largest < 0     ? EquilibriumType::stable_node
+           : least > 0     ? EquilibriumType::unstable_node
+           : e.index == -1 ? EquilibriumType::saddle
+                           : EquilibriumType::degenerate;
+  if (largest < 0 || least > 0) e.index = 1;
 }
 
 /// @param arrived  whether y is a zero to rounding
@@ -361,7 +401,11 @@ void Equilibria::judge(Vector2d y, bool arrived) {
   e.index = e.type == EquilibriumType::degenerate ? degree_around(field_.rhs, {y - reach, y + reach})
             : e.type == EquilibriumType::saddle   ? std::optional(-1)
                                                   : std::optional(1);
-  if (e.kink) judge_kink(*found, e);
+  if (e.kink) {
+    const std::int64_t before = evaluations_;
+    judge_kink(*found, e);
+    evaluations_ = before;  // bounded by the number of points
+  }
   if (!found && (!e.index || has_neighbours(y, reach))) isolated_ = false;
   known_.push_back({e, reach});
 }

@@ -454,7 +454,14 @@ TEST(Equilibria, AKinkHasTheTypeOfTheFieldAroundIt) {
     EXPECT_NEAR(focus.eigenvalues[0].imag(), 2 / (1 / std::sqrt(1.25) + 1 / std::sqrt(0.25)), 1e-5);
     EXPECT_EQ(at(kinked(1.5, 0.5, -0.1), far).type, EquilibriumType::unstable_focus);
     EXPECT_EQ(at(kinked(1.5, 0.5, 0), far).type, EquilibriumType::centre);
-    EXPECT_EQ(at(kinked(1001, 1), far).type, EquilibriumType::stable_focus);
+    for (const double stiff : {1e3, 1e6, 1e9}) {
+      const Equilibrium contact = at(kinked(1 + stiff, 1, 0.1), far);
+      EXPECT_EQ(contact.type, EquilibriumType::stable_focus);
+      EXPECT_NEAR(contact.eigenvalues[0].real(), -0.05, 1e-4) << stiff;
+      EXPECT_NEAR(contact.eigenvalues[0].imag(), 2 / (1 / std::sqrt(0.9975 + stiff) + 1 / std::sqrt(0.9975)),
+                  1e-3)
+          << stiff;
+    }
     // v = s x of both sides are rays: s^2 + 4 s + 1.5 = 0, s^2 + 4 s + 0.5 = 0.
     const Equilibrium node = at(kinked(1.5, 0.5, 4), far);
     EXPECT_EQ(node.type, EquilibriumType::stable_node);
@@ -467,7 +474,12 @@ TEST(Equilibria, AKinkHasTheTypeOfTheFieldAroundIt) {
     EXPECT_EQ(half.type, EquilibriumType::degenerate);
     EXPECT_EQ(half.index, 0);
     // Critical on the left, where v = -2 x is a ray.
-    EXPECT_EQ(at(kinked(1, 4, 4), far).type, EquilibriumType::stable_node);
+    const Equilibrium critical = at(kinked(1, 4, 4), far);
+    EXPECT_EQ(critical.type, EquilibriumType::stable_node);
+    EXPECT_NEAR(critical.eigenvalues[0].real(), -2 + std::sqrt(3), 1e-6);
+    // On the left alone.
+    EXPECT_EQ(at(kinked(9, 4, 4), far).type, EquilibriumType::stable_node);
+    EXPECT_NEAR(at(kinked(9, 4, 4), far).eigenvalues[0].real(), -2, 1e-6);
   }
   for (const double tall : {1e-4, 1e4})
     EXPECT_EQ(search_equilibria(kinked(1, -1), {{-2, -2 * tall}, {2, 2 * tall}}).index_sum, 0) << tall;
