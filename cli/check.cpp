@@ -34,7 +34,7 @@ struct CheckOptions {
 /// The baseline of the folder hmax is started in, or else of the folder it was built from.
 std::filesystem::path baseline_file(const std::string& asked) {
   if (!asked.empty()) return asked;
-  const std::filesystem::path here = "results/baseline/accuracy.csv";
+  std::filesystem::path here = "results/baseline/accuracy.csv";
   if (std::filesystem::exists(here)) return here;
   return std::filesystem::path(HMAX_SOURCE_DIR) / here;
 }

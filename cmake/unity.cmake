@@ -2,8 +2,7 @@
 # once. No two sources of such a target may have one name in an anonymous namespace. Sources with options of their own are
 # compiled alone. HMAX_UNITY=OFF (preset dev) compiles each alone, which shows that it includes what it uses.
 option(HMAX_UNITY "Compile the sources of upper rooms and tests in batches" ON)
-set(HMAX_BATCH 8 CACHE STRING "Sources in a batch")
 
 function(hmax_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${HMAX_UNITY} UNITY_BUILD_BATCH_SIZE ${HMAX_BATCH})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${HMAX_UNITY} UNITY_BUILD_BATCH_SIZE 8)
 endfunction()

@@ -18,9 +18,10 @@ struct BodyCounts {
   double entries;  ///< of its stiffness
 };
 
-inline constexpr double tetrahedron_bytes = sizeof(TetBlock) / TetBlock::lanes,
-                        spring_bytes = (sizeof(SpringBlock) + sizeof(SpringEnds)) / SpringSlice::lanes,
-                        slot_bytes = sizeof(TetSlots) / TetBlock::lanes, row_bytes = sizeof(NodeRow);
+static_assert(SpringSlice::lanes == TetBlock::lanes);
+inline constexpr double block_lanes = TetBlock::lanes, tetrahedron_bytes = sizeof(TetBlock) / block_lanes,
+                        spring_bytes = (sizeof(SpringBlock) + sizeof(SpringEnds)) / block_lanes,
+                        slot_bytes = sizeof(TetSlots) / block_lanes, row_bytes = sizeof(NodeRow);
 
 /// Positions are read, forces read and written: three rows a point.
 inline Cost cost_of_force(const BodyCounts& body) {

@@ -130,7 +130,7 @@ std::string fastest_mode_in_words(const Json& mode) {
   };
   const std::string kind = mode["element_kind"];
   const NamedElement owner{.kind = kind, .number = mode["element"], .points = mode["points"]};
-  const std::string fastest = fmt::format(
+  std::string fastest = fmt::format(
       "fastest mode at rest {} rad/s: {} has {} % of its energy, {} points move; bounds are larger by {} "
       "(elements), {} (points), {} (Gershgorin)\n",
       short_number(mode["omega"].get<double>()), in_words(owner),
