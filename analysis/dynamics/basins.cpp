@@ -35,6 +35,15 @@ Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
   bound_ = 1e-6 * c * (d + d * d / largest);
 }
 
+Trap::Trap(const Vector2d& equilibrium, const Kink& kink, const Vector2d& size)
+    : equilibrium_{equilibrium[0], equilibrium[1]}, size_{size[0], size[1]}, P_{} {
+  const Vector2d in_units(size[0], size[1] / kink.unit);
+  P_[0][0] = in_units[0] * in_units[0];
+  P_[1][1] = in_units[1] * in_units[1];
+  const double r = 1e-3 * in_units.minCoeff() / kink.swing;
+  bound_ = r * r;
+}
+
 double Basins::share(int of) const {
   return static_cast<double>(std::ranges::count(fate, of)) / static_cast<double>(fate.size());
 }

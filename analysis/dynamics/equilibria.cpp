@@ -27,11 +27,12 @@ double turn(const Vector2d& a, const Vector2d& b) {
 
 /// The angle by which g turns from a to b on a straight line; NaN where that cannot be said.
 /// Halves the line until both halves turn by less than pi / 4, so that no whole turn is missed between two
-/// looks of a smooth g. Where g jumps it goes the shorter way, as motions do that slide along a jump.
-/// @param looks  that are left, of all lines
+/// looks of a smooth g.
+/// @param looks   that are left, of all lines
+/// @param slides  whether g goes the shorter way where it jumps, as a field does whose motions slide there
 template <class Function>
 double turn_between(const Function& g, const Vector2d& a, const Vector2d& ga, const Vector2d& b,
-                    const Vector2d& gb, int& looks) {
+                    const Vector2d& gb, int& looks, bool slides) {
   const Vector2d middle = (a + b) / 2;
   const Vector2d gm = g(middle);
   for (const Vector2d& known : {gm, gb})
@@ -41,10 +42,11 @@ double turn_between(const Function& g, const Vector2d& a, const Vector2d& ga, co
   if (std::abs(first) < little && std::abs(second) < little) return first + second;
   if (middle == a || middle == b) {  // neighbouring numbers
     const double jump = turn(ga, gb);
-    return std::abs(jump) < 0.99 * std::numbers::pi ? jump : std::nan("");
+    return slides && std::abs(jump) < 0.99 * std::numbers::pi ? jump : std::nan("");
   }
   if (--looks <= 0) return std::nan("");
-  return turn_between(g, a, ga, middle, gm, looks) + turn_between(g, middle, gm, b, gb, looks);
+  return turn_between(g, a, ga, middle, gm, looks, slides) +
+         turn_between(g, middle, gm, b, gb, looks, slides);
 }
 
 /// The points of the ring |u|_max = 1 from which Newton's steps start: off the axes and diagonals, on which
@@ -80,7 +82,8 @@ double difference(const Matrix2d& A, const Matrix2d& B) {
 }  // namespace
 
 // The winding number of f along the border, from the angles between neighbouring values.
-std::optional<int> degree_around(const std::function<Vector2d(const Vector2d&)>& f, const Window& window) {
+std::optional<int> degree_around(const std::function<Vector2d(const Vector2d&)>& f, const Window& window,
+                                 bool slides) {
   require_valid(window);
   constexpr int pieces = 64;
   int looks = 10'000;
@@ -95,7 +98,7 @@ std::optional<int> degree_around(const std::function<Vector2d(const Vector2d&)>&
       const double share = double(piece) / pieces;
       const Vector2d to = (1 - share) * corners[side] + share * corners[side + 1];
       const Vector2d next = f(to);
-      angle += turn_between(f, from, there, to, next, looks);
+      angle += turn_between(f, from, there, to, next, looks, slides);
       if (!std::isfinite(angle)) return std::nullopt;
       from = to;
       there = next;
@@ -277,98 +280,28 @@ bool Equilibria::is_kink(const Vector2d& y, const Vector2d& r) {
   return near > 1e-6 && near > change(8 * r) / 2;  // 1e-6: no rounding of differences
 }
 
-/// The k-th of `looks` directions around 0, more and more of them towards the axes, beside which stiff fields
-/// turn: tan(phi) grows by equal factors from 1e-7 to 1e7.
-Vector2d direction(int k, int looks) {
-  const int quadrant = k / (looks / 4) % 4, i = k % (looks / 4);
-  const double s = std::log(1e7) * (8 * (i + 0.5) / looks - 1);
-  const Vector2d u = Vector2d(1, std::exp(s)).normalized();
-  return quadrant == 0   ? u
-         : quadrant == 1 ? Vector2d(-u(1), u(0))
-         : quadrant == 2 ? Vector2d(-u)
-                         : Vector2d(u(1), -u(0));
-}
-
-/// A field r g(u) in a direction u of length 1: r' = r R and phi' = P.
-struct Swirl {
-  double R, P, size;  ///< size: |g|
-};
-
-/// R on the ray between two directions where P changes its sign.
-template <class Field>
-double rate_on_ray(const Field& field, Vector2d from, Vector2d to) {
-  const bool sign = field(from).P > 0;
-  for (int i = 0; i < 60; ++i) {
-    const Vector2d middle = (from + to).normalized();
-    ((field(middle).P > 0) == sign ? from : to) = middle;
-  }
-  return field(from).R;
-}
-
-/// R on a ray between two directions that P only touches, as that of critical damping.
-template <class Field>
-std::optional<double> rate_on_touched_ray(const Field& field, const Vector2d& from, const Vector2d& to) {
-  const auto at = [&](double t) { return field(((1 - t) * from + t * to).normalized()); };
-  double least = 0, most = 1;
-  for (int i = 0; i < 60; ++i) {
-    const double third = (most - least) / 3;
-    const bool is_left = std::abs(at(least + third).P) < std::abs(at(most - third).P);
-    (is_left ? most : least) += is_left ? -third : third;
-  }
-  const Swirl found = at((least + most) / 2);
-  return std::abs(found.P) <= 1e-9 * found.size ? std::optional(found.R) : std::nullopt;
-}
-
-// A field f(r u(phi)) = r g(phi) has the motions r' = r R(phi), phi' = P(phi): if P has no zero they turn,
-// and in a turn of the time T = int dphi / |P| grow by exp(int R dphi / |P|), by trapezia; otherwise its
-// zeros are rays that motions follow, with r' = R r. Of a linear field these are the eigenvalues.
 void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
-  constexpr int looks = 8192;
   // As far from rounding as from what bends.
-  const Vector2d most = found.outer * std::sqrt(found.inner.cwiseQuotient(found.outer).maxCoeff());
-  const double ratio = ratio_of_units(e.state, most);
-  Vector2d r(most(0), most(0) * ratio);
-  r *= std::min(1.0, most(1) / r(1));
-  const auto field = [&](const Vector2d& u) -> Swirl {
-    const Vector2d g = field_.rhs(e.state + r.cwiseProduct(u)).cwiseQuotient(r);
-    return {u.dot(g), u(0) * g(1) - u(1) * g(0), g.norm()};
-  };
-  std::vector<double> rates;
-  double time = 0, growth = 0;
-  std::array<Vector2d, 3> u{direction(looks - 2, looks), direction(looks - 1, looks)};
-  std::array<Swirl, 3> at{field(u[0]), field(u[1])};
-  for (int k = 0; k < looks; ++k) {
-    u[2] = direction(k, looks);
-    at[2] = field(u[2]);
-    const double here = std::abs(at[1].P);
-    if (here <= 1e-12 * at[1].size)
-      rates.push_back(at[1].R);
-    else if ((at[1].P > 0) != (at[2].P > 0))
-      rates.push_back(rate_on_ray(field, u[1], u[2]));
-    else if (here < std::abs(at[0].P) && here <= std::abs(at[2].P))
-      if (const auto rate = rate_on_touched_ray(field, u[0], u[2])) rates.push_back(*rate);
-    const double half = turn(u[1], u[2]) / 2;
-    time += half / here + half / std::abs(at[2].P);
-    growth += half * at[1].R / here + half * at[2].R / std::abs(at[2].P);
-    std::shift_left(u.begin(), u.end(), 1);
-    std::shift_left(at.begin(), at.end(), 1);
-  }
-  if (rates.empty()) {
+  const Vector2d r = found.outer * std::sqrt(found.inner.cwiseQuotient(found.outer).maxCoeff());
+  const std::int64_t before = evaluations_;
+  e.kink = kink_around(field_.rhs, e.state, r, ratio_of_units(e.state, r));
+  evaluations_ = before;  // bounded by the number of points
+  const Kink& kink = *e.kink;
+  if (kink.rays.empty()) {
     e.index = 1;
-    const std::complex<double> lambda(growth / time, 2 * std::numbers::pi / time);
-    e.eigenvalues = {lambda, std::conj(lambda)};
-    e.type = std::abs(growth) < 1e-6 ? EquilibriumType::centre
-             : growth < 0            ? EquilibriumType::stable_focus
-                                     : EquilibriumType::unstable_focus;
+    e.eigenvalues = {std::complex(kink.rate, kink.frequency), std::complex(kink.rate, -kink.frequency)};
+    e.type = std::abs(kink.rate) <= kink.rate_error ? EquilibriumType::centre
+             : kink.rate < 0                        ? EquilibriumType::stable_focus
+                                                    : EquilibriumType::unstable_focus;
     return;
   }
-  const auto [least, largest] = std::ranges::minmax(rates);
-  e.eigenvalues = {largest, least};
-  e.type = largest < 0     ? EquilibriumType::stable_node
-           : least > 0     ? EquilibriumType::unstable_node
-           : e.index == -1 ? EquilibriumType::saddle
-                           : EquilibriumType::degenerate;
-  if (largest < 0 || least > 0) e.index = 1;
+  const auto [least, largest] = std::ranges::minmax(kink.rays, {}, &Kink::Ray::rate);
+  e.eigenvalues = {std::complex(largest.rate), std::complex(least.rate)};
+  e.type = largest.rate < 0 ? EquilibriumType::stable_node
+           : least.rate > 0 ? EquilibriumType::unstable_node
+           : e.index == -1  ? EquilibriumType::saddle
+                            : EquilibriumType::degenerate;
+  if (largest.rate < 0 || least.rate > 0) e.index = 1;
 }
 
 /// @param arrived  whether y is a zero to rounding
@@ -396,16 +329,12 @@ void Equilibria::judge(Vector2d y, bool arrived) {
   if (found && std::ranges::any_of(
                    known_, [&](const Known& other) { return is_within(other.point.state - y, reach); }))
     reach = found->inner;
-  e.kink = simple && is_kink(y, found->inner);
-  if (simple && !e.kink) e.type = classify(J);
-  e.index = e.type == EquilibriumType::degenerate ? degree_around(field_.rhs, {y - reach, y + reach})
+  const bool is_bent = simple && is_kink(y, found->inner);
+  if (simple && !is_bent) e.type = classify(J);
+  e.index = e.type == EquilibriumType::degenerate ? degree_around(field_.rhs, {y - reach, y + reach}, true)
             : e.type == EquilibriumType::saddle   ? std::optional(-1)
                                                   : std::optional(1);
-  if (e.kink) {
-    const std::int64_t before = evaluations_;
-    judge_kink(*found, e);
-    evaluations_ = before;  // bounded by the number of points
-  }
+  if (is_bent) judge_kink(*found, e);
   if (!found && (!e.index || has_neighbours(y, reach))) isolated_ = false;
   known_.push_back({e, reach});
 }

@@ -17,15 +17,17 @@ namespace hmax {
 /// turns by less than pi / 4 from one look to the next; nothing where f is zero or not finite on it. (1 / 2
 /// pi) of the total change of the angle of f. Zero does not say that there are no zeros inside: a saddle (-1)
 /// and a node (+1) cancel.
+/// @param slides  whether f is a field: where it jumps it turns the shorter way, as for motions that slide
+///                along the jump [filippov1988differential]. Where another function jumps there is no degree.
 /// @return  an integer; the indices of nodes, foci and centres are +1, of saddles -1
 std::optional<int> degree_around(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& f,
-                                 const Window& window);
+                                 const Window& window, bool slides = false);
 
 /// The equilibria in a window that Newton's method finds, each once.
 ///
-/// No size of f decides what is one, and the window only gives the ladder of boxes its rungs. Around a point
-/// that Newton's method reaches boxes grow from rounding upwards, each 8 times as large as the one before,
-/// and Newton's steps start from the border of each:
+/// No size of f decides what is one. Around a point that Newton's method reaches boxes grow from rounding
+/// upwards, each 8 times as large as the one before, and Newton's steps start from the border of each. The
+/// window gives the sizes of the boxes, and rounding may hide no more than a quarter of it:
 ///   - one step leads into the inner quarter, in two boxes of a row: a simple zero;
 ///   - some steps lead into the box before: an isolated zero of higher order, or one that rounding hides,
 ///     `degenerate`;

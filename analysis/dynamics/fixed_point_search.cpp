@@ -398,7 +398,7 @@ EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
   };
   EquilibriumSet found;
   found.whole = search(false);
-  found.degree = degree_around(field.rhs, window);
+  found.degree = degree_around(field.rhs, window, true);
   found.index_sum = equilibria.index_sum();
   const bool is_missing = found.degree && found.index_sum && !found.accounts();
   if (found.whole && is_missing && equilibria.count() <= few) {

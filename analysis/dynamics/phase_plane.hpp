@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/dynamics/kink.hpp"
 #include "analysis/spectrum/spectrum.hpp"
 #include "integrators/system.hpp"
 #include "results/table.hpp"
@@ -89,9 +90,9 @@ struct Equilibrium {
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
   /// Of f around it, the only zero there; nothing where it is not isolated, or f not finite around it.
   std::optional<int> index{};
-  /// Whether J jumps there. Then eigenvalues are the rates of growth along the rays that motions follow, or
-  /// rate and angular frequency of a turn.
-  bool kink = false;
+  /// Where J jumps there. Then eigenvalues are the largest and the least rate of the rays, or rate and
+  /// angular frequency of a turn.
+  std::optional<Kink> kink{};
 };
 
 /// The type of the equilibrium with Jacobian J, from the signs of T, D and T^2 - 4 D. [strogatz2015nonlinear]

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "analysis/dynamics/kink.hpp"
 #include "core/instructions/device_code.hpp"
 
 namespace hmax {
@@ -20,6 +21,9 @@ class Trap {
   /// @param size  the scale of both components, positive
   /// @throws std::invalid_argument when J is not stable
   Trap(const Eigen::Vector2d& equilibrium, const Eigen::Matrix2d& J, const Eigen::Vector2d& size);
+  /// At a stable kink: the ellipse x^2 + (v / unit)^2 < r^2 from which motions stay in |u| < 1e-3, though
+  /// they swing out of the ellipse.
+  Trap(const Eigen::Vector2d& equilibrium, const Kink& kink, const Eigen::Vector2d& size);
 
   /// Whether y lies inside; costs one product with a 2 x 2 matrix. False for a y that is not finite.
   [[nodiscard]] HMAX_DEVICE bool holds(const Eigen::Vector2d& y) const {

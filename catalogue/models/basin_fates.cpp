@@ -35,10 +35,9 @@ struct Destiny {
     for (std::size_t i = 0; i < equilibria.size(); ++i) {
       const Equilibrium& e = equilibria[i];
       if (e.type != EquilibriumType::stable_node && e.type != EquilibriumType::stable_focus) continue;
-      // At a kink J is that of one side: a circle.
-      const Eigen::Matrix2d J =
-          e.kink ? Eigen::Matrix2d(-Eigen::Matrix2d::Identity()) : field.jacobian(e.state);
-      arrival.traps.push_back({static_cast<int>(i), Trap(e.state, J, window.size())});
+      arrival.traps.push_back(
+          {static_cast<int>(i), e.kink ? Trap(e.state, *e.kink, window.size())
+                                       : Trap(e.state, field.jacobian(e.state), window.size())});
       longest = std::max(longest, 20 * std::log(1e3) / -e.eigenvalues[0].real());
     }
   }

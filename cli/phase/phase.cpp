@@ -295,7 +295,7 @@ PhaseView view_of(const PhaseOptions& options) {
         fmt::format("A driven problem has no equilibria: these are of the field frozen at t = {} s (--at); "
                     "what the motion settles to is shown by --poincare.",
                     short_name(t)));
-  if (std::ranges::any_of(view.equilibria, &Equilibrium::kink))
+  if (std::ranges::any_of(view.equilibria, [](const Equilibrium& e) { return e.kink.has_value(); }))
     view.remarks.push_back(
         "At a kink the field has no Jacobian: two real eigenvalues are the rates along the rays that motions "
         "follow, a pair of complex ones is rate and angular frequency of a turn.");
@@ -342,7 +342,7 @@ Json to_json(const std::vector<Equilibrium>& equilibria) {
     list.push_back({{"x", e.state(0)},
                     {"v", e.state(1)},
                     {"type", name_of(e.type)},
-                    {"kink", e.kink},
+                    {"kink", e.kink.has_value()},
                     {"eigenvalues", to_json(e.eigenvalues)}});
   return list;
 }
@@ -356,16 +356,25 @@ std::string in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
                      (first.real() == 0 ? "" : " ") + short_name(std::abs(first.imag())));
 }
 
+/// The directions from a saddle in which motions leave it, or arrive.
+std::vector<Vector2d> directions_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
+  if (!saddle.kink) {
+    const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
+    const Vector2d direction = eigenvector(J, saddle.eigenvalues[into ? 1 : 0].real());
+    return {direction, -direction};
+  }
+  std::vector<Vector2d> directions;
+  for (const auto& [direction, rate] : saddle.kink->rays)
+    if ((rate < 0) == into) directions.push_back(direction);
+  return directions;
+}
+
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
   const double small = 1e-4 * view.window.size().minCoeff();
-  // At a kink J is that of one side, with eigenvalues of its own.
-  const Vector2d beside = saddle.state + (saddle.kink ? small : 0.0) * Vector2d(1, 0.4);
-  const Eigen::Matrix2d J = view.field.jacobian(beside);
-  const Vector2d direction = eigenvector(J, eigenvalues_2x2(J)[into ? 1 : 0].real());
   const Problem problem = into ? reversed(view.still) : view.still;
   std::vector<Curve> ways;
-  for (const double sign : {1.0, -1.0}) {
-    const Table way = orbit(problem, saddle.state + sign * small * direction, problem.t_end, view.window, 6);
+  for (const Vector2d& direction : directions_of(view, saddle, into)) {
+    const Table way = orbit(problem, saddle.state + small * direction, problem.t_end, view.window, 6);
     ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
                     .x = way.values[0],
                     .y = way.values[1],

@@ -91,6 +91,10 @@ TEST(FixedPointSearch, CountsHowOftenAFunctionTurns) {
   };
   EXPECT_FALSE(degree_around(noise, square));
   EXPECT_FALSE(degree_around([](const VectorXd& y) -> VectorXd { return y / (y(0) < 0.9 ? 1 : 0); }, square));
+  // Motions of a field slide along its jump towards the zero; a map jumps over it.
+  const auto jump = [](const VectorXd& y) -> VectorXd { return Vector2d(y(0) < 0 ? 1 : -1, -y(1)); };
+  EXPECT_EQ(degree_around(jump, square, true), 1);
+  EXPECT_FALSE(degree_around(jump, square));
 }
 
 /// Two points in the square of the lattice whose middle is (w, w), where a straight line through the corners

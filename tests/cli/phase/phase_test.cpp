@@ -341,6 +341,33 @@ TEST(Phase, AStableKinkHasABasin) {
   expect_refused(shell.hmax("phase --problem " + basins), "nothing has a basin");
 }
 
+/// On the stiff side a motion that is bound for the other focus turns within a thousandth of the window.
+TEST(Phase, APassingMotionIsNotHeldByAStiffKink) {
+  const Shell shell;
+  write_oscillator(shell, "-x*(1+x)*(1+x/3) - 1e6*max(x,0) - 0.02*v");
+  const Json document = phase(shell, "own.toml --window=-4,1,-3,3 --basins --cells 8");
+  EXPECT_EQ(document.at("undecided"), 0);
+  EXPECT_EQ(document.at("attractors").at(0).at("x"), -3);
+  EXPECT_GT(document.at("attractors").at(0).at("share"), 0.8);  // 0.88 of fine cells
+}
+
+TEST(Phase, AKinkThatIsASaddleHasFourWaysOfItsOwn) {
+  const Shell shell;
+  write_oscillator(shell, "x + 3*max(x,0) - 0.3*v - x^3");
+  phase(shell, "own.toml --window -3,3,-3,3 --output ways");
+  std::istringstream drawn(read_text(shell / "ways/phase.dat"));
+  std::vector<double> slopes;
+  for (std::string line; std::getline(drawn, line);)
+    if (says(line, "the saddle")) {
+      double x = 0, v = 0;
+      drawn >> x >> v;
+      slopes.push_back(std::round(100 * v / x) / 100);
+    }
+  // v = s x with s^2 + 0.3 s = 1 on the left and 4 on the right.
+  std::ranges::sort(slopes);
+  EXPECT_EQ(slopes, (std::vector{-2.16, -1.16, 0.86, 1.86}));
+}
+
 TEST(Phase, FixedPointsFarFromZeroAreFound) {
   const Shell shell;
   write_oscillator(shell, "1e6 - x - v");
