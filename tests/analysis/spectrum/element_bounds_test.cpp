@@ -46,7 +46,7 @@ struct Structure {
 };
 
 TEST(ElementBounds, AreBoundsForEveryModelWithSupportsAndSkin) {
-  for (const auto model :
+  for (const TissueModel& model :
        {tissue_model("mass_spring"), tissue_model("fem_cauchy"), tissue_model("fem_green")})
     for (const bool skin : {false, true}) {
       TissueSettings settings{.model = model};

@@ -156,7 +156,7 @@ TEST(LinearModel, GyroscopicForcesAreNoDampingOfSingleModes) {
 }
 
 /// x' = sqrt(x), whose slope at zero is infinite, and two more verbs that can go wrong.
-struct Root {
+struct SquareRoot {
   using State = Vector2d;
   using Jacobian = Eigen::Matrix2d;
   Eigen::Index dim() const { return 2; }
@@ -165,12 +165,12 @@ struct Root {
 };
 
 TEST(LinearModel, AnEntryThatIsNotFiniteIsNamed) {
-  const std::string text = error_of<InputError>([] { linearise(Root{}, 0.25, Vector2d(1, 0)); });
+  const std::string text = error_of<InputError>([] { linearise(SquareRoot{}, 0.25, Vector2d(1, 0)); });
   for (const char* part : {"inf", "row 2, column 2", "t = 0.25", "choose a state"})
     EXPECT_TRUE(says(text, part));
-  EXPECT_TRUE(says(error_of<InputError>([] { linearise(Root{}, 0, Vector2d(1, -1)); }), "nan"));
-  EXPECT_TRUE(says(error_of<InputError>([] { linearise(Root{}, 0, Vector2d(1, NAN)); }), "component 2"));
-  EXPECT_TRUE(says(error_of<InputError>([] { linearise(Root{}, NAN, Vector2d(1, 1)); }), "finite time"));
+  EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, 0, Vector2d(1, -1)); }), "nan"));
+  EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, 0, Vector2d(1, NAN)); }), "component 2"));
+  EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, NAN, Vector2d(1, 1)); }), "finite time"));
 }
 
 TEST(LinearModel, AMassThatIsNotPositiveIsNamed) {
