@@ -1,6 +1,7 @@
 /// Keys of references.bib, and the places in a text that cite them.
 #pragma once
 
+#include <cstddef>
 #include <regex>
 #include <set>
 #include <string>
@@ -24,8 +25,12 @@ inline std::set<std::string> bibliography_keys(const std::string& bibtex) {
 /// The keys a text cites: [name1999word] and [name1999word, section 2] in prose, and the same shape as a
 /// string of data.
 inline std::set<std::string> cited_keys(const std::string& text) {
-  auto keys = detail::captures(text, R"(\[([a-z]+[12][0-9]{3}[a-z]+)[\],;: ])");
-  keys.merge(detail::captures(text, R"re("([a-z]+[12][0-9]{3}[a-z]+)")re"));
+  static const std::regex key(R"re(\[([a-z]+[12][0-9]{3}[a-z]+)[\],;: ]|"([a-z]+[12][0-9]{3}[a-z]+)")re");
+  std::set<std::string> keys;
+  for (std::size_t i = 0; (i = text.find_first_of("[\"", i)) != std::string::npos; ++i)
+    if (std::smatch match; std::regex_search(text.begin() + static_cast<std::ptrdiff_t>(i), text.end(), match,
+                                             key, std::regex_constants::match_continuous))
+      keys.insert(match[1].matched ? match[1] : match[2]);
   return keys;
 }
 

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
 #include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -52,6 +54,7 @@ inline const std::map<std::string, std::set<std::string>> allowed_arrows{
 /// A foreign header and the files that may include it, both as regular expressions.
 struct ForeignRule {
   std::string header, files;
+  std::regex of_header{header}, of_files{files};
 };
 
 inline const std::vector<ForeignRule> foreign_rules{
@@ -90,10 +93,9 @@ inline std::optional<std::string> violation(const Include& include) {
   if (!include.quoted && allowed_arrows.contains(to)) return arrow + ": own headers stand in quotes.";
   if (include.quoted && !allowed_arrows.at(from).contains(to))
     return arrow + ": no arrow leads from " + from + " to " + to + ".";
-  for (const auto& [header, files] : foreign_rules)
-    if (std::regex_search(include.header, std::regex(header)) &&
-        !std::regex_search(include.file, std::regex(files)))
-      return arrow + ": this header may stand only in files matching " + files + ".";
+  for (const ForeignRule& rule : foreign_rules)
+    if (std::regex_search(include.header, rule.of_header) && !std::regex_search(include.file, rule.of_files))
+      return arrow + ": this header may stand only in files matching " + rule.files + ".";
   return std::nullopt;
 }
 
@@ -129,10 +131,15 @@ inline std::vector<std::string> circle_in(const std::map<std::string, std::set<s
 
 /// The #include lines of a source text; conditional ones count.
 inline std::vector<Include> includes_of(const std::string& file, const std::string& text) {
-  static const std::regex line(R"((?:^|\n)[ \t]*#[ \t]*include[ \t]*([<"])([^>"\n]+)[>"])");
+  static const std::regex include(R"([ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"].*)");
   std::vector<Include> found;
-  for (std::sregex_iterator it(text.begin(), text.end(), line), end; it != end; ++it)
-    found.push_back({file, (*it)[2], (*it)[1] == "\""});
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first == std::string::npos || line[first] != '#') continue;
+    if (std::smatch match; std::regex_match(line, match, include))
+      found.push_back({file, match[2], match[1] == "\""});
+  }
   return found;
 }
 

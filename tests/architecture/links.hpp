@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -105,9 +106,17 @@ inline std::vector<std::string> markdown_pages() {
 /// Pages below docs/ that a text names by their path from the root of the project, as comments and messages
 /// do.
 inline std::set<std::string> named_pages(const std::string& text) {
-  static const std::regex path(R"((^|[^A-Za-z0-9_./])(docs/[a-z_/]+\.md))");
+  static const std::regex path(R"(docs/[a-z_/]+\.md)");
   std::set<std::string> pages;
-  for (std::sregex_iterator it(text.begin(), text.end(), path), end; it != end; ++it) pages.insert((*it)[2]);
+  for (std::size_t i = 0; (i = text.find("docs/", i)) != std::string::npos; ++i) {
+    const char before = i ? text[i - 1] : ' ';
+    if (std::isalnum(static_cast<unsigned char>(before)) ||
+        std::string("_./").find(before) != std::string::npos)
+      continue;
+    if (std::smatch match; std::regex_search(text.begin() + static_cast<std::ptrdiff_t>(i), text.end(), match,
+                                             path, std::regex_constants::match_continuous))
+      pages.insert(match[0]);
+  }
   return pages;
 }
 
