@@ -84,20 +84,23 @@ class _Scene:
             mujoco.mj_copyData(self._data, model, data)
         self._begin = mujoco.MjData(model)
         mujoco.mj_copyData(self._begin, model, self._data)
+        kinds = mujoco.mjtWarning
+        self._signs = [int(kind) for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)]
+        self._before = self._resets()
 
     def state(self) -> Any:
         return np.concatenate([self._data.qpos, self._data.qvel, self._data.act])
 
     def step(self, y: Any, h: float) -> Any:
         data, model = self._data, self._model
-        data.qpos[:], data.qvel[:], data.act[:] = np.split(y, [model.nq, model.nq + model.nv])
+        positions, moving = model.nq, model.nq + model.nv
+        data.qpos[:], data.qvel[:], data.act[:] = y[:positions], y[positions:moving], y[moving:]
         model.opt.timestep = h
-        before = self._resets()
         self._mujoco.mj_step(model, data)
-        if self._resets() == before:
+        if self._resets() == self._before:
             return self.state()
         # What diverges MuJoCo puts back to its initial state, without the controls.
-        self._mujoco.mj_copyData(data, model, self._begin)
+        self._put_back()
         return np.full(len(y), np.nan)
 
     def save(self) -> Any:
@@ -129,24 +132,21 @@ class _Scene:
         def step(h: float) -> bool:
             model.opt.timestep = h
             self._mujoco.mj_step(model, data)
-            return self._resets() == before
+            return self._resets() == self._before
 
         def damp(rate: float) -> None:
             model.dof_damping[:] = damping + rate * model.dof_M0
 
-        before = self._resets()
         try:
-            _core.settle(
-                float(model.opt.timestep),
-                step,
-                lambda: float(np.abs(data.qvel).max()),
-                damp,
-                lambda: self._mujoco.mj_copyData(data, model, self._begin),
-            )
+            _core.settle(float(model.opt.timestep), step, lambda: float(np.abs(data.qvel).max()), damp, self._put_back)
         finally:
             damp(0)
         return self.state()
 
+    def _put_back(self) -> None:
+        self._mujoco.mj_copyData(self._data, self._model, self._begin)
+        self._before = self._resets()
+
     def _resets(self) -> int:
-        kinds = self._mujoco.mjtWarning
-        return sum(self._data.warning[int(kind)].number for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC))
+        warnings = self._data.warning
+        return sum([warnings[sign].number for sign in self._signs])
