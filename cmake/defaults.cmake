@@ -39,7 +39,7 @@ endif()
 # g++ 12 sees overlapping copies in "literal" + std::string where there are none, hence -Wno-restrict.
 add_library(hmax_warnings INTERFACE)
 target_compile_options(hmax_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-                                               -Wnon-virtual-dtor -Woverloaded-virtual -Wno-restrict)
+                                               -Wnon-virtual-dtor -Woverloaded-virtual $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(HMAX_WARNINGS_AS_ERRORS)
   target_compile_options(hmax_warnings INTERFACE -Werror)
 endif()
