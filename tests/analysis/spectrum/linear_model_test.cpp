@@ -169,8 +169,10 @@ TEST(LinearModel, AnEntryThatIsNotFiniteIsNamed) {
   for (const char* part : {"inf", "row 2, column 2", "t = 0.25", "choose a state"})
     EXPECT_TRUE(says(text, part));
   EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, 0, Vector2d(1, -1)); }), "nan"));
-  EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, 0, Vector2d(1, NAN)); }), "component 2"));
-  EXPECT_TRUE(says(error_of<InputError>([] { linearise(SquareRoot{}, NAN, Vector2d(1, 1)); }), "finite time"));
+  EXPECT_TRUE(
+      says(error_of<InputError>([] { linearise(SquareRoot{}, 0, Vector2d(1, NAN)); }), "component 2"));
+  EXPECT_TRUE(
+      says(error_of<InputError>([] { linearise(SquareRoot{}, NAN, Vector2d(1, 1)); }), "finite time"));
 }
 
 TEST(LinearModel, AMassThatIsNotPositiveIsNamed) {
