@@ -9,9 +9,9 @@
 namespace hmax {
 
 using Id = FormulaNodeId;
-using enum FormulaOp;
 
 int operands_of(FormulaOp op) {
+  using enum FormulaOp;
   switch (op) {
     case constant:
     case time:
@@ -44,6 +44,7 @@ int operands_of(FormulaOp op) {
 namespace {
 
 double value_of_function(FormulaOp op, double a, double b) {
+  using enum FormulaOp;
   switch (op) {
     case power:
       return std::pow(a, b);
@@ -95,6 +96,7 @@ double formula_value(FormulaOp op, double a, double b, double c) {
 namespace {
 /// Whether the value jumps, or has a kink, where an expression of its operands passes zero.
 bool is_switch(FormulaOp op) {
+  using enum FormulaOp;
   switch (op) {
     case less:
     case less_equal:
@@ -118,8 +120,8 @@ bool is_switch(FormulaOp op) {
 
 FormulaDependence FormulaGraph::dependence_of(const FormulaNode& node) const {
   const int operands = operands_of(node.op);
-  if (node.op == multiply && (is_constant(node.a, 0) || is_constant(node.b, 0))) return {};
-  if (node.op == divide && is_constant(node.a, 0)) return {};
+  if (node.op == FormulaOp::multiply && (is_constant(node.a, 0) || is_constant(node.b, 0))) return {};
+  if (node.op == FormulaOp::divide && is_constant(node.a, 0)) return {};
   FormulaDependence all;
   const auto take = [&](Id id) {
     const FormulaDependence& of = dependence(id);
@@ -131,7 +133,7 @@ FormulaDependence FormulaGraph::dependence_of(const FormulaNode& node) const {
   if (operands > 1) take(node.b);
   if (operands > 2) take(node.c);
   if (is_switch(node.op) && all.on_state) all.switches_with_state = true;
-  if (node.op == choose && dependence(node.a).on_state) all.switches_with_state = true;
+  if (node.op == FormulaOp::choose && dependence(node.a).on_state) all.switches_with_state = true;
   return all;
 }
 
@@ -155,17 +157,17 @@ Id FormulaGraph::make(FormulaOp op, Id a, Id b, Id c) {
   const auto value = [&](Id id) { return (*this)[id].value; };
   if (known)
     return constant(formula_value(op, value(a), operands > 1 ? value(b) : 0, operands > 2 ? value(c) : 0));
-  if (op == choose) {
+  if (op == FormulaOp::choose) {
     if (is_constant(a)) return value(a) != 0 ? b : c;
     if (b == c) return b;
   }
-  if (op == power && is_constant(b)) {
+  if (op == FormulaOp::power && is_constant(b)) {
     // Small powers as products; a^0 is 1 for every a.
     if (value(b) == 0) return constant(1);
     if (value(b) == 1) return a;
-    if (value(b) == 2) return make(square, a);
-    if (value(b) == 3) return make(cube, a);
-    if (value(b) == 4) return make(fourth, a);
+    if (value(b) == 2) return make(FormulaOp::square, a);
+    if (value(b) == 3) return make(FormulaOp::cube, a);
+    if (value(b) == 4) return make(FormulaOp::fourth, a);
   }
   const FormulaNode node{.op = op, .a = a, .b = operands > 1 ? b : 0, .c = operands > 2 ? c : 0};
   return keep(node, dependence_of(node));
@@ -175,6 +177,8 @@ namespace {
 
 /// Sums, products and quotients of derivatives: without terms and factors that are constants 0 and 1.
 class Derivative {
+  using enum FormulaOp;
+
  public:
   /// @param from_the_right  at kinks the derivative towards larger arguments, which is that of time
   Derivative(FormulaGraph& graph, bool from_the_right) : g_(graph), from_the_right_(from_the_right) {}
