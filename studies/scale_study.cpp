@@ -1,7 +1,6 @@
 #include "studies/scale_study.hpp"
 
 #include <cmath>
-#include <sys/resource.h>
 
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_problem.hpp"
+#include "core/process/peak_memory.hpp"
 #include "core/size_limits.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
@@ -48,12 +48,6 @@ LanczosPair fastest(const TissueBody& body, const TissueBody::DofMatrix& K) {
   const SymmetricProduct A(K, body.mass().cwiseSqrt().cwiseInverse());
   return largest_eigenpair([&](const Eigen::VectorXd& x, Eigen::VectorXd& y) { A(x, y); }, body.dofs(),
                            {.with_vector = false});
-}
-
-double peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 /// A step of symplectic Euler on a device [s].
@@ -116,7 +110,7 @@ ScaleRow measured(const std::string& mesh, const std::filesystem::path& folder,
                                .keep_going = keep_going});
   for (std::size_t i = 0; i < timings.size(); ++i) row.*timed[i].into = timings[i].least() / timed[i].runs;
   if (device) row.device_step = step_on(device, problem, short_step, keep_going);
-  row.peak_memory = peak_memory();
+  row.peak_memory = static_cast<double>(peak_memory().value_or(0));
   return row;
 }
 

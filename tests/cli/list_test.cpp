@@ -7,10 +7,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-void expect_keys(const Json& object, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << key;
-}
-
 TEST(List, MethodsHaveTheKeysOfTheContract) {
   const Json methods = Shell().json("list methods");
   ASSERT_GE(methods.size(), 13U);

@@ -40,4 +40,8 @@ void expect_refusal(const std::string& arguments, const std::string& named) {
   expect_refused(Shell().hmax(arguments), named);
 }
 
+void expect_keys(const nlohmann::json& document, const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) EXPECT_TRUE(document.contains(key)) << key << " in " << document.dump();
+}
+
 }  // namespace hmax

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -48,5 +49,8 @@ void expect_refused(const Told& told, const std::string& named);
 
 /// The same of `hmax ARGUMENTS` in an empty folder.
 void expect_refusal(const std::string& arguments, const std::string& named);
+
+/// The keys of a contract with programs.
+void expect_keys(const nlohmann::json& document, const std::vector<std::string>& keys);
 
 }  // namespace hmax

@@ -269,15 +269,12 @@ TEST(Backwards, AdaptiveRoundTripsKeepToTheTolerance) {
   }
 }
 
-/// x = sin t, v = cos t.
-const auto rotation = system_of<Plane>([](double, const Plane& y, Plane& dydt) { dydt << y[1], -y[0]; });
-
 TEST(Backwards, FixedTimesAreMultiplesOfTheStepToTheLastBit) {
   for (const double given : {0.6, 0.15, 1.0 / 3, 0.005, -0.1}) {
     const double t0 = 100.25, t_end = 0.25, h = -std::abs(given);
     std::vector<double> times, steps;
     Plane y(0, 1);
-    const auto end = integrate(Rk<tableaux::Rk4, Plane>{}, rotation, Span<double>{t0, t_end}, y,
+    const auto end = integrate(Rk<tableaux::Rk4, Plane>{}, rotation<Plane>, Span<double>{t0, t_end}, y,
                                FixedStep<double>(given), [&](auto& step) {
                                  times.push_back(step.t1());
                                  steps.push_back(step.h());
@@ -297,8 +294,8 @@ TEST(Backwards, FixedTimesAreMultiplesOfTheStepToTheLastBit) {
 TEST(Backwards, StepsThatAreNoneEndAtOnce) {
   const auto outcome = [](double h, double t0) {
     Plane y(0, 1);
-    return integrate(Rk<tableaux::Rk4, Plane>{}, rotation, Span<double>{t0, t0 - 1}, y, FixedStep<double>(h),
-                     ObserveNothing{}, 100)
+    return integrate(Rk<tableaux::Rk4, Plane>{}, rotation<Plane>, Span<double>{t0, t0 - 1}, y,
+                     FixedStep<double>(h), ObserveNothing{}, 100)
         .outcome;
   };
   for (const double h : {0.0, 1e-300, std::numeric_limits<double>::quiet_NaN()})
@@ -326,8 +323,8 @@ TEST(Backwards, DenseOutputAndSamplesAreThoseOfTheSolution) {
     times.push_back(t);
     EXPECT_NEAR((at - Plane(std::sin(t), std::cos(t))).norm(), 0, 1e-8) << t;
   });
-  integrate(Rk<tableaux::Dop853, Plane>{}, rotation, Span<double>{t0, t_end}, y, FixedStep<double>(0.25),
-            sample);
+  integrate(Rk<tableaux::Dop853, Plane>{}, rotation<Plane>, Span<double>{t0, t_end}, y,
+            FixedStep<double>(0.25), sample);
   ASSERT_EQ(times.size(), 33U);
   for (std::size_t j = 0; j + 1 < times.size(); ++j) EXPECT_EQ(times[j], t0 - static_cast<double>(j) * 0.3);
   EXPECT_EQ(times.back(), t_end);
@@ -341,7 +338,7 @@ TEST(Backwards, EventsAreLocatedInTheOrderOfTheRun) {
   // v = cos t falls at pi / 2 and 5 pi / 2 as time goes on, and rises there backwards.
   EventFinder turn([](double, const Plane& at) { return at[1]; }, Crossing::rising, false, turns);
   EventFinder through([](double, const Plane& at) { return at[0] - 0.5; }, Crossing::falling, true, zero);
-  const auto end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation, Span<double>{t0, 0}, y,
+  const auto end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation<Plane>, Span<double>{t0, 0}, y,
                              FixedStep<double>(0.05), observe(through, turn));
   EXPECT_EQ(end.outcome, Outcome::stopped);
   // sin t = 0.5 falls, backwards, at 13 pi / 6 first.

@@ -74,6 +74,13 @@ SystemOf<State> system_of(F f, Eigen::Index n = State::RowsAtCompileTime) {
   return {std::move(f), n};
 }
 
+/// x' = v, v' = -x: x = sin t, v = cos t from (0, 1).
+template <class State>
+const auto rotation = system_of<State>([](real_of<State>, const State& y, State& dydt) {
+  dydt[0] = y[1];
+  dydt[1] = -y[0];
+});
+
 /// Any system with what implicit methods ask of it, behind one type for each kind of state: a method is
 /// compiled once for all of them.
 template <class StateT>

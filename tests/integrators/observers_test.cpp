@@ -14,11 +14,6 @@ using Plane = Eigen::Vector2d;
 using tableaux::DormandPrince54;
 constexpr double pi = std::numbers::pi;
 
-/// x = sin t, v = cos t.
-const auto rotation = system_of<Plane>([](double, const Plane& y, Plane& dydt) {
-  dydt[0] = y[1];
-  dydt[1] = -y[0];
-});
 const Plane north(0, 1);
 
 struct Sample {
@@ -30,7 +25,7 @@ std::vector<Sample> samples(Span<double> span, double interval, double h) {
   std::vector<Sample> found;
   Plane y(std::sin(span.t0), std::cos(span.t0));
   auto sink = [&](double t, const Plane& state) { found.push_back({t, state}); };
-  integrate(Rk<DormandPrince54, Plane>{}, rotation, span, y, FixedStep<double>(h),
+  integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, span, y, FixedStep<double>(h),
             SampleEvery<Plane, decltype(sink)>(span, interval, y, sink));
   return found;
 }
@@ -64,7 +59,7 @@ TEST(SampleEvery, OfAnEmptySpanReportsTheStart) { EXPECT_EQ(samples({1, 1}, 0.1,
 TEST(SampleEvery, SeesTheStatesOfStepsAsTheyAre) {
   std::vector<Plane> steps;
   Plane y = north;
-  integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 1}, y, FixedStep<double>(0.1),
+  integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, Span<double>{0, 1}, y, FixedStep<double>(0.1),
             [&](auto& view) { steps.push_back(view.y1()); });
   const auto found = samples({0, 1}, 0.1, 0.1);
   ASSERT_EQ(found.size(), steps.size() + 1);
@@ -74,10 +69,11 @@ TEST(SampleEvery, SeesTheStatesOfStepsAsTheyAre) {
 TEST(Observers, DoNotChangeTheRun) {
   const Adaptive<double, PiController> control({1e-7, 1e-7}, 5);
   Plane alone = north, watched = north;
-  const auto one = integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 10}, alone, control);
+  const auto one =
+      integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, Span<double>{0, 10}, alone, control);
   Plane between;
-  const auto two = integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 10}, watched, control,
-                             [&](auto& view) { view.at(view.t0() + view.h() / 3, between); });
+  const auto two = integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, Span<double>{0, 10}, watched,
+                             control, [&](auto& view) { view.at(view.t0() + view.h() / 3, between); });
   EXPECT_EQ(alone, watched);
   EXPECT_EQ(one.stats.steps, two.stats.steps);
 }
@@ -91,7 +87,7 @@ struct Found {
 template <class G>
 Found find(G g, Crossing crossing, bool terminal, double t_end = 10, double h = 0.05) {
   Found found{{}, {}, north};
-  found.end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation, Span<double>{0, t_end}, found.y,
+  found.end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation<Plane>, Span<double>{0, t_end}, found.y,
                         FixedStep<double>(h), EventFinder<Plane, G>(g, crossing, terminal, found.events));
   return found;
 }
@@ -162,7 +158,7 @@ Both watch(const Order& order, bool half_ends, bool turn_ends) {
   EventFinder turn(velocity, Crossing::falling, turn_ends, both.turn);
   SampleEvery sample(span, 0.25, both.y, [&](double t, const Plane&) { both.times.push_back(t); });
   const auto count = [&](auto&) { ++both.steps; };
-  both.end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation, span, both.y, FixedStep<double>(2),
+  both.end = integrate(Rk<tableaux::Dop853, Plane>{}, rotation<Plane>, span, both.y, FixedStep<double>(2),
                        order(half, turn, sample, count));
   return both;
 }
@@ -204,7 +200,7 @@ TEST(Observe, OwnsObserversWithoutAName) {
   static_assert(sizeof(observe(more())) == sizeof(more()), "one observer costs nothing more");
   auto two = observe(more(), more());
   Plane y = north;
-  integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 1}, y, FixedStep<double>(0.25),
+  integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, Span<double>{0, 1}, y, FixedStep<double>(0.25),
             observe(two, more()));
   EXPECT_EQ(calls, 3 * 4);
 }
@@ -216,7 +212,7 @@ TEST(Observe, OfOneIsThatOne) {
     auto& times = wrapped ? listed : alone;
     const auto note = [&](auto& step) { times.push_back(step.t1() + step.y1()[0]); };
     const auto go = [&](auto&& observer) {
-      integrate(Rk<DormandPrince54, Plane>{}, rotation, Span<double>{0, 10}, y,
+      integrate(Rk<DormandPrince54, Plane>{}, rotation<Plane>, Span<double>{0, 10}, y,
                 Adaptive<double, PiController>({1e-7, 1e-7}, 5), observer);
     };
     wrapped ? go(observe(note)) : go(note);

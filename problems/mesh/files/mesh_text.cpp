@@ -10,8 +10,6 @@ namespace hmax {
 
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v'; }
-
 /// True for digits beyond the range of double that stand for a number too small, such as 1e-400, and not for
 /// one too large, such as 1e400.
 bool is_tiny(std::string_view digits) {

@@ -22,6 +22,11 @@ T value_from(const char* bytes, bool swapped) {
   return std::bit_cast<T>(buffer);
 }
 
+/// A character that ends a word.
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+
 /// Reads forward. Every error is one sentence that names file and place, as std::invalid_argument.
 class MeshText {
  public:

@@ -20,11 +20,6 @@ Json stability(const std::string& options) {
   return told.json();
 }
 
-/// The keys of a contract with programs.
-void expect_keys(const Json& document, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) EXPECT_TRUE(document.contains(key)) << key << " in " << document.dump();
-}
-
 TEST(StabilityPredict, SaysWhatItDoesNotVerifyOnAGpu) {
   const Shell shell;
   const std::string ask = "stability predict --mesh cube:n=2 --model fem_green --device gpu ";

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/problems/mesh/meshes.hpp"
 #include "tests/problems/tissue/bodies.hpp"
 
 namespace hmax {
@@ -21,13 +22,9 @@ std::vector<SpringSet::Spring> springs_of(const TetMesh& mesh, const TissueSetti
 }
 
 /// One tetrahedron with sides of length 1.
-TetMesh regular_tetrahedron() {
-  TetMesh mesh;
-  mesh.points.resize(3, 4);
-  mesh.points << 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1, 1;
-  mesh.points /= std::sqrt(8.0);
-  mesh.tetrahedra.resize(4, 1);
-  mesh.tetrahedra << 0, 2, 1, 3;
+TetMesh unit_regular_tetrahedron() {
+  TetMesh mesh = regular_tetrahedron();
+  mesh.points /= std::sqrt(2.0);
   return mesh;
 }
 
@@ -66,7 +63,7 @@ TEST(TissueSprings, OfARegularTetrahedronShareItsStiffness) {
   TissueSettings settings;
   settings.springs.damper = 0.5;
   settings.springs.damper_time = 0.01;
-  const auto springs = springs_of(regular_tetrahedron(), settings);
+  const auto springs = springs_of(unit_regular_tetrahedron(), settings);
   ASSERT_EQ(springs.size(), 6U);
   for (const SpringSet::Spring& spring : springs) {
     EXPECT_NEAR(spring.stiffness, 5500 / (6 * std::sqrt(2.0)), 1e-9);
@@ -109,7 +106,7 @@ TEST(TissueSprings, OfFurtherSetsJoinWhatIsOppositeAndTakeTheirShareOfTheMean) {
 
 TEST(SkinSprings, OfARegularTetrahedronShareTheStiffnessOfItsTriangles) {
   // k = sum of Y h A / L^2 over two triangles with A = sqrt(3) / 4 L^2.
-  const TetMesh mesh = regular_tetrahedron();
+  const TetMesh mesh = unit_regular_tetrahedron();
   const auto springs = skin_springs(mesh, surface_of(mesh), {SkinSettings::Kind::springs, 5e6, 0.45, 1e-4});
   ASSERT_EQ(springs.size(), 6U);
   for (const SpringSet::Spring& spring : springs)
