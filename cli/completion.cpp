@@ -74,7 +74,7 @@ Words options_of(const CLI::App& command) {
   return words;
 }
 
-std::string joined(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
+std::string joined_words(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands({}); }
 
@@ -85,16 +85,17 @@ _hmax() {
   case $previous in
 )";
   for (const auto& [option, values] : values_of_options())
-    text += fmt::format("    {}) words=\"{}\" ;;\n", option, joined(values));
+    text += fmt::format("    {}) words=\"{}\" ;;\n", option, joined_words(values));
   text += R"(    --output|--tableau) COMPREPLY=($(compgen -f -- "$current")); return ;;
   esac
   if [[ -z $words ]]; then
     case ${COMP_CWORD}:${COMP_WORDS[1]} in
 )";
-  text += fmt::format("      1:*) words=\"{} {}\" ;;\n", joined(operands_of(app)), joined(options_of(app)));
+  text += fmt::format("      1:*) words=\"{} {}\" ;;\n", joined_words(operands_of(app)),
+                      joined_words(options_of(app)));
   for (const CLI::App* command : commands_of(app))
     text += fmt::format("      *:{}) words=\"{} {}\" ;;\n", command->get_name(),
-                        joined(operands_of(*command)), joined(options_of(*command)));
+                        joined_words(operands_of(*command)), joined_words(options_of(*command)));
   return text + R"(    esac
   fi
   COMPREPLY=($(compgen -W "$words" -- "$current"))
@@ -110,15 +111,17 @@ _hmax() {
   case ${words[CURRENT-1]} in
 )";
   for (const auto& [option, values] : values_of_options())
-    text += fmt::format("    {}) compadd -- {}; _files -g '*.toml'; return ;;\n", option, joined(values));
+    text +=
+        fmt::format("    {}) compadd -- {}; _files -g '*.toml'; return ;;\n", option, joined_words(values));
   text += R"(    --output|--tableau) _files; return ;;
   esac
   case $((CURRENT - 1)):${words[2]} in
 )";
-  text += fmt::format("    1:*) compadd -- {} {} ;;\n", joined(operands_of(app)), joined(options_of(app)));
+  text += fmt::format("    1:*) compadd -- {} {} ;;\n", joined_words(operands_of(app)),
+                      joined_words(options_of(app)));
   for (const CLI::App* command : commands_of(app))
     text += fmt::format("    *:{}) compadd -- {} {}; _files ;;\n", command->get_name(),
-                        joined(operands_of(*command)), joined(options_of(*command)));
+                        joined_words(operands_of(*command)), joined_words(options_of(*command)));
   return text + R"(  esac
 }
 compdef _hmax hmax
@@ -141,12 +144,12 @@ std::string fish(const CLI::App& app) {
     const std::string here =
         fmt::format("complete -c hmax -n '__fish_seen_subcommand_from {}'", command->get_name());
     if (const Words operands = operands_of(*command); !operands.empty())
-      text += fmt::format("{} -f -a '{}'\n", here, joined(operands));
+      text += fmt::format("{} -f -a '{}'\n", here, joined_words(operands));
     for (const CLI::Option* option : command->get_options()) {
       for (const std::string& name : option->get_lnames()) {
         text += fmt::format("{} -l {} -d {}", here, name, fish_quoted(option->get_description()));
         if (const auto known = values.find("--" + name); known != values.end())
-          text += fmt::format(" -r -a '{}'", joined(known->second));
+          text += fmt::format(" -r -a '{}'", joined_words(known->second));
         else if (option->get_items_expected_max() > 0)
           text += " -r";
         text += "\n";

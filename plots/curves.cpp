@@ -58,7 +58,7 @@ std::string axis_label(std::string name) {
 
 }  // namespace
 
-std::string in_words(std::string type) {
+std::string type_in_words(std::string type) {
   std::replace(type.begin(), type.end(), '_', ' ');
   return type;
 }
@@ -129,8 +129,8 @@ Panel phase_panel(const PhasePlane& plane) {
   panel.curves.insert(panel.curves.begin(), nullclines.begin(), nullclines.end());
   for (const RestPoint& point : plane.rest_points) {
     panel.marks.push_back(
-        {point.x, point.v, {.colour = 6, .marker = marker_of(point.type)}, in_words(point.type)});
-    panel.notes.push_back(fmt::format("{} at ({}, {}): {}", in_words(point.type), number(point.x),
+        {point.x, point.v, {.colour = 6, .marker = marker_of(point.type)}, type_in_words(point.type)});
+    panel.notes.push_back(fmt::format("{} at ({}, {}): {}", type_in_words(point.type), number(point.x),
                                       number(point.v), eigenvalues_in_words(point.eigenvalues)));
   }
   return panel;

@@ -42,7 +42,7 @@ struct RestPoint {
 int marker_of(const std::string& type);
 
 /// "stable focus" of stable_focus.
-std::string in_words(std::string type);
+std::string type_in_words(std::string type);
 
 /// Points of a curve in the plane.
 using PlaneCurve = std::vector<std::array<double, 2>>;

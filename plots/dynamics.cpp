@@ -22,7 +22,7 @@ Panel map_panel(const PlaneMap& map) {
     panel.curves.push_back(std::move(steps));
   }
   for (const MapPair& pair : map.period_two) {
-    const std::string label = "to and fro, " + in_words(pair.type);
+    const std::string label = "to and fro, " + type_in_words(pair.type);
     panel.curves.push_back({.label = "",
                             .x = {pair.first[0], pair.second[0]},
                             .y = {pair.first[1], pair.second[1]},
@@ -35,7 +35,7 @@ Panel map_panel(const PlaneMap& map) {
         {point.x,
          point.v,
          {.colour = point.spurious ? made_by_method : 6, .marker = marker_of(point.type)},
-         point.spurious ? "made by the method, " + in_words(point.type) : in_words(point.type)});
+         point.spurious ? "made by the method, " + type_in_words(point.type) : type_in_words(point.type)});
   return panel;
 }
 

@@ -41,7 +41,7 @@ std::vector<Written> matrices_of(const LinearModel& model) {
   return files;
 }
 
-void write(const std::string& name, const std::string& problem, std::vector<Written>& files) {
+void write_files(const std::string& name, const std::string& problem, std::vector<Written>& files) {
   const std::filesystem::path folder = name;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -72,7 +72,7 @@ std::string names_of_unknowns(const TissueBody& body) {
 void write_matrices(const Problem& problem, const OperatingPoint& point, const std::string& folder,
                     Console& console) {
   std::vector<Written> files = matrices_of(point.model);
-  write(folder, point.problem, files);
+  write_files(folder, point.problem, files);
   if (problem.body)
     write_file(std::filesystem::path(folder) / "stiffness.dof", names_of_unknowns(*problem.body));
   std::string option;

@@ -209,7 +209,7 @@ Figure picture(const Problem& problem, const Section& section) {
     panel.marks.push_back({point.state(0),
                            point.state(1),
                            {.colour = 1, .marker = marker_of(std::string(name_of(point.type)))},
-                           "repeats after one period, " + in_words(std::string(name_of(point.type)))});
+                           "repeats after one period, " + type_in_words(std::string(name_of(point.type)))});
   std::string title = verdict(section);
   title = title.substr(0, title.find(','));
   title[0] = 'T';
@@ -286,7 +286,8 @@ void check_length(const PhaseOptions& options, const ProblemAt& problem_at,
 
 /// "4", "chaotic", "not settled" or "diverges"
 std::string in_a_word(const Settled& motion) {
-  return motion.period ? std::to_string(*motion.period) : in_words(std::string(name_of(motion.settling)));
+  return motion.period ? std::to_string(*motion.period)
+                       : type_in_words(std::string(name_of(motion.settling)));
 }
 
 /// The stretches of the parameter over which the motion comes to the same.
@@ -356,7 +357,7 @@ Json fixed_point_document(const FixedPoint& point) {
   const auto index = index_of(point);
   return {{"x", point.state(0)},
           {"v", point.state(1)},
-          {"multipliers", to_json(point.multipliers)},
+          {"multipliers", pair_document(point.multipliers)},
           {"type", name_of(point.type)},
           {"index", index ? Json(*index) : Json()}};
 }
@@ -398,7 +399,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
     TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
     for (const FixedPoint& point : section.periodic.points)
       table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
-                 in_words(point.multipliers)});
+                 pair_in_words(point.multipliers)});
     text += "\n" + table.text(console);
   }
   text += fmt::format("\n{}\n", guarantee(problem, section));
