@@ -13,7 +13,7 @@
 namespace hmax {
 namespace {
 
-std::string percent(double share) { return rounded_text(100 * share, 3) + " %"; }
+std::string share_in_words(double share) { return rounded_text(100 * share, 3) + " %"; }
 
 std::string largest_in_words(double largest, double value) {
   if (std::isinf(largest)) return "any";
@@ -23,10 +23,10 @@ std::string largest_in_words(double largest, double value) {
 
 std::string in_words(const LimitOwner& owner, double h) {
   const std::string name = owner.part.kind + " " + owner.part.name;
-  std::string text = fmt::format("owner     {} has {} of the limit", name, percent(owner.share));
+  std::string text = fmt::format("owner     {} has {} of the limit", name, share_in_words(owner.share));
   if (owner.alike > 1)
     text += fmt::format("; the {} of its stiffness and damping have {}", owner.alike,
-                        percent(owner.share_of_alike));
+                        share_in_words(owner.share_of_alike));
   text += "\n";
   const auto add = [&](std::string_view what, double value, const LargestNumber& largest) {
     if (std::isnan(largest.alone)) return;

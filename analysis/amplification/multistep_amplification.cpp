@@ -13,7 +13,7 @@ namespace {
 /// From lambda = 1 to lambda.
 /// Only on the imaginary axis may the principal root leave at once: to the left it is below one for small
 /// h, to the right the mode grows by itself.
-Amplification of_polynomial(StepPolynomial in_z) {
+Amplification of_difference_equation(StepPolynomial in_z) {
   Amplification amplification;
   amplification.of_eigenmode = [in_z](const Eigenmode& mode) {
     Growth growth{.polynomial = in_z.along(mode.lambda), .scale = 1 / std::abs(mode.lambda)};
@@ -53,7 +53,7 @@ class Collected {
   void add(std::size_t power_of_zeta, std::size_t power_of_z, long double c) {
     p_[power_of_zeta][power_of_z] += c;
   }
-  Amplification done() && { return of_polynomial(StepPolynomial::real(p_)); }
+  Amplification done() && { return of_difference_equation(StepPolynomial::real(p_)); }
 
  private:
   std::vector<Polynomial> p_;

@@ -29,7 +29,7 @@ Polynomial CancellingSum::value(long double rounding) const {
 namespace {
 
 /// Splits an interval off its middle, so that a root at a round number is not hit.
-constexpr long double split = 0.49918273645L;
+constexpr long double split_at = 0.49918273645L;
 
 /// Descartes' rule in Bernstein form: the number of roots in the interval is this number, or less by an
 /// even one.
@@ -53,8 +53,8 @@ std::pair<Polynomial, Polynomial> halves(Polynomial b) {
   for (std::size_t row = 0; row < n; ++row) {
     left[row] = b[0];
     right[n - 1 - row] = b[n - 1 - row];
-    // (1 - split) b_i + split b_i+1
-    for (std::size_t i = 0; i + 1 < n - row; ++i) b[i] += split * (b[i + 1] - b[i]);
+    // (1 - split_at) b_i + split_at b_i+1
+    for (std::size_t i = 0; i + 1 < n - row; ++i) b[i] += split_at * (b[i + 1] - b[i]);
   }
   return {std::move(left), std::move(right)};
 }
@@ -88,7 +88,7 @@ void add_roots(const Polynomial& b, const Polynomial& error, long double t0, lon
   }
   const auto [left, right] = halves(b);
   const auto [left_error, right_error] = halves(error);
-  const long double middle = t0 + split * (t1 - t0);
+  const long double middle = t0 + split_at * (t1 - t0);
   add_roots(left, left_error, t0, middle, value, roots);
   add_roots(right, right_error, middle, t1, value, roots);
 }

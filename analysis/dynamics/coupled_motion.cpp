@@ -85,7 +85,7 @@ double smallest_root(double a, double b, double e) {
 }
 
 /// Single oscillations from undamped to creeping, and a damper alone.
-constexpr std::array<MechanicalMode, 10> samples{
+constexpr std::array<MechanicalMode, 10> sampled_modes{
     {{1, 0}, {1, 2e-3}, {1, 0.02}, {1, 0.2}, {1, 0.6}, {1, 1.2}, {1, 2}, {1, 4}, {1, 20}, {0, 1}}};
 
 /// Whether every single oscillation leaves at zeta = -1, if it does.
@@ -93,7 +93,7 @@ constexpr std::array<MechanicalMode, 10> samples{
 /// the first exit of ten samples, to 1e-9.
 bool singles_leave_at_minus_one(const Amplification& single, const MotionMap& map) {
   const double inertia = value_of(map.inertia, -1).real(), sign = inertia < 0 ? -1 : 1;
-  return inertia != 0 && std::ranges::all_of(samples, [&](const MechanicalMode& mode) {
+  return inertia != 0 && std::ranges::all_of(sampled_modes, [&](const MechanicalMode& mode) {
            const double exit = first_exit(single.of_oscillation(mode));
            const double at_minus_one =
                smallest_root(sign * inertia, sign * mode.gamma * value_of(map.damper, -1).real(),
@@ -111,7 +111,7 @@ bool has_kicks_with_lumped_damping(const MotionMap& map) {
 
 /// Of the ten samples; for each proved by its conditions.
 bool singles_never_leave(const Amplification& single) {
-  return std::ranges::all_of(samples, [&](const MechanicalMode& mode) {
+  return std::ranges::all_of(sampled_modes, [&](const MechanicalMode& mode) {
     return std::isinf(first_exit(single.of_oscillation(mode)));
   });
 }

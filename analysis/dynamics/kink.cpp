@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int looks = 8192;  ///< directions of a turn
-constexpr double span = 2 * 27.6 / (looks / 4);
+constexpr int directions = 8192;  ///< directions of a turn
+constexpr double span = 2 * 27.6 / (directions / 4);
 
 /// Directions around 0 lie closer towards the axes, beside which stiff fields turn: in each quadrant s = ln
 /// tan(phi) grows evenly from -27.6 to 27.6, so that dphi = ds / (2 cosh s). Sums over s converge like those
@@ -24,8 +24,8 @@ struct Direction {
 };
 
 Direction direction(int k) {
-  const int quadrant = k / (looks / 4) % 4, i = k % (looks / 4);
-  const double slope = span * (i + 0.5 - looks / 8);
+  const int quadrant = k / (directions / 4) % 4, i = k % (directions / 4);
+  const double slope = span * (i + 0.5 - directions / 8);
   const Vector2d u = Vector2d(1, std::exp(slope)).normalized();
   const std::array<Vector2d, 4> turned{u, Vector2d(-u(1), u(0)), Vector2d(-u), Vector2d(u(1), -u(0))};
   return {turned[static_cast<std::size_t>(quadrant)], span / (2 * std::cosh(slope))};
@@ -91,16 +91,18 @@ Kink kink_around(const std::function<Vector2d(const Vector2d&)>& f, const Vector
     return {u.dot(g), u(0) * g(1) - u(1) * g(0), g.norm()};
   };
   std::vector<Rates> rates;
-  for (int k = 0; k < looks; ++k) rates.push_back(field(direction(k).u));
-  const auto at = [&](int k) -> const Rates& { return rates[static_cast<std::size_t>((k + looks) % looks)]; };
+  for (int k = 0; k < directions; ++k) rates.push_back(field(direction(k).u));
+  const auto at = [&](int k) -> const Rates& {
+    return rates[static_cast<std::size_t>((k + directions) % directions)];
+  };
   Kink kink{.unit = unit};
   // Up to the next ray a motion grows by exp(rise); twice around, since a rise may begin late in a turn.
   double rise = 0, largest_rise = 0;
-  for (int k = 0; k < 2 * looks; ++k) {
+  for (int k = 0; k < 2 * directions; ++k) {
     const Direction here = direction(k);
-    const auto ray = ray_at(field, {direction(k + looks - 1).u, here.u, direction(k + 1).u},
+    const auto ray = ray_at(field, {direction(k + directions - 1).u, here.u, direction(k + 1).u},
                             {at(k - 1), at(k), at(k + 1)});
-    if (ray && k < looks)
+    if (ray && k < directions)
       kink.rays.push_back({ray->cwiseProduct(scale).stableNormalized(), field(*ray).radial});
     rise = ray ? 0 : std::max(0.0, rise + here.width * at(k).radial / std::abs(at(k).angular));
     largest_rise = std::max(largest_rise, rise);
@@ -108,7 +110,7 @@ Kink kink_around(const std::function<Vector2d(const Vector2d&)>& f, const Vector
   kink.swing = std::exp(largest_rise);
   const auto turn = [&](int step) {
     double time = 0, growth = 0;
-    for (int k = 0; k < looks; k += step) {
+    for (int k = 0; k < directions; k += step) {
       const double share = step * direction(k).width / std::abs(at(k).angular);
       time += share;
       growth += share * at(k).radial;

@@ -34,9 +34,9 @@ double own_error(const StepDerivative& derivative, const Eigen::VectorXcd& Jx, c
 }
 
 /// All eigenvalues with their tolerances.
-class Multipliers {
+class StepMultipliers {
  public:
-  Multipliers(const MatrixXd& J, const StepDerivative& derivative, double creep)
+  StepMultipliers(const MatrixXd& J, const StepDerivative& derivative, double creep)
       : derivative_(derivative), pairs_(J), creep_(creep) {
     if (!pairs_.values.empty()) left_ = pairs_.vectors.partialPivLu().inverse();
   }
@@ -63,7 +63,7 @@ class Multipliers {
   double creep_;  ///< of a step
 };
 
-void Multipliers::find_growing(const std::vector<double>& tolerances, StepSpectrum& found) const {
+void StepMultipliers::find_growing(const std::vector<double>& tolerances, StepSpectrum& found) const {
   std::vector<std::size_t> order(tolerances.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto beyond = [&](std::size_t i) { return excess(i) - tolerances[i]; };
@@ -89,7 +89,7 @@ void Multipliers::find_growing(const std::vector<double>& tolerances, StepSpectr
   }
 }
 
-void Multipliers::judge(StepSpectrum& found, VectorXd& motion) const {
+void StepMultipliers::judge(StepSpectrum& found, VectorXd& motion) const {
   if (pairs_.values.empty()) {
     found.resolved = false;
     return;
@@ -166,7 +166,7 @@ StepSpectrum spectrum_of_step(ForeignStepper& engine, const StateCoordinates& co
             .sparseView(1, n <= settings.eigenvalues_to ? 0 : derivative.error() / static_cast<double>(n));
   if (J && !VectorXd::Map(J->valuePtr(), J->nonZeros()).allFinite()) return broken;
   if (J && n <= settings.eigenvalues_to)
-    Multipliers(*J, derivative, settings.creep * h).judge(found, motion);
+    StepMultipliers(*J, derivative, settings.creep * h).judge(found, motion);
   else
     by_products(
         [&](const VectorXd& v) {

@@ -205,7 +205,7 @@ class KreissSearch {
   std::priority_queue<BoundedInterval> queue_;
 };
 
-constexpr KreissConstant unbounded{.value = infinity, .bound = infinity};
+constexpr KreissConstant infinite_constant{.value = infinity, .bound = infinity};
 
 }  // namespace
 
@@ -225,12 +225,12 @@ KreissConstant kreiss_constant(const MatrixXd& J) {
   const double scale = J.norm();
   if (scale == 0) return {.value = 1, .bound = 1, .at = infinity};
   const MatrixXcd T = Eigen::ComplexSchur<MatrixXd>(J, false).matrixT();
-  if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return unbounded;
+  if (T.diagonal().real().maxCoeff() > 1e-10 * scale) return infinite_constant;
   const double growth = largest_eigenvalue_of((J + J.transpose()) / 2);
   if (growth <= 1e-13 * scale) return {.value = 1, .bound = 1, .at = infinity};
   const KreissConstant found = KreissSearch(J, T, growth).run(std::min(1e-9 * scale, growth));
   // Growth that only an eigenvalue of several on the axis itself can make.
-  return found.at.real() < 1e-6 * scale && found.value > 1e6 ? unbounded : found;
+  return found.at.real() < 1e-6 * scale && found.value > 1e6 ? infinite_constant : found;
 }
 
 EnergyCoordinates energy_coordinates(const MechanicalPart& part) {

@@ -43,7 +43,8 @@ template <class Sys>
 using ControlledFehlberg78 = odeint::ControlledPeer<Sys, Fehlberg78Stepper<Sys>>;
 constexpr std::size_t adams_steps = 4;
 template <class Sys>
-using Adams = odeint::FixedPeer<Sys, native::adams_bashforth_moulton<adams_steps, Values<Sys>, Real<Sys>>>;
+using OdeintAdams =
+    odeint::FixedPeer<Sys, native::adams_bashforth_moulton<adams_steps, Values<Sys>, Real<Sys>>>;
 
 /// In the place of steps that a method does not take.
 template <class Sys>
@@ -69,7 +70,7 @@ struct OdeintEngine {
   }
 };
 
-struct Facts {
+struct OdeintFacts {
   const char* id;
   std::string_view same_as;  ///< the method of hmax with these coefficients: it has the same amplification
   int order, error_order, stages;
@@ -80,9 +81,9 @@ struct Facts {
 };
 
 /// @param all  the methods of hmax
-/// @throws std::logic_error  where none of them is called Facts::same_as
+/// @throws std::logic_error  where none of them is called OdeintFacts::same_as
 template <template <class> class Fixed, template <class> class Steered>
-Method line(const std::vector<Method>& all, const Facts& facts) {
+Method line(const std::vector<Method>& all, const OdeintFacts& facts) {
   Method method{.id = facts.id,
                 .order = facts.order,
                 .error_order = facts.error_order,
@@ -135,12 +136,12 @@ void add_odeint(std::vector<Method>& all) {
   all.push_back(line<Rk4, None>(all, {"odeint_rk4", "rk4", 4, 0, 4}));
   all.push_back(line<Dopri5, odeint::Dopri5Peer>(all, {"odeint_dopri5", "dormand_prince_54", 5, 5, 7}));
   all.push_back(line<Fehlberg78, ControlledFehlberg78>(all, {"odeint_fehlberg78", "fehlberg_78", 8, 8, 13}));
-  all.push_back(line<Adams, None>(all, {.id = "odeint_adams_bashforth_moulton",
-                                        .same_as = "abm_pece_4",
-                                        .order = 4,
-                                        .error_order = 0,
-                                        .stages = 2,
-                                        .steps_back = static_cast<int>(adams_steps) - 1}));
+  all.push_back(line<OdeintAdams, None>(all, {.id = "odeint_adams_bashforth_moulton",
+                                              .same_as = "abm_pece_4",
+                                              .order = 4,
+                                              .error_order = 0,
+                                              .stages = 2,
+                                              .steps_back = static_cast<int>(adams_steps) - 1}));
   all.push_back(line<None, odeint::BulirschStoerPeer>(all, {"odeint_bulirsch_stoer", {}, 0, 5, 0}));
   all.push_back(
       line<None, odeint::BulirschStoerDensePeer>(all, {"odeint_bulirsch_stoer_dense", {}, 0, 5, 0}));

@@ -11,7 +11,7 @@ namespace hmax {
 namespace {
 
 template <class Polynomials>
-Method stabilised() {
+Method stabilised_method() {
   return {.id = std::string(Polynomials::id),
           .order = 2,
           .error_order = 3,
@@ -30,8 +30,8 @@ Method stabilised() {
 }  // namespace
 
 void add_stabilised(std::vector<Method>& all) {
-  all.push_back(stabilised<Rkc2>());
-  all.push_back(stabilised<Rkl2>());
+  all.push_back(stabilised_method<Rkc2>());
+  all.push_back(stabilised_method<Rkl2>());
 }
 
 }  // namespace hmax

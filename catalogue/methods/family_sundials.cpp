@@ -54,7 +54,7 @@ Runner bind(const sundials::Method& method, const Problem& problem) {
 }
 
 /// What else distinguishes a method: the facts of the catalogue.
-struct Facts {
+struct SundialsFacts {
   const char* id;
   int order, error_order, stages;
   bool a_stable = false, l_stable = false;
@@ -134,7 +134,7 @@ std::shared_ptr<const Amplification> amplification_of(const sundials::Method& ch
   }
 }
 
-Method line(const Facts& facts, const sundials::Method& choice) {
+Method line(const SundialsFacts& facts, const sundials::Method& choice) {
   const bool is_cvode = choice.package == Package::cvode_adams || choice.package == Package::cvode_bdf;
   Method method{.id = facts.id,
                 .order = facts.order,
@@ -163,7 +163,7 @@ std::vector<std::pair<std::string, std::string>>& left_out() {
 }
 
 /// Versions of the library differ in their tables: a method that is not there must not cost the others.
-void add(std::vector<Method>& all, const Facts& facts, const sundials::Method& choice) {
+void add(std::vector<Method>& all, const SundialsFacts& facts, const sundials::Method& choice) {
   try {
     all.push_back(line(facts, choice));
   } catch (const std::invalid_argument& missing) {
@@ -193,7 +193,7 @@ void add_cvode(std::vector<Method>& all) {
 }
 
 void add_arkode(std::vector<Method>& all) {
-  const auto erk = [&](const Facts& facts, ARKODE_ERKTableID table) {
+  const auto erk = [&](const SundialsFacts& facts, ARKODE_ERKTableID table) {
     add(all, facts, {.package = Package::erk, .explicit_table = table});
   };
   erk({"arkode_erk_heun_euler_212", 2, 2, 2}, ARKODE_HEUN_EULER_2_1_2);
@@ -206,7 +206,7 @@ void add_arkode(std::vector<Method>& all) {
   erk({"arkode_erk_verner_856", 6, 6, 8}, ARKODE_VERNER_8_5_6);
   erk({"arkode_erk_fehlberg_13_7_8", 8, 8, 13}, ARKODE_FEHLBERG_13_7_8);
 
-  const auto dirk = [&](const Facts& facts, ARKODE_DIRKTableID table) {
+  const auto dirk = [&](const SundialsFacts& facts, ARKODE_DIRKTableID table) {
     add(all, facts, {.package = Package::dirk, .implicit_table = table});
   };
   dirk({"arkode_dirk_sdirk_212", 2, 2, 2, true}, ARKODE_SDIRK_2_1_2);
@@ -220,7 +220,7 @@ void add_arkode(std::vector<Method>& all) {
   dirk({"arkode_dirk_kvaerno_745", 5, 5, 7, true, true}, ARKODE_KVAERNO_7_4_5);
   dirk({"arkode_dirk_ark548l2sa", 5, 5, 8, true, true}, ARKODE_ARK548L2SA_DIRK_8_4_5);
 
-  const auto imex = [&](const Facts& facts, ARKODE_DIRKTableID implicit_table,
+  const auto imex = [&](const SundialsFacts& facts, ARKODE_DIRKTableID implicit_table,
                         ARKODE_ERKTableID explicit_table) {
     add(all, facts,
         {.package = Package::imex, .explicit_table = explicit_table, .implicit_table = implicit_table});

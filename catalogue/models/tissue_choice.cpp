@@ -294,7 +294,7 @@ std::vector<TetMesh::Index> points_of_box(const TissueParameters& p, const TetMe
 
 /// The points that are held, by springs or not; none where nothing is.
 /// @throws InputError  for sets that are unknown or empty, and where nothing is left to move
-std::vector<TetMesh::Index> held_points(const TissueParameters& p, const LoadedMesh& loaded) {
+std::vector<TetMesh::Index> supported_points(const TissueParameters& p, const LoadedMesh& loaded) {
   if (!p.supports.empty())
     return p.support_stiffness > 0 ? union_of_sets(p.supports, loaded) : points_of_sets(p.supports, loaded);
   if (p.has_box()) return points_of_box(p, loaded.mesh);
@@ -302,9 +302,9 @@ std::vector<TetMesh::Index> held_points(const TissueParameters& p, const LoadedM
                        : std::vector<TetMesh::Index>{};
 }
 
-/// @throws InputError  as held_points(), and where springs have no surface to stand on
+/// @throws InputError  as supported_points(), and where springs have no surface to stand on
 void set_supports(const TissueParameters& p, const LoadedMesh& loaded, TissueSettings& settings) {
-  std::vector<TetMesh::Index> points = held_points(p, loaded);
+  std::vector<TetMesh::Index> points = supported_points(p, loaded);
   if (points.empty()) return;
   if (p.support_stiffness == 0) {
     settings.supports.push_back({.points = std::move(points)});

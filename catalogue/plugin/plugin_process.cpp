@@ -24,7 +24,7 @@
 namespace hmax {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 /// Characters of what a plugin says of an error that are shown.
 constexpr std::size_t most_shown = 500;
@@ -186,7 +186,7 @@ void PluginProcess::explain_flood() {
 }
 
 void PluginProcess::bound_processes() {
-  const auto now = Clock::now();
+  const auto now = SteadyClock::now();
   if (std::chrono::duration<double>(now - counted_).count() < between_counts) return;
   counted_ = now;
   if (!has_more_descendants(child_, most_processes)) return;
@@ -204,7 +204,7 @@ void PluginProcess::explain_destruction() {
 void PluginProcess::await() {
   const SharedCount& answered = page().answered;
   if (spin_.until(answered, asked_)) return;
-  auto begin = Clock::now();
+  auto begin = SteadyClock::now();
   for (std::uint64_t calls = page().stage.calls; answered.load() != asked_;) {
     page().answered.sleep_unless(asked_, 50);
     const std::uint32_t count = answered.load();
@@ -216,9 +216,10 @@ void PluginProcess::await() {
     if (has_ended() && answered.load() != asked_) explain_end();
     if (const std::uint64_t now = page().stage.calls; now != calls) {
       calls = now;
-      begin = Clock::now();
+      begin = SteadyClock::now();
     }
-    if (std::chrono::duration<double>(Clock::now() - begin).count() > settings_.patience) explain_hang();
+    if (std::chrono::duration<double>(SteadyClock::now() - begin).count() > settings_.patience)
+      explain_hang();
   }
 }
 

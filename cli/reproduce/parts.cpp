@@ -26,7 +26,7 @@ namespace {
 constexpr const char *self_exciting_store = "damping_minus_2.sqlite", *sweep_store = "step_sweep.sqlite",
                      *limit_store = "limits.sqlite";
 
-double seconds_since(std::chrono::steady_clock::time_point started) {
+double elapsed_since(std::chrono::steady_clock::time_point started) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
 }
 
@@ -50,7 +50,7 @@ ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vect
                             std::size_t rows, std::chrono::steady_clock::time_point started) {
   std::vector<std::string> files;
   for (const char* store : stores) files.push_back((folder / store).string());
-  const double seconds = seconds_since(started);
+  const double seconds = elapsed_since(started);
   return {.rows = static_cast<std::int64_t>(rows),
           .seconds = seconds,
           .document = {{"stores", files}, {"rows", rows}, {"seconds", seconds}},
@@ -143,7 +143,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const std::filesystem::path report =
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
   const LimitSummary found = summary_of(cases, rows);
-  const double seconds = seconds_since(started);
+  const double seconds = elapsed_since(started);
   nlohmann::ordered_json document{{"report", report.string()}, {"seconds", seconds}};
   document.update(nlohmann::ordered_json(found));
   return {.report = report,
@@ -176,7 +176,7 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
       .report = document["report"].get<std::string>(),
       .rows = static_cast<std::int64_t>(document["particles"].size() + document["paths"].size() +
                                         document["sizes"].size()),
-      .seconds = seconds_since(started),
+      .seconds = elapsed_since(started),
       .failed = document["unsolved"] > 0,
       .words = fmt::format(
           "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
@@ -213,7 +213,7 @@ ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Co
   }
   return {.report = report,
           .rows = static_cast<std::int64_t>(rows.published_model.size() + rows.self_exciting.size()),
-          .seconds = seconds_since(started),
+          .seconds = elapsed_since(started),
           .document = {{"report", report.string()}, {"measured", count}},
           .words = fmt::format("{} rows measured, the others were there already.", count)};
 }

@@ -37,7 +37,7 @@ struct Chapter {
   bool by_cost = false;  ///< compared for equal work too
 };
 
-struct Group {
+struct FormulaGroup {
   const char *title, *text, *stem;
   std::vector<std::string> names;
   bool by_cost = false;
@@ -55,7 +55,7 @@ std::vector<std::string> stabilised() {
   return names;
 }
 
-std::vector<Group> groups() {
+std::vector<FormulaGroup> formula_groups() {
   const auto k = {1, 2, 3, 4, 5, 6};
   return {
       {"Explicit Runge-Kutta methods",
@@ -103,7 +103,7 @@ std::vector<Chapter> chapters_of(const std::string& names, Console& console) {
   warn_of_left_out(console, chosen.left_out);
   std::vector<Formula> left = std::move(chosen.formulas);
   std::vector<Chapter> chapters;
-  for (const Group& group : groups()) {
+  for (const FormulaGroup& group : formula_groups()) {
     Chapter chapter{.title = group.title, .text = group.text, .stem = group.stem, .by_cost = group.by_cost};
     for (Formula& formula : choose_formulas(group.names)) {
       const auto same = [&](const Formula& other) { return other.id == formula.id; };
@@ -146,20 +146,20 @@ std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& f
 }
 
 /// A heading, a text, figures below it, and a table in Markdown.
-struct Section {
+struct PageSection {
   std::string title, text;
   std::vector<FigureFiles> figures = {};
   std::string table = {};
 };
 
-std::string markdown_of(const Section& section, const fs::path& folder) {
+std::string markdown_of(const PageSection& section, const fs::path& folder) {
   std::string markdown = fmt::format("## {}\n\n{}\n\n", section.title, section.text);
   for (const FigureFiles& figure : section.figures) markdown += figure_markdown(figure, folder) + "\n\n";
   return markdown + section.table + (section.table.empty() ? "" : "\n");
 }
 
-Section section_of(const Chapter& chapter, const fs::path& folder) {
-  Section section{.title = chapter.title, .text = chapter.text};
+PageSection section_of(const Chapter& chapter, const fs::path& folder) {
+  PageSection section{.title = chapter.title, .text = chapter.text};
   const auto coarse = [](const Formula& formula) { return formula.amplification->measured; };
   // Steps of the code cost a thousand times what a formula costs.
   const bool measured = std::ranges::any_of(chapter.formulas, coarse);
@@ -237,8 +237,8 @@ FigureFiles kept(const std::string& svg, const fs::path& folder, const std::stri
   return {.base = folder / name, .made = {file}, .alt = alt};
 }
 
-Section sliding_section(const fs::path& folder) {
-  Section section{
+PageSection sliding_section(const fs::path& folder) {
+  PageSection section{
       .title = "The largest stable step, seen",
       .text =
           "Each eigenvalue of the model, times the step, runs along a ray from the origin as the step "
@@ -256,10 +256,10 @@ Section sliding_section(const fs::path& folder) {
 }
 
 /// The opening section and those of all chapters, drawn on all cores.
-std::vector<Section> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
-                                 Console& console) {
+std::vector<PageSection> sections_of(const std::vector<Chapter>& chapters, const std::string& folder,
+                                     Console& console) {
   const auto& interrupted = interrupt_flag();
-  std::vector<Section> sections(chapters.size() + 1);
+  std::vector<PageSection> sections(chapters.size() + 1);
   sections[0] = sliding_section(folder);
   Progress progress(console, "gallery");
   parallel_for(
@@ -276,12 +276,12 @@ void gallery(const std::string& names, const std::string& output, Console& conso
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
   check_report_place(output);
   const std::vector<Chapter> chapters = chapters_of(names, console);
-  const std::vector<Section> sections = sections_of(chapters, output, console);
+  const std::vector<PageSection> sections = sections_of(chapters, output, console);
   std::size_t shown = 0;
   for (const Chapter& chapter : chapters) shown += chapter.formulas.size();
   Json files = Json::array();
   std::string problem;
-  for (const Section& section : sections)
+  for (const PageSection& section : sections)
     for (const FigureFiles& figure : section.figures)
       if (figure.drawn())
         files.push_back(figure.base.string() + ".svg");
@@ -292,7 +292,7 @@ void gallery(const std::string& names, const std::string& output, Console& conso
       "# Stability regions\n\nz = h lambda, the step times an eigenvalue of the model: a step is stable where "
       "the method's amplification is at most 1. The curves come from the coefficients that the methods step "
       "with, or from steps of external integrators that show none. Scales are equal on both axes.\n\n";
-  for (const Section& section : sections) text += markdown_of(section, output);
+  for (const PageSection& section : sections) text += markdown_of(section, output);
   const fs::path page = write_report(text, output);
   if (console.json)
     return console.print_json({{"page", page.string()}, {"methods", shown}, {"figures", files}});

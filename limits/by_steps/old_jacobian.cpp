@@ -46,7 +46,7 @@ struct FirstOrder {
 };
 
 /// The same of a structure with sparse matrices.
-struct Structure : FirstOrder<Sparse> {
+struct SparseStructure : FirstOrder<Sparse> {
   using Dofs = VectorXd;
   using DofMatrix = Sparse;
 
@@ -124,8 +124,8 @@ AnySystem with_jacobian_of(const LinearModel& model, const RightHandSide& rhs, b
     return AnySystem(FirstOrder<MatrixXd>{parts_of<MatrixXd>(model, rhs, autonomous, stiff)});
   }
   const MechanicalPart& part = *model.mechanical;
-  Structure::Matrices matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C), {}, {}};
-  Structure structure{{parts_of<Sparse>(model, rhs, autonomous, stiff)}, {}};
+  SparseStructure::Matrices matrices{part.mass, std::get<Sparse>(part.K), std::get<Sparse>(part.C), {}, {}};
+  SparseStructure structure{{parts_of<Sparse>(model, rhs, autonomous, stiff)}, {}};
   if (const Sparse& J_stiff = structure.parts->J_stiff; J_stiff.size() > 0 && moves_by_velocities(J_stiff)) {
     auto [K, C] = detail::stiffness_and_damping_of(J_stiff, part.mass);
     matrices.K_stiff = std::get<Sparse>(K);
@@ -133,7 +133,7 @@ AnySystem with_jacobian_of(const LinearModel& model, const RightHandSide& rhs, b
     matrices.K_stiff.makeCompressed();
     matrices.C_stiff.makeCompressed();
   }
-  structure.matrices = std::make_shared<const Structure::Matrices>(std::move(matrices));
+  structure.matrices = std::make_shared<const SparseStructure::Matrices>(std::move(matrices));
   return AnySystem(std::move(structure));
 }
 

@@ -70,7 +70,7 @@ Problem without_load(const Problem& problem) {
 bool grows(const StepModes& modes) { return std::abs(modes.largest) > 1 + 1e-5; }
 
 /// Where the steps come to rest with the load and without.
-struct Settled {
+struct SettledStates {
   SettledState loaded;
   SettledState rest;
   StepModes modes = {};  ///< about `loaded`, where they were asked for
@@ -98,11 +98,11 @@ SettledState settled_from(const VectorFunction& step, const VectorXd& start, con
 }
 
 /// @param near  a displacement near which they may rest
-Settled settle(const Method& method, const FidelityModel& model, double factor,
-               const FidelityQuestion& question, const VectorXd& near) {
+SettledStates settle(const Method& method, const FidelityModel& model, double factor,
+                     const FidelityQuestion& question, const VectorXd& near) {
   const Problem problem = stiffened(model, factor);
   const double share = share_of_step(model, factor, question.h);
-  Settled found;
+  SettledStates found;
   found.loaded =
       settled_from(step_of_model(method, model, problem, question.h), near, model, share, question.watch);
   found.rest = {.q = VectorXd::Zero(near.size()), .settled = true};
@@ -113,8 +113,8 @@ Settled settle(const Method& method, const FidelityModel& model, double factor,
   return found;
 }
 
-Settled settle(const Method& method, const FidelityModel& model, double factor,
-               const FidelityQuestion& question) {
+SettledStates settle(const Method& method, const FidelityModel& model, double factor,
+                     const FidelityQuestion& question) {
   return settle(method, model, factor, question, model.equilibrium / std::max(1.0, factor));
 }
 
@@ -130,19 +130,19 @@ StepModes modes_of(const Method& method, const FidelityModel& model, double fact
 
 /// The same with the modes there; where nothing settles near the equilibrium of the model, or nothing stays,
 /// of where a run from rest comes, if it stays there.
-Settled settle_to_stay(const Method& method, const FidelityModel& model, double factor,
-                       const FidelityQuestion& question) {
-  const auto with_modes = [&](Settled found) {
+SettledStates settle_to_stay(const Method& method, const FidelityModel& model, double factor,
+                             const FidelityQuestion& question) {
+  const auto with_modes = [&](SettledStates found) {
     if (found.found()) found.modes = modes_of(method, model, factor, question, found.loaded.q);
     return found;
   };
-  Settled found = with_modes(settle(method, model, factor, question));
+  SettledStates found = with_modes(settle(method, model, factor, question));
   if (found.stays() || !model.is_loaded()) return found;
   const RunToRest run = run_to_rest(step_of_model(method, model, stiffened(model, factor), question.h),
                                     model.mass, share_of_step(model, factor, question.h), question.watch);
   found.loaded.steps += run.steps;
   if (run.q.size() == 0) return found;
-  Settled other = with_modes(settle(method, model, factor, question, run.q));
+  SettledStates other = with_modes(settle(method, model, factor, question, run.q));
   if (!other.stays() || !other.modes.linear) return found;  // else growth is not known
   other.loaded.steps += found.loaded.steps;
   other.by_run = true;
@@ -177,7 +177,7 @@ constexpr std::string_view not_linear =
 /// settles, or against the load.
 double modulus_shown(const Method& method, const FidelityModel& model, double factor,
                      const FidelityQuestion& question) {
-  const Settled found = settle_to_stay(method, model, factor, question);
+  const SettledStates found = settle_to_stay(method, model, factor, question);
   if (!found.stays()) return Fidelity::none;
   const double sag = found.sag(model);
   return sag > 0 ? young_of(model.problem) * factor_of_sag(model, sag) : Fidelity::none;
@@ -193,10 +193,11 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
   // Factors that sag too much, and little enough. Several rests may be there: first that near the
   // equilibrium.
   double low = 0, high = 0, before = 0;
-  Settled found;
+  SettledStates found;
   const auto look = [&](double factor) {
-    const Settled last = std::exchange(found, before == 0 ? settle_to_stay(method, model, factor, question)
-                                                          : settle(method, model, factor, question));
+    const SettledStates last =
+        std::exchange(found, before == 0 ? settle_to_stay(method, model, factor, question)
+                                         : settle(method, model, factor, question));
     if (before > 0 && (!found.found() || last.by_run)) {
       found = settle(method, model, factor, question, last.loaded.q * std::min(1.0, before / factor));
       found.by_run = last.by_run;
@@ -211,7 +212,7 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
   // By strides that shrink where what lies beyond does not settle.
   const auto stride_on = [&](double& end, double stride) {
     for (double factor = first; end == 0;) {
-      const Settled last = found;
+      const SettledStates last = found;
       if (factor * stride > most || factor * stride * most < 1) return false;
       if (look(factor * stride)) {
         factor *= stride;
@@ -309,8 +310,8 @@ ShownMode observed_mode(const VectorFunction& step, const MassMatrix<double>& ma
   return mode;
 }
 
-Fidelity::Observed observe(const FidelityModel& model, const Fidelity& row, const FidelityQuestion& question,
-                           const Settled& settled) {
+Fidelity::Observed observed_fidelity(const FidelityModel& model, const Fidelity& row,
+                                     const FidelityQuestion& question, const SettledStates& settled) {
   const auto watched = [&](const Problem& problem) -> VectorFunction {
     return [map = step_of_model(row.method, model, problem, row.h), &question](const VectorXd& y) {
       if (question.watch) question.watch();
@@ -351,7 +352,7 @@ double gap_of(const Fidelity& row) {
 }
 
 /// Volume, momentum, and what is left without load.
-void tell_of_body(Fidelity& row, const FidelityModel& model, const Settled& found) {
+void tell_of_body(Fidelity& row, const FidelityModel& model, const SettledStates& found) {
   row.volume_kept = volume_of(*model.problem.body, found.loaded.q) / model.volume;
   row.rest_moves = largest_displacement(found.rest.q);
   row.momentum = momentum_made(row.method, model.problem, model.equilibrium, row.h);
@@ -414,7 +415,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
     throw InputError(
         "k gives the springs their stiffness whatever the modulus is; leave k out, or --ceiling and --enter");
   Fidelity row{.method = method, .h = question.h, .modes = {}, .status = {}};
-  Settled found = settle_to_stay(method, model, 1, question);
+  SettledStates found = settle_to_stay(method, model, 1, question);
   row.steps = found.loaded.steps;
   if (!found.found()) {
     add_sentence(row.status, found.loaded.settled
@@ -455,7 +456,7 @@ Fidelity fidelity(const Method& method, const FidelityModel& model, const Fideli
     add_sentence(row.status, "no eigenvalue of its steps is like the slowest mode");
   if (asks_moduli) find_moduli(row, model, question);
   if (question.verify) {
-    row.observed = observe(model, row, question, found);
+    row.observed = observed_fidelity(model, row, question, found);
     row.gap = gap_of(row);
     row.contradiction = row.gap > 0.05;
     if (model.is_loaded() && std::isnan(row.observed->stiffness_shown))

@@ -111,7 +111,7 @@ struct Watch {
   Distance distance;
 };
 
-ObservedLimit observe(const Watch& watch, double h_max) {
+ObservedLimit observed_limit(const Watch& watch, double h_max) {
   return observe_limit(watch.run, watch.distance, h_max, watch.expected);
 }
 
@@ -243,7 +243,7 @@ std::optional<ObservedLimit> observe_alone(const ModeToWatch& mode, const ModeSt
                                                        mode.h_max, start.disturbance))
       return limit;
   const std::optional<Watch> watch = watch_amplitude(mode, start, run);
-  return watch ? std::optional(observe(*watch, mode.h_max)) : std::nullopt;
+  return watch ? std::optional(observed_limit(*watch, mode.h_max)) : std::nullopt;
 }
 
 /// Whether something beside the mode grows below the limit that it shows.
@@ -273,7 +273,7 @@ ObservedLimit observe_limit(const Prediction& row, const Method& method, const L
   const ModeToWatch mode = mode_to_watch(row, method, near, start);
   const auto alone = observe_alone(mode, start, run);
   if (alone && !others_grow(mode, start, run, *alone)) return *alone;
-  return observe(watch_all(mode, start, run), mode.h_max);
+  return observed_limit(watch_all(mode, start, run), mode.h_max);
 }
 
 }  // namespace hmax

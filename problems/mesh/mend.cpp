@@ -40,7 +40,7 @@ constexpr double plane = 0.1 * std::numbers::pi / 180;
 constexpr double volume_share = 1e-3;
 
 /// Heights that a move does not change differ by rounding.
-constexpr double rounding = 1e-9;
+constexpr double height_rounding = 1e-9;
 
 /// Sums over tetrahedra at a point: V / h^2, h the height of the point over the face opposite to it, and V.
 struct PointSums {
@@ -319,7 +319,8 @@ class Mender {
         if ((tried - first).norm() > freedom.radius) continue;
         mesh_.points.col(point) = tried;
         const Heights now = heights_around(point, star);
-        if (!(now.least >= (1 - rounding) * before.least && now.least_mean > (1 + rounding) * highest))
+        if (!(now.least >= (1 - height_rounding) * before.least &&
+              now.least_mean > (1 + height_rounding) * highest))
           continue;
         highest = now.least_mean;
         best = tried;

@@ -9,7 +9,7 @@ namespace {
 
 using Real = long double;
 using Complex = std::complex<Real>;
-using State = ExactSolution::ExtendedState;
+using State = BasicOscillator<Real>::State;
 
 // Linear oscillator. With r1, r2 the roots of r^2 + (c/m) r + k1/m and f[a, b, ..] the divided differences of
 // f(z) = e^(zt), the response to an initial state and to a force is

@@ -11,7 +11,7 @@ namespace hmax {
 namespace {
 
 using Real = long double;
-using State = OscillatorReference::ExtendedState;
+using State = BasicOscillator<Real>::State;
 
 /// Step over radius of convergence: 0.18^28 = 1e-21, below the rounding of long double.
 constexpr Real radius_fraction = 0.18L;

@@ -58,7 +58,7 @@ void write_models(const Shell& shell) {
              "%%MatrixMarket matrix coordinate real general\n2 2 3\n1 1 -2\n1 2 1\n2 2 -5\n");
 }
 
-struct Method {
+struct ListedMethod {
   std::string id;
   bool positions, stiff_part, adaptive;
 
@@ -67,18 +67,18 @@ struct Method {
   }
 };
 
-struct Family {
+struct ListedFamily {
   std::string name;
-  std::vector<Method> methods{};
+  std::vector<ListedMethod> methods{};
 
-  [[nodiscard]] bool any(bool Method::*fact, bool value) const {
-    return std::ranges::any_of(methods, [&](const Method& m) { return m.*fact == value; });
+  [[nodiscard]] bool any(bool ListedMethod::*fact, bool value) const {
+    return std::ranges::any_of(methods, [&](const ListedMethod& m) { return m.*fact == value; });
   }
 };
 
 /// All that the program knows.
-std::vector<Family> families(const Shell& shell) {
-  std::vector<Family> all;
+std::vector<ListedFamily> families(const Shell& shell) {
+  std::vector<ListedFamily> all;
   for (const json& each : shell.json("list methods")) {
     if (all.empty() || all.back().name != each["family"]) all.push_back({each["family"]});
     all.back().methods.push_back(
@@ -115,17 +115,17 @@ struct Case {
   bool as_json;
 };
 
-struct Crossing {
-  std::vector<Family> families;
+struct CrossedCases {
+  std::vector<ListedFamily> families;
 
   [[nodiscard]] const Command& command(const Case& c) const { return commands()[c.command]; }
   [[nodiscard]] const Model& model(const Case& c) const { return models()[c.model]; }
-  [[nodiscard]] const Family& family(const Case& c) const { return families[c.family]; }
+  [[nodiscard]] const ListedFamily& family(const Case& c) const { return families[c.family]; }
 
   /// Those that a row may have.
   [[nodiscard]] std::set<std::string> suited(const Case& c) const {
     std::set<std::string> ids;
-    for (const Method& method : family(c).methods)
+    for (const ListedMethod& method : family(c).methods)
       if (method.suits(model(c)) && (ids.empty() || !command(c).one_method)) ids.insert(method.id);
     if (command(c).one_method && !family(c).methods.front().suits(model(c))) ids.clear();
     return ids;
@@ -207,8 +207,8 @@ struct Crossing {
     if (name == "sweep") line += " --h 0.001 --t-end 0.01 --explore --jobs 1 --out s.sqlite";
     if (name == "precision") {
       line += " --t-end 0.01 --budget 0.0001";
-      if (family(c).any(&Method::adaptive, true)) line += " --rtol 1e-3";
-      if (family(c).any(&Method::adaptive, false)) line += " --h 0.001";
+      if (family(c).any(&ListedMethod::adaptive, true)) line += " --rtol 1e-3";
+      if (family(c).any(&ListedMethod::adaptive, false)) line += " --h 0.001";
     }
     if (name == "advise") line += " --rate 100 --frames 3 --tolerance 0.1";
     if (name == "run") line += " --h 0.001 --t-end 0.01";
@@ -256,10 +256,10 @@ void expect_rows(const std::vector<json>& rows, const std::set<std::string>& sui
 
 /// The methods that begin the lines of a table.
 void expect_table(const std::string& text, const std::set<std::string>& suited,
-                  const std::vector<Family>& all) {
+                  const std::vector<ListedFamily>& all) {
   std::set<std::string> known;
-  for (const Family& family : all)
-    for (const Method& method : family.methods) known.insert(method.id);
+  for (const ListedFamily& family : all)
+    for (const ListedMethod& method : family.methods) known.insert(method.id);
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t end = std::min(text.find('\n', from), text.size());
     const std::string line = text.substr(from, end - from), word = line.substr(0, line.find(' '));
@@ -270,7 +270,7 @@ void expect_table(const std::string& text, const std::set<std::string>& suited,
   }
 }
 
-void expect_right(const Crossing& crossing, const Case& one, const Shell& shell, const Told& told) {
+void expect_right(const CrossedCases& crossing, const Case& one, const Shell& shell, const Told& told) {
   const std::set<std::string> suited = crossing.suited(one);
   const Command& command = crossing.command(one);
   ASSERT_TRUE(told.exit_code >= 0 && told.exit_code <= 2) << told.exit_code << " " << told.err;
@@ -308,7 +308,7 @@ double child_seconds() {
 }
 
 TEST(Crossing, ModelsAndFamiliesAreAnsweredWithRowsOfTheFamilyOrRefusedInOneSentence) {
-  const Crossing crossing{families(Shell())};
+  const CrossedCases crossing{families(Shell())};
   ASSERT_GE(crossing.families.size(), 8U);
   const std::vector<Case> cases = crossing.cases();
   const double before = child_seconds();

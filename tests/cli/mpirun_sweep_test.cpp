@@ -51,7 +51,7 @@ class MpirunSweep : public testing::Test {
   Shell shell;
 };
 
-constexpr const char* quick =
+constexpr const char* liver_sweep =
     "sweep --problems liver_forced,liver_linear --methods rk4,ode45 --h 0.2,0.1,0.001 --t-end 10 ";
 // Sixteen blocks of 13 rows, each of a quarter of a second.
 constexpr const char* longer =
@@ -60,7 +60,7 @@ constexpr const char* longer =
 
 TEST_F(MpirunSweep, HasTheRowsOfASerialSweep) {
   for (const std::string options : {"", "--explore "}) {
-    const std::string sweep = quick + options;
+    const std::string sweep = liver_sweep + options;
     const Told told = two(sweep + "--json --out two.sqlite");
     ASSERT_EQ(told.exit_code, 0) << told.err;
     EXPECT_EQ(told.json()["measured"], 18);
@@ -113,15 +113,15 @@ TEST_F(MpirunSweep, AnInterruptEndsAllRanksAndKeepsTheRows) {
 }
 
 TEST_F(MpirunSweep, TellsAnErrorOnce) {
-  ASSERT_EQ(two(std::string(quick) + "--out there.sqlite").exit_code, 0);
+  ASSERT_EQ(two(std::string(liver_sweep) + "--out there.sqlite").exit_code, 0);
   for (const auto& [arguments, named] : std::initializer_list<std::pair<std::string, const char*>>{
            {"sweep --methods none", "unknown method 'none'"},
            {"sweep --no-such-option", "--no-such-option"},
            {"sweep nowhere.toml", "nowhere.toml"},
-           {std::string(quick) + "--out there.sqlite", "--resume"},
-           {std::string(quick) + "--output drawn", "--output"},
-           {std::string(quick) + "--publish", "--publish"},
-           {std::string(quick) + "--explore --jobs 2", "--jobs"},
+           {std::string(liver_sweep) + "--out there.sqlite", "--resume"},
+           {std::string(liver_sweep) + "--output drawn", "--output"},
+           {std::string(liver_sweep) + "--publish", "--publish"},
+           {std::string(liver_sweep) + "--explore --jobs 2", "--jobs"},
            {"merge other.sqlite there.sqlite", "2 copies"}}) {
     const Told told = two(arguments);
     EXPECT_EQ(told.exit_code, 2) << arguments;
@@ -141,12 +141,13 @@ TEST_F(MpirunSweep, RanksWithDifferentOptionsAreRefused) {
 }
 
 TEST_F(MpirunSweep, AnotherMpirunIsRefused) {
-  expect_refused(line("PMI_SIZE=3 hmax " + std::string(quick)), "another mpirun");
+  expect_refused(line("PMI_SIZE=3 hmax " + std::string(liver_sweep)), "another mpirun");
 }
 
 TEST(MpirunSweeps, ABuildWithoutMpiSaysSo) {
   if (is_built_with("OpenMPI")) GTEST_SKIP() << "this build has MPI";
-  expect_refused(Shell().line("OMPI_COMM_WORLD_SIZE=2 hmax " + std::string(quick)), "built without MPI");
+  expect_refused(Shell().line("OMPI_COMM_WORLD_SIZE=2 hmax " + std::string(liver_sweep)),
+                 "built without MPI");
 }
 
 /// The lines of scripts/scaling-model on a sweep of these tasks, of which rank 0 takes 1 ms for each hand.

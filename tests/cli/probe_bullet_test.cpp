@@ -27,7 +27,7 @@ std::string joint(const std::string& name, const std::string& type, const std::s
 std::string robot(const std::string& parts) {
   return "<?xml version=\"1.0\"?>\n<robot name=\"r\">\n" + parts + "</robot>\n";
 }
-const std::string world = "<link name=\"world\"/>\n";
+const std::string world_link = "<link name=\"world\"/>\n";
 
 /// Two tetrahedra that share a side.
 const std::string wedge =
@@ -73,7 +73,7 @@ double limit_of_oscillator(double omega2, double c) { return (std::sqrt(c * c + 
 
 TEST_F(ProbeBullet, TheDamperThatATimestepIsTooLongForIsNamed) {
   // Explicit: d h / m = 2.
-  const std::string sled = robot(world + link("sled", 0.5) +
+  const std::string sled = robot(world_link + link("sled", 0.5) +
                                  joint("rail", "prismatic", "world", "sled",
                                        R"(<axis xyz="1 0 0"/><dynamics damping="400" friction="3"/>)"));
   const nlohmann::json all = found(sled);
@@ -102,7 +102,7 @@ TEST_F(ProbeBullet, PendulumsAreThoseOfTheirMassesAndMoments) {
                     moments = R"(ixx="4e-5" iyy="5e-5" izz="6e-5" ixy="1e-5" ixz="5e-6" iyz="-7e-6")",
                     place = R"(<origin xyz="0.3 0 1" rpy="0 0 0"/>)";
   const std::string pendulum =
-      robot(world + link("bob", 0.2, "0 0 -0.01", moments) + link("tip", 0.1, "0 0 -0.01") +
+      robot(world_link + link("bob", 0.2, "0 0 -0.01", moments) + link("tip", 0.1, "0 0 -0.01") +
             joint("pin", "continuous", "world", "bob", place + axis) +
             joint("glue", "fixed", "bob", "tip", R"(<origin xyz="0 0 -0.01"/>)"));
   const double about_axis = (4e-5 + 5e-5) / 2 + 1e-5 + 0.2 * 1e-4 + 0.1 * 4e-4 + 1e-9;
@@ -188,7 +188,7 @@ TEST_F(ProbeBullet, TheNeoHookeanForceIsSofterThanItsNumbers) {
 
 TEST_F(ProbeBullet, ContinuousJointsHaveNoLimits) {
   const auto limit = [&](const std::string& more) {
-    return found(robot(world + link("a", 1, "0 0 -0.1") +
+    return found(robot(world_link + link("a", 1, "0 0 -0.1") +
                        joint("j", "continuous", "world", "a", "<dynamics damping=\"5\"/>" + more)))["h_max"];
   };
   EXPECT_TRUE(limit("").is_number());
@@ -200,23 +200,26 @@ TEST_F(ProbeBullet, RefusesWhatItDoesNotUnderstandByItsLine) {
   const auto refused = [&](const std::string& parts, const std::string& why) {
     expect_refused(probe(robot(parts)), why);
   };
-  refused(world + link("a", 1) + joint("j", "floating", "world", "a", ""),
+  refused(world_link + link("a", 1) + joint("j", "floating", "world", "a", ""),
           "robot.urdf: the robot, line 5: joint 'j' is of type 'floating'");
-  refused(world + link("a", 1) + joint("j", "continuous", "world", "b", ""), "joint 'j' has no link 'b'");
-  refused(world + link("a", 1) + good + "<spring/>\n", "line 6: <spring> in <robot> is not understood");
-  refused(world + link("a", 1) + joint("j", "continuous", "world", "a", "<axis xyz=\"0 0 0\"/>"),
+  refused(world_link + link("a", 1) + joint("j", "continuous", "world", "b", ""),
+          "joint 'j' has no link 'b'");
+  refused(world_link + link("a", 1) + good + "<spring/>\n", "line 6: <spring> in <robot> is not understood");
+  refused(world_link + link("a", 1) + joint("j", "continuous", "world", "a", "<axis xyz=\"0 0 0\"/>"),
           "the axis of joint 'j' has no length");
-  refused(world + link("a", 1) + joint("j", "continuous", "world", "a", "<axis xyz=\"0 1\"/>"),
+  refused(world_link + link("a", 1) + joint("j", "continuous", "world", "a", "<axis xyz=\"0 1\"/>"),
           "axis has 2 numbers of xyz and should have 3");
-  refused(world + link("a", 1, "0 1-2") + good, "xyz should be a number and is '1-2'");
-  refused(world + link("a", 1) + joint("j", "continuous", "world", "a", "<dynamics damping=\"much\"/>"),
+  refused(world_link + link("a", 1, "0 1-2") + good, "xyz should be a number and is '1-2'");
+  refused(world_link + link("a", 1) + joint("j", "continuous", "world", "a", "<dynamics damping=\"much\"/>"),
           "damping should be a number and is 'much'");
-  refused(world + link("a", -1) + good, "line 4: link 'a' has a negative mass");
-  refused(world + link("a", 1) + link("a", 1), "link 'a' is there twice");
-  refused(world + link("a", 1), "link 'world' has no parent");
-  refused(world + link("a", 1) + good + joint("k", "fixed", "a", "world", ""), "its links form a circle");
-  refused(world + link("a", 1) + good + joint("k", "fixed", "world", "a", ""), "link 'a' has two parents");
-  refused(world + link("a", 1) + joint("j", "fixed", "world", "a", ""), "nothing in the scene moves");
+  refused(world_link + link("a", -1) + good, "line 4: link 'a' has a negative mass");
+  refused(world_link + link("a", 1) + link("a", 1), "link 'a' is there twice");
+  refused(world_link + link("a", 1), "link 'world' has no parent");
+  refused(world_link + link("a", 1) + good + joint("k", "fixed", "a", "world", ""),
+          "its links form a circle");
+  refused(world_link + link("a", 1) + good + joint("k", "fixed", "world", "a", ""),
+          "link 'a' has two parents");
+  refused(world_link + link("a", 1) + joint("j", "fixed", "world", "a", ""), "nothing in the scene moves");
   refused("", "it has no link");
   expect_refused(probe("<robot name=\"r\">\n<link"), "robot.urdf: the robot, line 2: ");
   expect_refused(probe("<mujoco/>"), "the file is one robot with all others in it, and not 'mujoco'");
@@ -224,7 +227,7 @@ TEST_F(ProbeBullet, RefusesWhatItDoesNotUnderstandByItsLine) {
 }
 
 TEST_F(ProbeBullet, RefusesOptionsOfOtherScenes) {
-  const std::string sled = robot(world + link("a", 1) + joint("j", "prismatic", "world", "a", ""));
+  const std::string sled = robot(world_link + link("a", 1) + joint("j", "prismatic", "world", "a", ""));
   expect_refused(probe(sled, "--set E=1"), "--set is one of a soft body of Bullet");
   expect_refused(probe(sled, "--keyframe home"), "--keyframe is one of a scene of MuJoCo");
   expect_refused(shell_.hmax("probe body.vtk"), "does not say its unit");
@@ -239,7 +242,7 @@ TEST_F(ProbeBullet, RefusesOptionsOfOtherScenes) {
 
 TEST_F(ProbeBullet, AHangIsAnError) {
   // A rope that swings for a minute of the engine's time.
-  std::string rope = world + link("n0", 0.1, "0 0 -0.1"), before = "n0";
+  std::string rope = world_link + link("n0", 0.1, "0 0 -0.1"), before = "n0";
   rope += joint("j0", "continuous", "world", "n0", R"(<origin rpy="0 1 0"/><axis xyz="0 1 0"/>)");
   for (int i = 1; i < 40; ++i) {
     const std::string name = "n" + std::to_string(i);

@@ -20,7 +20,7 @@ static_assert(System<FormulaSystem>);
 static_assert(DifferentiableSystem<FormulaSystem> && TimeDifferentiableSystem<FormulaSystem> &&
               SecondOrderSystem<FormulaSystem>);
 
-FormulaDefinition liver() {
+FormulaDefinition liver_formulas() {
   return {.name = "liver",
           .equations = {{"x", "v"}, {"v", "(P*cos(w*t) - c*v - k1*x - k3*x^3)/m"}},
           .parameters = {{"m", 1.45}, {"c", 2}, {"k1", 0.7}, {"k3", 0.8}, {"P", 0.5}, {"w", 0.5}},
@@ -46,7 +46,7 @@ std::string refusal(const FormulaDefinition& definition) {
 std::string refusal(const std::string& formula) { return refusal(single(formula)); }
 
 TEST(FormulaSystem, EqualsTheOscillatorOnRandomStates) {
-  const FormulaSystem formulas(liver());
+  const FormulaSystem formulas(liver_formulas());
   const Oscillator oscillator;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-4, 4);
@@ -96,13 +96,13 @@ TEST(FormulaSystem, SettingAParameterChangesThisCopyOnly) {
 }
 
 TEST(FormulaSystem, SettingRefusesUnknownNamesAndNumbersThatAreNotFinite) {
-  FormulaSystem system(liver());
+  FormulaSystem system(liver_formulas());
   EXPECT_THROW(system.set("c", std::nan("")), std::invalid_argument);
   EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { system.set("k4", 1); }), "did you mean 'k1'?"));
 }
 
 TEST(FormulaSystem, OneSystemServesSeveralThreads) {
-  const FormulaSystem original(liver());
+  const FormulaSystem original(liver_formulas());
   std::vector<std::thread> threads;
   std::vector<int> wrong(4, 0);
   for (std::size_t n = 0; n < wrong.size(); ++n)
@@ -420,7 +420,7 @@ TEST(FormulaSystem, LinearityIsThatOfTheStructure) {
 }
 
 TEST(FormulaSystem, LinearityFollowsTheParameters) {
-  FormulaSystem system(liver());
+  FormulaSystem system(liver_formulas());
   EXPECT_EQ(system.linearity(), Linearity::nonlinear);
   EXPECT_FALSE(system.is_autonomous());
   system.set("k3", 0);

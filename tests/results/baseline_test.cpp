@@ -11,40 +11,41 @@
 namespace hmax {
 namespace {
 
-const AccuracyRow row{.problem = "liver_forced",
-                      .method = "rk4",
-                      .setting = "h=0.2",
-                      .outcome = "reached_end",
-                      .error_end = 1.25e-5,
-                      .error_samples = 3e-5,
-                      .steps = 50,
-                      .rejected = 1,
-                      .rhs = 200,
-                      .jacobian = 2,
-                      .factorisations = 3,
-                      .newton = 4};
+const AccuracyRow accuracy_row{.problem = "liver_forced",
+                               .method = "rk4",
+                               .setting = "h=0.2",
+                               .outcome = "reached_end",
+                               .error_end = 1.25e-5,
+                               .error_samples = 3e-5,
+                               .steps = 50,
+                               .rejected = 1,
+                               .rhs = 200,
+                               .jacobian = 2,
+                               .factorisations = 3,
+                               .newton = 4};
 
 AccuracyRow with(auto change) {
-  AccuracyRow changed = row;
+  AccuracyRow changed = accuracy_row;
   change(changed);
   return changed;
 }
 
 TEST(Baseline, ReadsBackWhatItWrote) {
   const Scratch scratch;
-  AccuracyRow lost = row;
+  AccuracyRow lost = accuracy_row;
   lost.setting = "h=2";
   lost.outcome = "diverged";
   lost.error_end = lost.error_samples = std::numeric_limits<double>::quiet_NaN();
-  write_baseline(scratch / "baseline.csv", {row, lost});
-  const AccuracyComparison comparison = compare(read_baseline(scratch / "baseline.csv"), {row, lost});
+  write_baseline(scratch / "baseline.csv", {accuracy_row, lost});
+  const AccuracyComparison comparison =
+      compare(read_baseline(scratch / "baseline.csv"), {accuracy_row, lost});
   EXPECT_EQ(comparison.compared, 2);
   EXPECT_TRUE(comparison.equal());
 }
 
 TEST(Baseline, NoticesEveryNumberThatMoves) {
-  const auto changes = [](const AccuracyRow& now) { return compare({row}, {now}).changed; };
-  EXPECT_TRUE(changes(row).empty());
+  const auto changes = [](const AccuracyRow& now) { return compare({accuracy_row}, {now}).changed; };
+  EXPECT_TRUE(changes(accuracy_row).empty());
   for (const AccuracyRow& now :
        {with([](auto& r) { r.error_end *= 1.00001; }), with([](auto& r) { r.error_samples *= 0.99; }),
         with([](auto& r) { r.outcome = "diverged"; }), with([](auto& r) { ++r.steps; }),
@@ -59,7 +60,7 @@ TEST(Baseline, NoticesEveryNumberThatMoves) {
 
 TEST(Baseline, TellsMissingAndAddedRows) {
   const AccuracyRow other = with([](auto& r) { r.method = "rk5"; });
-  const AccuracyComparison comparison = compare({row}, {other});
+  const AccuracyComparison comparison = compare({accuracy_row}, {other});
   EXPECT_EQ(comparison.missing, std::vector<std::string>{"liver_forced rk4 h=0.2"});
   EXPECT_EQ(comparison.added, std::vector<std::string>{"liver_forced rk5 h=0.2"});
   EXPECT_FALSE(comparison.equal());

@@ -85,7 +85,7 @@ std::string error_of_reading(const std::filesystem::path& file) {
   return error_of<InputError>([&] { (void)all_of(Store::open_existing(file)); });
 }
 
-void foreign_sql(const std::filesystem::path& file, const std::string& sql) {
+void damage_by_sql(const std::filesystem::path& file, const std::string& sql) {
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK)
@@ -108,7 +108,7 @@ std::vector<std::string> names_of(const std::filesystem::path& file, const std::
 }
 
 /// A copy of a store without what readers leave beside it.
-void put(const std::filesystem::path& file, const std::string& bytes) {
+void put_alone(const std::filesystem::path& file, const std::string& bytes) {
   for (const char* ending : {"-wal", "-shm", "-journal"}) std::filesystem::remove(file.string() + ending);
   write_text(file, bytes);
 }
@@ -127,7 +127,7 @@ TEST(StoreDamage, AFlippedBitIsRefusedOrChangesNothing) {
     while (trial % 4 != 0 && bytes[at] == 0) at = random() % bytes.size();
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ 1 << random() % 8);
-    put(scratch / "flipped", damaged);
+    put_alone(scratch / "flipped", damaged);
     std::string found;
     const std::string error =
         error_of<InputError>([&] { found = all_of(Store::open_existing(scratch / "flipped")); });
@@ -153,9 +153,10 @@ TEST(StoreDamage, AnyChangedValueIsRefusedAndItsRowIsNamed) {
     for (const std::string& column :
          names_of(scratch / "whole", std::string("SELECT name FROM pragma_table_info('") + table + "')")) {
       if (column == "id") continue;
-      put(scratch / "changed", bytes);
-      foreign_sql(scratch / "changed", std::string("UPDATE ") + table + " SET " + column + " = 'abc' WHERE " +
-                                           "rowid = (SELECT max(rowid) FROM " + table + ")");
+      put_alone(scratch / "changed", bytes);
+      damage_by_sql(scratch / "changed", std::string("UPDATE ") + table + " SET " + column +
+                                             " = 'abc' WHERE " + "rowid = (SELECT max(rowid) FROM " + table +
+                                             ")");
       const std::string error = error_of_reading(scratch / "changed");
       EXPECT_TRUE(says(error, std::string(" of its table ") + table)) << column;
       EXPECT_TRUE(says(error, "differs from its digest")) << column;
@@ -169,13 +170,13 @@ TEST(StoreDamage, TheRowAndItsMethodAreNamedAndTheRestIsReadWithoutIt) {
   const Scratch scratch;
   const auto file = scratch / "s";
   make_store(file);
-  foreign_sql(file, "UPDATE rows SET h = 'abc' WHERE id = 2");
+  damage_by_sql(file, "UPDATE rows SET h = 'abc' WHERE id = 2");
   const std::string error = error_of_reading(file);
   EXPECT_TRUE(says(error, "row 2 of its table rows: newmark, differs from its digest"));
   EXPECT_TRUE(says(error, "DELETE FROM rows WHERE rowid = 2"));
   EXPECT_EQ(error_of<InputError>([&] { Store::open_or_create(file); }), error)
       << "nothing is resumed from it";
-  foreign_sql(file, "DELETE FROM rows WHERE rowid = 2");
+  damage_by_sql(file, "DELETE FROM rows WHERE rowid = 2");
   EXPECT_EQ(error_of_reading(file), "");
   EXPECT_EQ(Store::open_existing(file).size(), 5);
 }
@@ -187,8 +188,8 @@ TEST(StoreDamage, AnotherTypeOfTheSameValueIsRefused) {
   for (const char* change :
        {"rows SET t_reached = CAST(t_reached AS INTEGER)", "rows SET outcome = CAST(outcome AS BLOB)",
         "rows SET steps = 1e300", "limits SET h_max = CAST(h_max AS TEXT)", "rows SET error_global = 0.0"}) {
-    put(scratch / "changed", bytes);
-    foreign_sql(scratch / "changed", std::string("UPDATE ") + change);
+    put_alone(scratch / "changed", bytes);
+    damage_by_sql(scratch / "changed", std::string("UPDATE ") + change);
     EXPECT_TRUE(says(error_of_reading(scratch / "changed"), "is damaged")) << change;
   }
 }
@@ -203,8 +204,8 @@ TEST(StoreDamage, RowsThatAreGoneOrReferToNothingAreRefused) {
         {"UPDATE sessions SET id = 7 WHERE id = 2", "refers to a row of sessions that is not there"},
         {"DROP TABLE advice", "it has no table 'advice'"},
         {"ALTER TABLE rows RENAME COLUMN rhs TO evaluations", "is damaged"}}) {
-    put(scratch / "changed", bytes);
-    foreign_sql(scratch / "changed", change);
+    put_alone(scratch / "changed", bytes);
+    damage_by_sql(scratch / "changed", change);
     EXPECT_TRUE(says(error_of_reading(scratch / "changed"), words));
   }
 }
@@ -216,7 +217,7 @@ TEST(StoreDamage, APageThatSqliteCannotReadNamesTheFile) {
   for (std::size_t page = 1; page < bytes.size() / 4096; ++page) {
     std::string damaged = bytes;
     std::fill_n(damaged.begin() + static_cast<std::ptrdiff_t>(page * 4096), 64, '\x5a');
-    put(scratch / "torn", damaged);
+    put_alone(scratch / "torn", damaged);
     const std::string error = error_of_reading(scratch / "torn");
     EXPECT_TRUE(says(error, "torn' is damaged")) << page;
   }

@@ -25,7 +25,7 @@
 namespace hmax {
 namespace {
 
-Row numbered(int number) {
+Row numbered_row(int number) {
   Row r;
   r.key.problem = "dahlquist";
   r.key.method = "rk4";
@@ -78,7 +78,7 @@ TEST(StoreProcess, AKillAtAnyMomentLosesNothingInsertedAndLeavesNothingHalfDone)
       store.begin_session({});
       for (int group = 0;; ++group) {
         std::vector<Row> rows;
-        for (int i = 0; i < batch; ++i) rows.push_back(numbered(group * batch + i));
+        for (int i = 0; i < batch; ++i) rows.push_back(numbered_row(group * batch + i));
         if (store.contains(rows[0].key)) continue;
         store.insert(rows);
         // Only after insert() returned: whatever the parent reads here must be in the store.
@@ -112,7 +112,7 @@ TEST(StoreProcess, ManyProcessesCreateAndFillOneStoreAtTheSameTime) {
     children.push_back(in_child([&, p] {
       Store store = Store::open_or_create(file);
       store.begin_session({});
-      for (int i = 0; i < each; ++i) store.insert(numbered(p * each + i));
+      for (int i = 0; i < each; ++i) store.insert(numbered_row(p * each + i));
       return 0;
     }));
   }
@@ -127,9 +127,9 @@ TEST(StoreProcess, ARowThatAnotherProcessStoredMeanwhileIsAnInputError) {
   Store first = Store::open_or_create(scratch / "a"), second = Store::open_or_create(scratch / "a");
   first.begin_session({});
   second.begin_session({});
-  first.insert(numbered(1));
-  EXPECT_TRUE(says(error_of<InputError>([&] { second.insert(numbered(1)); }), "Another process"));
-  second.insert(numbered(2));
+  first.insert(numbered_row(1));
+  EXPECT_TRUE(says(error_of<InputError>([&] { second.insert(numbered_row(1)); }), "Another process"));
+  second.insert(numbered_row(2));
   EXPECT_EQ(first.size(), 2);
   EXPECT_EQ(first.rows()[0].session, 2);  // h descends
 }
@@ -138,14 +138,14 @@ TEST(StoreProcess, ExploredRowsAreNotMeasured) {
   Scratch scratch;
   Store store = Store::open_or_create(scratch / "a");
   store.begin_session({});
-  store.insert(numbered(1));
-  Row explored = numbered(2);
+  store.insert(numbered_row(1));
+  Row explored = numbered_row(2);
   explored.explored = true;
   store.insert(explored);
-  EXPECT_TRUE(store.contains_measured(numbered(1).key));
+  EXPECT_TRUE(store.contains_measured(numbered_row(1).key));
   EXPECT_TRUE(store.contains(explored.key));
   EXPECT_FALSE(store.contains_measured(explored.key));
-  EXPECT_FALSE(store.contains_measured(numbered(3).key));
+  EXPECT_FALSE(store.contains_measured(numbered_row(3).key));
   EXPECT_EQ(std::ranges::count_if(store.rows(), &Row::explored), 1);
 }
 
@@ -157,7 +157,7 @@ TEST(StoreProcess, AStoreIsReadWithoutRightsToWrite) {
     {
       Store store = Store::open_or_create(folder / "old");
       store.begin_session({});
-      store.insert(numbered(1));
+      store.insert(numbered_row(1));
     }
     const std::string before = read_text(folder / "old");
     chmod((folder / "old").c_str(), 0444);
@@ -167,8 +167,8 @@ TEST(StoreProcess, AStoreIsReadWithoutRightsToWrite) {
       if (geteuid() == 0 && setuid(65534) != 0) return 77;  // root writes anywhere: become nobody
       Store store = Store::open_existing(folder / "old");
       const std::vector<Row> rows = store.rows();
-      if (rows.size() != 1 || !(rows[0].key == numbered(1).key)) return 1;
-      if (!store.contains(numbered(1).key) || store.sessions().size() != 1) return 2;
+      if (rows.size() != 1 || !(rows[0].key == numbered_row(1).key)) return 1;
+      if (!store.contains(numbered_row(1).key) || store.sessions().size() != 1) return 2;
       return error_of<InputError>([&] { store.begin_session({}); }).find("read-only") == std::string::npos
                  ? 3
                  : 0;
@@ -185,7 +185,7 @@ TEST(StoreProcess, AnotherSchemaOrApplicationIsRefusedAndLeftUntouched) {
   {
     Store store = Store::open_or_create(scratch / "old");
     store.begin_session({});
-    store.insert(numbered(1));
+    store.insert(numbered_row(1));
   }
   foreign_sql(scratch / "old", "PRAGMA user_version = 77");
   foreign_sql(scratch / "other", "CREATE TABLE addresses (name TEXT); INSERT INTO addresses VALUES ('x')");
@@ -202,14 +202,14 @@ TEST(StoreProcess, ALockedStoreIsAnInputErrorAfterAShortWait) {
   Scratch scratch;
   Store store = Store::open_or_create(scratch / "a");
   store.begin_session({});
-  store.insert(numbered(1));
+  store.insert(numbered_row(1));
   sqlite3* other = nullptr;
   ASSERT_EQ(sqlite3_open((scratch / "a").c_str(), &other), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(other, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
-  EXPECT_TRUE(says(error_of<InputError>([&] { store.insert(numbered(2)); }), "locked"));
+  EXPECT_TRUE(says(error_of<InputError>([&] { store.insert(numbered_row(2)); }), "locked"));
   EXPECT_EQ(store.size(), 1);
   sqlite3_close(other);
-  store.insert(numbered(2));
+  store.insert(numbered_row(2));
   EXPECT_EQ(store.size(), 2);
 }
 
@@ -228,7 +228,7 @@ TEST(StoreProcess, ALockedStoreIsWaitedForAsLongAsAsked) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2500));
       sqlite3_close(other);
     });
-    store.insert(numbered(1));
+    store.insert(numbered_row(1));
   }
   set_patience({});
   EXPECT_EQ(told, 1);
@@ -242,13 +242,13 @@ TEST(StoreProcess, AFullDiskIsAnInputErrorAndKeepsWhatWasStored) {
     signal(SIGXFSZ, SIG_IGN);
     Store store = Store::open_or_create(file);
     store.begin_session({});
-    store.insert(numbered(0));
+    store.insert(numbered_row(0));
     const rlimit limit{400000, 400000};
     setrlimit(RLIMIT_FSIZE, &limit);
     int stored = 1;
     const std::string words = error_of<InputError>([&] {
       for (;; ++stored) {
-        Row big = numbered(stored);
+        Row big = numbered_row(stored);
         big.status = std::string(5000, 'x');
         store.insert(big);
       }
@@ -263,7 +263,7 @@ TEST(StoreProcess, AFullDiskIsAnInputErrorAndKeepsWhatWasStored) {
   Store store = Store::open_or_create(file);
   EXPECT_GT(store.size(), 10);
   store.begin_session({});
-  store.insert(numbered(100000));
+  store.insert(numbered_row(100000));
 }
 
 TEST(StoreProcess, WithoutRightsWritingIsRefusedAndReadingWorks) {
@@ -272,7 +272,7 @@ TEST(StoreProcess, WithoutRightsWritingIsRefusedAndReadingWorks) {
   {
     Store store = Store::open_or_create(folder / "a");
     store.begin_session({});
-    store.insert(numbered(1));
+    store.insert(numbered_row(1));
   }
   chmod((folder / "a").c_str(), 0444);
   chmod(folder.c_str(), 0555);

@@ -12,7 +12,7 @@
 namespace hmax {
 namespace {
 
-std::string refusal(std::string_view text, bool logarithmic = false) {
+std::string refusal_of_axis(std::string_view text, bool logarithmic = false) {
   return error_of<InputError>([&] { map_axis("--x", text, logarithmic); });
 }
 
@@ -28,9 +28,9 @@ TEST(MapAxis, StepsEquallyOrInEqualRatiosAndEndsWhereItIsTold) {
 TEST(MapAxis, RefusesWhatIsNone) {
   for (const char* text : {"c", "c=1", "c=0:10", "=0:1:3", "c=0:10:81:2", "c=10:0:5", "c=0:0:5", "c=0:1:1",
                            "c=0:1:2.5", "c=0:nan:5", "c=0:inf:5", "c=a:b:c", "c=0:1:1e9"})
-    EXPECT_TRUE(says(refusal(text), "is no axis")) << text;
-  EXPECT_TRUE(says(refusal("c=0:1:3", true), "logarithmic"));
-  EXPECT_EQ(refusal("c=0:1:3"), "");
+    EXPECT_TRUE(says(refusal_of_axis(text), "is no axis")) << text;
+  EXPECT_TRUE(says(refusal_of_axis("c=0:1:3", true), "logarithmic"));
+  EXPECT_EQ(refusal_of_axis("c=0:1:3"), "");
 }
 
 TEST(StabilityMap, OfExplicitEulerIsItsClosedForm) {

@@ -118,7 +118,7 @@ TEST(StabilityLimits, OfAOneStepRuleThatIsNotAStableAreAWedge) {
   const StabilityLimits limits = stability_limits(pade);
   EXPECT_FALSE(limits.a_stable);
   EXPECT_FALSE(limits.l_stable);
-  EXPECT_EQ(limits.real, unbounded);
+  EXPECT_EQ(limits.real, no_limit);
   EXPECT_LT(limits.at_infinity.value(), 1e-12);
   EXPECT_NEAR(limits.alpha_degrees.value(), 88.23, 0.005);
 }

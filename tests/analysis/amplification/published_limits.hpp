@@ -6,7 +6,7 @@
 
 namespace hmax {
 
-inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 struct PublishedLimit {
   const char* method;
@@ -40,7 +40,7 @@ inline constexpr PublishedLimit published_limits[]{
     {"explicit_newmark", NAN, 2},
     {"newmark:beta=0.08333333333333333,gamma=0.5", NAN, 2.449489742783178},
     {"newmark:beta=0.16666666666666666,gamma=0.5", NAN, 3.464101615137755},
-    {"trapezoidal", unbounded, unbounded},
+    {"trapezoidal", no_limit, no_limit},
 };
 
 }  // namespace hmax

@@ -11,17 +11,19 @@ namespace {
 using Eigen::Vector2d;
 
 /// y' = y (1 - y)
-double logistic(double y) { return y * (1 - y); }
+double logistic_growth(double y) { return y * (1 - y); }
 
 using LineMap = std::function<double(double)>;
 LineMap euler(double h) {
-  return [h](double y) { return y + h * logistic(y); };
+  return [h](double y) { return y + h * logistic_growth(y); };
 }
 LineMap midpoint(double h) {
-  return [h](double y) { return y + h * logistic(y + h / 2 * logistic(y)); };
+  return [h](double y) { return y + h * logistic_growth(y + h / 2 * logistic_growth(y)); };
 }
 LineMap heun(double h) {
-  return [h](double y) { return y + h / 2 * (logistic(y) + logistic(y + h * logistic(y))); };
+  return [h](double y) {
+    return y + h / 2 * (logistic_growth(y) + logistic_growth(y + h * logistic_growth(y)));
+  };
 }
 
 /// (y, z) -> (Phi(y), 0): what a map of the line does in the plane, with a multiplier of 0 more.
@@ -58,7 +60,7 @@ TEST(DiscreteMap, EulersStepRestsWhereTheEquationRests) {
     EXPECT_EQ(found[0].type, EquilibriumType::saddle);
     EXPECT_EQ(found[1].type, h < 2 ? EquilibriumType::stable_node : EquilibriumType::saddle);
     for (const FixedPoint& point : found)
-      EXPECT_FALSE(is_spurious(in_plane(logistic), h, point.state, line(-2, 4)));
+      EXPECT_FALSE(is_spurious(in_plane(logistic_growth), h, point.state, line(-2, 4)));
   }
 }
 
@@ -71,7 +73,8 @@ TEST(DiscreteMap, TheMidpointRuleRestsInTwoPlacesWhereTheEquationDoesNot) {
     expect_near(states(found), expected, h);
     for (const FixedPoint& point : found) {
       const double y = point.state(0);
-      EXPECT_EQ(is_spurious(in_plane(logistic), h, point.state, line(-2, 4)), std::abs(y * (1 - y)) > 1e-9)
+      EXPECT_EQ(is_spurious(in_plane(logistic_growth), h, point.state, line(-2, 4)),
+                std::abs(y * (1 - y)) > 1e-9)
           << y;
       // 1 + h f'(z) (1 + (h/2) f'(y)) with z = y + (h/2) f(y).
       const double z = y + h / 2 * y * (1 - y);

@@ -13,20 +13,22 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-using Field = std::function<Vector2d(const Vector2d&)>;
+using VectorField = std::function<Vector2d(const Vector2d&)>;
 
 /// x' = v, v' = -k x - c v, where k is another one for each sign of x.
-Field two_springs(double right, double left, double c) {
+VectorField two_springs(double right, double left, double c) {
   return [=](const Vector2d& y) { return Vector2d(y(1), -(y(0) > 0 ? right : left) * y(0) - c * y(1)); };
 }
 
-Field turned(const Field& f, double angle) {
+VectorField turned(const VectorField& f, double angle) {
   const Matrix2d Q =
       (Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
   return [=](const Vector2d& y) -> Vector2d { return Q * f(Q.transpose() * y); };
 }
 
-Kink at_zero(const Field& f, double unit = 1) { return kink_around(f, {0, 0}, {1e-3, 1e-3 * unit}, unit); }
+Kink at_zero(const VectorField& f, double unit = 1) {
+  return kink_around(f, {0, 0}, {1e-3, 1e-3 * unit}, unit);
+}
 
 TEST(Kink, HasTheRatesOfTheLinearFieldsOnBothSides) {
   for (const double angle : {0.0, 0.3, 1.1, 2.5}) {
@@ -61,7 +63,7 @@ TEST(Kink, ItsRateIsToldFromNoneThoughItIsSmall) {
 /// Beside a stiff spring motions turn close to the equilibrium, far in energy.
 TEST(Trap, OfAKinkIsNeverLeftByMuch) {
   const double stiff = 1e6, c = 0.02;
-  const Field f = two_springs(stiff, 1, c);
+  const VectorField f = two_springs(stiff, 1, c);
   const Kink kink = at_zero(f);
   EXPECT_NEAR(kink.swing, std::sqrt(stiff), 0.1 * std::sqrt(stiff));
   const Trap trap({0, 0}, kink, {2, 2});

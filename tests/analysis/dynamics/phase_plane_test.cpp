@@ -15,7 +15,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 /// m x'' + c x' + k1 x + k3 x^3 = 0, written here once more so that this test needs no other folder.
-struct CubicSpring {
+struct CubicOscillator {
   using State = Vector2d;
   double m = 1.45, c = 0, k1 = 0.7, k3 = 0.8;
 
@@ -32,7 +32,7 @@ const Window kWindow{{-2, -2.5}, {2, 2.5}};
 
 /// The only equilibrium of the liver oscillator with damping c.
 Equilibrium liver(double c) {
-  const auto found = find_equilibria(CubicSpring{.c = c}, 0, kWindow);
+  const auto found = find_equilibria(CubicOscillator{.c = c}, 0, kWindow);
   EXPECT_EQ(found.size(), 1u);
   return found.at(0);
 }
@@ -73,7 +73,7 @@ TEST(PhasePlane, StiffNodesKeepTheSmallEigenvalue) {
 }
 
 TEST(PhasePlane, TheDoubleWellHasASaddleBetweenTwoFoci) {
-  const CubicSpring well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
+  const CubicOscillator well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
   const auto found = find_equilibria(well, 0, kWindow);
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(found[0].type, EquilibriumType::stable_focus);
@@ -85,7 +85,7 @@ TEST(PhasePlane, TheDoubleWellHasASaddleBetweenTwoFoci) {
 }
 
 TEST(PhasePlane, FarWindowsHaveTheSameEquilibria) {
-  const CubicSpring well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
+  const CubicOscillator well{.c = 0.2, .k1 = -0.7, .k3 = 0.8};
   for (const double far : {10.0, 1e6, 1e9}) {
     const auto found = find_equilibria(well, 0, {{-far, -far}, {far, far}});
     ASSERT_EQ(found.size(), 3u) << far;
@@ -114,7 +114,7 @@ TEST(PhasePlane, AFoldIsDegenerateInAnyWindow) {
 }
 
 TEST(PhasePlane, ASpringWithoutLinearPartIsDegenerate) {
-  const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0}, 0, kWindow);
+  const auto found = find_equilibria(CubicOscillator{.c = 0.5, .k1 = 0}, 0, kWindow);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].type, EquilibriumType::degenerate);
   EXPECT_NEAR(found[0].state(0), 0, 1e-9);
@@ -152,7 +152,7 @@ TEST(PhasePlane, ARootWhereTermsCancelIsOne) {
 }
 
 TEST(PhasePlane, ALineOfEquilibriaIsShownByDegeneratePoints) {
-  const auto found = find_equilibria(CubicSpring{.c = 0.5, .k1 = 0, .k3 = 0}, 0, kWindow);
+  const auto found = find_equilibria(CubicOscillator{.c = 0.5, .k1 = 0, .k3 = 0}, 0, kWindow);
   ASSERT_FALSE(found.empty());
   for (const Equilibrium& e : found) {
     EXPECT_EQ(e.type, EquilibriumType::degenerate);
@@ -196,7 +196,7 @@ TEST(PhasePlane, AFieldWithoutEquilibriaHasNone) {
 }
 
 TEST(PhasePlane, NullclinesOfTheOscillatorAreTheAxisAndTheCubic) {
-  const CubicSpring liver{.c = 2};
+  const CubicOscillator liver{.c = 2};
   const PlanarField field = frozen_at(liver);
   const auto axis = nullcline(field, 0, kWindow);
   ASSERT_EQ(axis.size(), 1u);
@@ -227,7 +227,7 @@ TEST(PhasePlane, NullclinesStopWhereTheFieldIsNotFinite) {
 }
 
 TEST(PhasePlane, ArrowsFollowTheFieldAndSkipTheEquilibrium) {
-  const CubicSpring liver{.c = 2};
+  const CubicOscillator liver{.c = 2};
   const Table arrows = direction_field(frozen_at(liver), {{-1, -1}, {1, 1}}, {"x [m]", "v [m/s]"}, 5, 5);
   EXPECT_EQ(arrows.columns, (std::vector<std::string>{"x [m]", "v [m/s]", "dx [m]", "dv [m/s]"}));
   ASSERT_EQ(arrows.values.size(), 4u);
@@ -252,7 +252,7 @@ TEST(PhasePlane, TheWindowHoldsTheOrbitsAndIsSymmetricAboutZero) {
 }
 
 TEST(PhasePlane, BadWindowsAreRefused) {
-  const PlanarField field = frozen_at(CubicSpring{});
+  const PlanarField field = frozen_at(CubicOscillator{});
   EXPECT_THROW(find_equilibria(field, {{0, 0}, {0, 1}}), std::invalid_argument);
   EXPECT_THROW(find_equilibria(field, {{0, 0}, {1, NAN}}), std::invalid_argument);
   EXPECT_THROW(nullcline(field, 2, kWindow), std::invalid_argument);

@@ -28,7 +28,7 @@ MatrixXd with_eigenvalues(const VectorXd& values) {
       Eigen::SelfAdjointEigenSolver<MatrixXd>(MatrixXd(random + random.transpose())).eigenvectors();
   return Q * values.asDiagonal() * Q.transpose();
 }
-SymmetricOperator product_with(const MatrixXd& A) {
+SymmetricOperator symmetric_product_with(const MatrixXd& A) {
   return [&A](const VectorXd& x, VectorXd& y) { y = A * x; };
 }
 
@@ -38,7 +38,7 @@ TEST(Lanczos, FindsTheLargestEigenvalueWithinTheResidualItStates) {
   const MatrixXd A = with_eigenvalues(values);
   Index before = 0;
   for (const double tolerance : {1e-3, 1e-6, 1e-10}) {
-    const LanczosPair pair = largest_eigenpair(product_with(A), 300, {.tolerance = tolerance});
+    const LanczosPair pair = largest_eigenpair(symmetric_product_with(A), 300, {.tolerance = tolerance});
     ASSERT_TRUE(pair.converged) << tolerance;
     EXPECT_LE(pair.residual, 2 * tolerance * 100);
     EXPECT_LE(std::abs(pair.value - 100), pair.residual + 1e-12);
@@ -49,7 +49,7 @@ TEST(Lanczos, FindsTheLargestEigenvalueWithinTheResidualItStates) {
     before = pair.products;
     // Without the vector the recurrence alone says the same.
     const LanczosPair value =
-        largest_eigenpair(product_with(A), 300, {.tolerance = tolerance, .with_vector = false});
+        largest_eigenpair(symmetric_product_with(A), 300, {.tolerance = tolerance, .with_vector = false});
     EXPECT_EQ(value.vector.size(), 0);
     EXPECT_EQ(value.products + 1, pair.products);
     EXPECT_NEAR(value.value, 100, value.residual + 1e-12);
@@ -59,17 +59,18 @@ TEST(Lanczos, FindsTheLargestEigenvalueWithinTheResidualItStates) {
 
 TEST(Lanczos, OneThatDoesNotConvergeSaysSo) {
   const MatrixXd A = with_eigenvalues(VectorXd::LinSpaced(400, 99.99, 100));
-  EXPECT_FALSE(largest_eigenpair(product_with(A), 400, {.tolerance = 1e-12, .most_products = 20}).converged);
-  EXPECT_FALSE(first_eigenpairs(product_with(A), 400, 3, Rank::largest, 1e-13, 20).converged);
+  EXPECT_FALSE(
+      largest_eigenpair(symmetric_product_with(A), 400, {.tolerance = 1e-12, .most_products = 20}).converged);
+  EXPECT_FALSE(first_eigenpairs(symmetric_product_with(A), 400, 3, Rank::largest, 1e-13, 20).converged);
 }
 
 TEST(Lanczos, TinyAndTrivialOperatorsAreServed) {
   for (const Index n : {1, 2, 5}) {
     const MatrixXd A = 3 * MatrixXd::Identity(n, n);
-    const LanczosPair pair = largest_eigenpair(product_with(A), n);
+    const LanczosPair pair = largest_eigenpair(symmetric_product_with(A), n);
     EXPECT_TRUE(pair.converged);
     EXPECT_NEAR(pair.value, 3, 1e-14);
-    const LanczosPairs all = first_eigenpairs(product_with(A), n, n, Rank::largest);
+    const LanczosPairs all = first_eigenpairs(symmetric_product_with(A), n, n, Rank::largest);
     ASSERT_TRUE(all.converged) << n;
     EXPECT_LT((all.vectors.transpose() * all.vectors - MatrixXd::Identity(n, n)).norm(), 1e-13);
   }
@@ -80,13 +81,14 @@ TEST(Lanczos, EigenvaluesComeWithTheirMultiplicities) {
   values.tail(6) << 70, 70, 70, 80, 95, 95;
   values[0] = -99;
   const MatrixXd A = with_eigenvalues(values);
-  const LanczosPairs largest = first_eigenpairs(product_with(A), 200, 5, Rank::largest);
+  const LanczosPairs largest = first_eigenpairs(symmetric_product_with(A), 200, 5, Rank::largest);
   ASSERT_TRUE(largest.converged);
   const VectorXd wanted{{95, 95, 80, 70, 70}};
   for (Index i = 0; i < 5; ++i) EXPECT_NEAR(largest.values[static_cast<std::size_t>(i)], wanted[i], 1e-9);
   EXPECT_LT((largest.vectors.transpose() * largest.vectors - MatrixXd::Identity(5, 5)).norm(), 1e-9);
   EXPECT_LT((A * largest.vectors - largest.vectors * wanted.asDiagonal()).norm(), 1e-7);
-  EXPECT_NEAR(first_eigenpairs(product_with(A), 200, 2, Rank::largest_modulus).values[0], -99, 1e-9);
+  EXPECT_NEAR(first_eigenpairs(symmetric_product_with(A), 200, 2, Rank::largest_modulus).values[0], -99,
+              1e-9);
 }
 
 TEST(Lanczos, ProductsByBlocksAreThoseOfTheMatrix) {

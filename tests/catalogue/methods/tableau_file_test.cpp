@@ -15,12 +15,8 @@ namespace {
 
 RuntimeTableau from(std::string_view text) { return tableau_from(parse_toml(text, "my.toml")); }
 
-std::string complaint(std::string_view text) {
-  return error_of<InputError>([&] { from(text); });
-}
-
 void expect_complaint(std::string_view text, std::string_view start, std::string_view part) {
-  const std::string message = complaint(text);
+  const std::string message = error_of<InputError>([&] { from(text); });
   EXPECT_TRUE(message.starts_with(start)) << message;
   EXPECT_TRUE(says(message, part));
 }

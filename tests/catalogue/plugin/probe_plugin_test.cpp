@@ -137,9 +137,9 @@ TEST(ProbePlugin, TwelveHundredNumbersTakeProductsAlone) {
 }
 
 /// Counts what an engine is asked to do.
-class Counted final : public ForeignStepper {
+class CountedStepper final : public ForeignStepper {
  public:
-  Counted(const std::string& entry, bool tells)
+  CountedStepper(const std::string& entry, bool tells)
       : engine_(parse_plugin(std::string(TESTED_PLUGIN) + ":" + entry)), tells_(tells) {}
   [[nodiscard]] std::string name() const override { return engine_.name(); }
   [[nodiscard]] Eigen::Index dim() const override { return engine_.dim(); }
@@ -164,7 +164,7 @@ class Counted final : public ForeignStepper {
 
 TEST(ProbePlugin, APatternSavesNineStepsOfTen) {
   const auto probed_with = [](const std::string& entry, bool tells) {
-    Counted engine(entry, tells);
+    CountedStepper engine(entry, tells);
     // As large states are treated, above 1000 numbers.
     const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3,
                                                    .h1 = 0.05,

@@ -11,7 +11,7 @@ namespace hmax {
 namespace {
 
 /// A bar of 3 cubes of 10 mm, six tetrahedra each, in mm, t, s and MPa.
-constexpr const char* beam_mesh =
+constexpr const char* beam_input =
     "*HEADING\nanything, at all\n** a remark\n*node, nset=NALL\n"
     "1,0,0,0\n2,0,0,10\n3,0,10,0\n4,0,10,10\n5,10,0,0\n6,10,0,10\n7,10,10,0\n8,10,10,10\n"
     "9,20,0,0\n10,20,0,10\n11,20,10,0\n12,20,10,10\n13,30,0,0\n14,30,0,10\n15,30,10,0\n16,3.0D1,10,10\n"
@@ -30,7 +30,7 @@ class Scenes : public SceneFiles {
  protected:
   Scenes() : SceneFiles("bar.inp", "mm,t,s") {}
 
-  const std::string whole = std::string(beam_mesh) + material + section + boundary + step;
+  const std::string whole = std::string(beam_input) + material + section + boundary + step;
 };
 
 TEST_F(Scenes, ConvertUnitsOfAllNumbers) {
@@ -96,7 +96,7 @@ TEST_F(Scenes, TakeTheModelAndTheIntegratorOfTheStep) {
 
 TEST_F(Scenes, HaveAMaterialInEachSection) {
   const std::string two =
-      std::string(beam_mesh) +
+      std::string(beam_input) +
       "*ELSET, ELSET=END\n13,14,15,\n16,17,18\n*ELSET, ELSET=REST, GENERATE\n1,12\n" + material +
       "*MATERIAL, NAME=SOFT\n*ELASTIC\n100., 0.2\n*DENSITY\n1e-9\n" +
       "*SOLID SECTION, ELSET=REST, MATERIAL=STEEL\n*SOLID SECTION, ELSET=END, MATERIAL=SOFT\n" + boundary;
@@ -127,7 +127,7 @@ TEST_F(Scenes, CollectDirectionsOfHeldPoints) {
   EXPECT_EQ(body(freed)->dofs(), 36);
   ASSERT_EQ(freed.notes.size(), 2U);
   EXPECT_TRUE(says(freed.notes.back(), "BOUNDARY"));
-  EXPECT_EQ(body(read(std::string(beam_mesh) + material + section))->dofs(), 48);
+  EXPECT_EQ(body(read(std::string(beam_input) + material + section))->dofs(), 48);
 }
 
 TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
@@ -221,7 +221,7 @@ TEST_F(Scenes, HaveElementsThatGoOnBehindAComma) {
 
 /// What Abaqus/CAE writes: sets of the part and of the assembly may have the same name.
 TEST_F(Scenes, HaveOnePartInOneInstance) {
-  const std::string part = std::string("*Heading\n*Part, name=Bar\n") + std::string(beam_mesh).substr(9) +
+  const std::string part = std::string("*Heading\n*Part, name=Bar\n") + std::string(beam_input).substr(9) +
                            section +
                            "*End Part\n*Assembly, name=All\n*Instance, name=Bar-1, part=Bar\n*End Instance\n"
                            "*Nset, nset=FIX, instance=Bar-1\n1,2,3,4,16\n*End Assembly\n";

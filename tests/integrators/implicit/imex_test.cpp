@@ -21,8 +21,8 @@ using Plane = Eigen::Vector2d;
 
 template <class Method>
 struct Imex : testing::Test {};
-using EveryPair = TestTypesOf<tableaux::AllImex>::type;
-TYPED_TEST_SUITE(Imex, EveryPair, MethodId);
+using EveryImexPair = TestTypesOf<tableaux::AllImex>::type;
+TYPED_TEST_SUITE(Imex, EveryImexPair, MethodId);
 
 /// stiff(t, y) + nonstiff(t, y), with the Jacobian of the first. One type for all functions of a kind of
 /// state: a method is compiled once for them.
@@ -62,7 +62,7 @@ auto coupled() {
 }
 
 template <class Method, class Sys>
-using StepperFor = ImexRk<Method, typename Sys::State, jacobian_type<Sys>>;
+using ImexStepper = ImexRk<Method, typename Sys::State, jacobian_type<Sys>>;
 
 /// log2 of what halving h does to the error at t_end.
 template <class Method, class Sys>
@@ -71,7 +71,7 @@ double observed_order(const Sys& system, const typename Sys::State& y0, const ty
   using Real = real_of<typename Sys::State>;
   const auto error = [&](int n) {
     typename Sys::State y = y0;
-    integrate(StepperFor<Method, Sys>{}, system, Span<Real>{0, t_end}, y, FixedStep<Real>(t_end / n));
+    integrate(ImexStepper<Method, Sys>{}, system, Span<Real>{0, t_end}, y, FixedStep<Real>(t_end / n));
     return (y - exact).norm();
   };
   return static_cast<double>(std::log2(error(steps) / error(2 * steps)));
@@ -112,13 +112,13 @@ TEST(ImexTrees, AreAsManyAsTheBicolouredTrees) {
 }
 
 using Complex = std::complex<double>;
-using One = Eigen::Matrix<Complex, 1, 1>;
+using OneComplex = Eigen::Matrix<Complex, 1, 1>;
 
 /// y' = nonstiff y + stiff y.
 auto two_rates(Complex nonstiff, Complex stiff) {
-  return Split<One>{[=](double, const One& y, One& dydt) { dydt[0] = stiff * y[0]; },
-                    [=](double, const One& y, One& dydt) { dydt[0] = nonstiff * y[0]; },
-                    [=](double, const One&, auto& J) { J(0, 0) = stiff; }};
+  return Split<OneComplex>{[=](double, const OneComplex& y, OneComplex& dydt) { dydt[0] = stiff * y[0]; },
+                           [=](double, const OneComplex& y, OneComplex& dydt) { dydt[0] = nonstiff * y[0]; },
+                           [=](double, const OneComplex&, auto& J) { J(0, 0) = stiff; }};
 }
 
 /// R(zE, zI) = 1 + (zE bE + zI bI) . (1 - zE AE - zI AI)^-1 1, by substitution from stage to stage.
@@ -140,8 +140,8 @@ std::complex<long double> additive_stability_function(std::complex<long double> 
 template <class Method>
 Complex one_step(Complex zE, Complex zI, double h) {
   const auto system = two_rates(zE / h, zI / h);
-  StepperFor<Method, decltype(system)> stepper;
-  One y(1.0), y_new;
+  ImexStepper<Method, decltype(system)> stepper;
+  OneComplex y(1.0), y_new;
   stepper.init(system, 0, y);
   EXPECT_EQ(stepper.attempt(system, 0, y, h, y_new), StepStatus::ok);
   return y_new[0];
@@ -182,7 +182,7 @@ TYPED_TEST(Imex, WithoutAStiffPartIsItsExplicitHalf) {
                                                                  .computed_order = TypeParam::order,
                                                                  .embedded_order = 0});
   Plane one(0.3, 0.5), other = one;
-  integrate(StepperFor<TypeParam, decltype(system)>{}, system, Span<double>{0, 5}, one,
+  integrate(ImexStepper<TypeParam, decltype(system)>{}, system, Span<double>{0, 5}, one,
             FixedStep<double>(0.1));
   integrate(explicit_half, pendulum, Span<double>{0, 5}, other, FixedStep<double>(0.1));
   EXPECT_LT((one - other).norm(), 1e-14);
@@ -197,7 +197,7 @@ TYPED_TEST(Imex, WithoutANonstiffPartSolvesTheEquationsOfItsImplicitHalf) {
   const double t = 0.2, h = 0.3;
   const Plane y(0.3, 0.5);
   Plane y_new, expected = y;
-  StepperFor<TypeParam, decltype(system)> stepper;
+  ImexStepper<TypeParam, decltype(system)> stepper;
   stepper.init(system, t, y);
   stepper.attempt(system, t, y, h, y_new);
   // The stages by plain fixed-point iteration, which contracts at this step.
@@ -221,8 +221,8 @@ TYPED_TEST(Imex, HoldsAStiffSpringAtStepsFarBeyondTheExplicitLimit) {
   Stats unread;
   const Counted system(Oscillator(p), unread);
   Plane y(0.5, 1), left = y;
-  const auto end =
-      integrate(StepperFor<TypeParam, Oscillator>{}, system, Span<double>{0, 100}, y, FixedStep<double>(0.1));
+  const auto end = integrate(ImexStepper<TypeParam, Oscillator>{}, system, Span<double>{0, 100}, y,
+                             FixedStep<double>(0.1));
   EXPECT_EQ(end.outcome, Outcome::reached_end);
   // What is left is the slow motion, the force over the stiffness.
   EXPECT_NEAR(y[0], p.P * std::cos(p.w * 100) / p.k1, 2e-8);
@@ -232,7 +232,7 @@ TYPED_TEST(Imex, HoldsAStiffSpringAtStepsFarBeyondTheExplicitLimit) {
 }
 
 TYPED_TEST(Imex, RejectedAttemptLeavesNoTrace) {
-  expect_no_trace_of_rejected_attempts(StepperFor<TypeParam, Oscillator>{}, Oscillator(), Plane(0.3, 0.5),
+  expect_no_trace_of_rejected_attempts(ImexStepper<TypeParam, Oscillator>{}, Oscillator(), Plane(0.3, 0.5),
                                        {3.7});
 }
 
@@ -240,7 +240,7 @@ TYPED_TEST(Imex, InterpolantMeetsBothEndsAndKeepsTheOrderOfTheMethod) {
   using State = Eigen::Matrix<long double, 1, 1>;
   const auto system = coupled<long double>();
   const auto between = [&](long double h, long double theta) {
-    StepperFor<TypeParam, std::remove_const_t<decltype(system)>> stepper;
+    ImexStepper<TypeParam, std::remove_const_t<decltype(system)>> stepper;
     const State y(std::exp(std::sin(0.3L)));
     State y_new, out;
     stepper.init(system, 0.3L, y);
@@ -261,7 +261,7 @@ TYPED_TEST(Imex, ErrorEstimateHasTheOrderItClaims) {
     const auto estimate = [](long double h) {
       using State = Eigen::Matrix<long double, 1, 1>;
       const auto system = coupled<long double>();
-      StepperFor<TypeParam, std::remove_const_t<decltype(system)>> stepper;
+      ImexStepper<TypeParam, std::remove_const_t<decltype(system)>> stepper;
       const State y(std::exp(std::sin(0.9L)));
       State y_new;
       stepper.init(system, 0.9L, y);
@@ -283,7 +283,7 @@ TYPED_TEST(Imex, SolvesALinearStiffPartByOneCorrectionAndOneMatrix) {
   constexpr std::int64_t implicit_stages = TypeParam::tableau.stages - 1;
   Stats counts;
   Plane y(0.5, 1), other = y;
-  const auto end = integrate(StepperFor<TypeParam, Oscillator>{}, Counted(Oscillator(), counts),
+  const auto end = integrate(ImexStepper<TypeParam, Oscillator>{}, Counted(Oscillator(), counts),
                              Span<double>{0, 10}, y, FixedStep<double>(0.1));
   EXPECT_EQ(end.stats.newton, 100 * implicit_stages);
   EXPECT_EQ(end.stats.factorisations, 1);
@@ -293,14 +293,14 @@ TYPED_TEST(Imex, SolvesALinearStiffPartByOneCorrectionAndOneMatrix) {
   const std::int64_t stiff = TypeParam::order == 1 ? 1 : implicit_stages + 1;
   EXPECT_EQ(counts.rhs, 100 * (nonstiff + stiff));
 
-  const auto iterated = integrate(StepperFor<TypeParam, Unaware>{}, Unaware(), Span<double>{0, 10}, other,
+  const auto iterated = integrate(ImexStepper<TypeParam, Unaware>{}, Unaware(), Span<double>{0, 10}, other,
                                   FixedStep<double>(0.1));
   EXPECT_LE(iterated.stats.newton, 200 * implicit_stages + 5);
   EXPECT_LT((y - other).norm(), 1e-13);
 }
 
 /// Three masses in a row: springs and dampers are the stiff part, cubic springs to the ground the other one.
-struct Chain {
+struct ThreeMasses {
   using State = Eigen::VectorXd;
   using Dofs = Eigen::VectorXd;
   using DofMatrix = Eigen::SparseMatrix<double>;
@@ -351,14 +351,15 @@ using OneOfEachOrder = testing::Types<tableaux::ImexEuler, tableaux::ImexArk324>
 TYPED_TEST_SUITE(ImexOfAStructure, OneOfEachOrder, MethodId);
 
 TYPED_TEST(ImexOfAStructure, ReducesItsEquationsToItsVelocities) {
-  using Reduced = ImexRk<TypeParam, Chain::State, stiff_equations_type<Chain>>;
-  static_assert(std::is_same_v<stiff_equations_type<Chain>, MechanicalJacobian<double>>);
-  Chain::State start(6);
+  using Reduced = ImexRk<TypeParam, ThreeMasses::State, stiff_equations_type<ThreeMasses>>;
+  static_assert(std::is_same_v<stiff_equations_type<ThreeMasses>, MechanicalJacobian<double>>);
+  ThreeMasses::State start(6);
   start << 0.1, -0.2, 0.3, 1, 0, -1;
   for (const Span<double> span : {Span<double>{0, 1}, Span<double>{0.125, 0}}) {
-    Chain::State packed = start, reduced = start;
-    integrate(StepperFor<TypeParam, Chain>{}, Chain{}, span, packed, FixedStep<double>(1.0 / 64));
-    const auto end = integrate(Reduced{}, Chain{}, span, reduced, FixedStep<double>(1.0 / 64));
+    ThreeMasses::State packed = start, reduced = start;
+    integrate(ImexStepper<TypeParam, ThreeMasses>{}, ThreeMasses{}, span, packed,
+              FixedStep<double>(1.0 / 64));
+    const auto end = integrate(Reduced{}, ThreeMasses{}, span, reduced, FixedStep<double>(1.0 / 64));
     EXPECT_EQ(end.outcome, Outcome::reached_end);
     EXPECT_EQ(end.stats.factorisations, 1);
     EXPECT_LT((packed - reduced).norm(), 1e-11 * packed.norm());
@@ -367,7 +368,7 @@ TYPED_TEST(ImexOfAStructure, ReducesItsEquationsToItsVelocities) {
 }
 
 TEST(StiffPart, OfAnErasedStructureIsAStructure) {
-  const AnySystem system{Chain{}};
+  const AnySystem system{ThreeMasses{}};
   const StiffPart<AnySystem> stiff(system);
   stiff_equations_type<AnySystem> J;
   JacobianSource<AnySystem::State, stiff_equations_type<AnySystem>> source;
@@ -376,20 +377,21 @@ TEST(StiffPart, OfAnErasedStructureIsAStructure) {
   source.evaluate(stiff, 0, y, J);
   ASSERT_TRUE(std::holds_alternative<MechanicalJacobian<double>>(J));
   const auto& parts = std::get<MechanicalJacobian<double>>(J);
-  EXPECT_EQ(Eigen::Matrix3d(parts.stiffness), Chain::K());
-  EXPECT_EQ(Eigen::Matrix3d(parts.damping), Chain::C());
-  EXPECT_EQ(Eigen::Vector3d(parts.mass.diagonal()), Chain{}.masses);
+  EXPECT_EQ(Eigen::Matrix3d(parts.stiffness), ThreeMasses::K());
+  EXPECT_EQ(Eigen::Matrix3d(parts.damping), ThreeMasses::C());
+  EXPECT_EQ(Eigen::Vector3d(parts.mass.diagonal()), ThreeMasses{}.masses);
 }
 
 TYPED_TEST(ImexOfAStructure, SaysWhereTruncatedIterationsDoNotSolveItsEquations) {
-  using Reduced = ImexRk<TypeParam, Chain::State, stiff_equations_type<Chain>>;
-  Chain::State start(6);
+  using Reduced = ImexRk<TypeParam, ThreeMasses::State, stiff_equations_type<ThreeMasses>>;
+  ThreeMasses::State start(6);
   start << 0.1, -0.2, 0.3, 1, 0, -1;
-  Chain::State exact = start, truncated = start;
-  integrate(Reduced{}, Chain{}, Span<double>{0, 1}, exact, FixedStep<double>(1.0 / 64));
+  ThreeMasses::State exact = start, truncated = start;
+  integrate(Reduced{}, ThreeMasses{}, Span<double>{0, 1}, exact, FixedStep<double>(1.0 / 64));
   Reduced stepper;
   stepper.set_linear_solve({.by = LinearSolve::By::conjugate_gradients, .tolerance = 0.1, .iterations = 1});
-  const auto end = integrate(stepper, Chain{}, Span<double>{0, 1}, truncated, FixedStep<double>(1.0 / 64));
+  const auto end =
+      integrate(stepper, ThreeMasses{}, Span<double>{0, 1}, truncated, FixedStep<double>(1.0 / 64));
   if (end.outcome == Outcome::reached_end)
     EXPECT_LT((truncated - exact).norm(), 1e-3 * exact.norm());
   else
@@ -402,7 +404,7 @@ TYPED_TEST(Imex, TakesJacobiansAsAsked) {
         std::pair{JacobianUpdate{20}, 3}}) {
     Stats counts;
     Plane y(0.5, 1);
-    StepperFor<TypeParam, Oscillator> stepper;
+    ImexStepper<TypeParam, Oscillator> stepper;
     stepper.set_jacobian_update(update);
     integrate(stepper, Counted(Oscillator(), counts), Span<double>{0, 5}, y, FixedStep<double>(0.1));
     EXPECT_EQ(counts.jacobian, expected);
@@ -417,7 +419,7 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
   const auto singular = Split<Real1>{[=](double, const Real1& y, Real1& dydt) { dydt[0] = rate * y[0]; },
                                      nothing, [=](double, const Real1&, auto& J) { J(0, 0) = rate; }};
   Real1 y(1.0);
-  const auto end = integrate(StepperFor<TypeParam, std::remove_const_t<decltype(singular)>>{}, singular,
+  const auto end = integrate(ImexStepper<TypeParam, std::remove_const_t<decltype(singular)>>{}, singular,
                              Span<double>{0, 1}, y, FixedStep<double>(h));
   if (1 - h * gamma * rate == 0) {
     EXPECT_EQ(end.outcome, Outcome::newton_failed);
@@ -426,7 +428,7 @@ TYPED_TEST(Imex, SaysWhenItsEquationsHaveNoSolution) {
   const auto nowhere = Split<Real1>{
       [](double, const Real1&, Real1& dydt) { dydt[0] = std::numeric_limits<double>::quiet_NaN(); }, nothing,
       no_jacobian};
-  EXPECT_EQ(integrate(StepperFor<TypeParam, std::remove_const_t<decltype(nowhere)>>{}, nowhere,
+  EXPECT_EQ(integrate(ImexStepper<TypeParam, std::remove_const_t<decltype(nowhere)>>{}, nowhere,
                       Span<double>{0, 1}, y, FixedStep<double>(h))
                 .outcome,
             Outcome::newton_failed);
@@ -444,7 +446,7 @@ TYPED_TEST(Imex, FollowsAToleranceHoweverStiffThePartIs) {
       for (const double tolerance : {1e-4, 1e-7}) {
         Real1 y(1.0);
         const auto end = integrate(
-            StepperFor<TypeParam, std::remove_const_t<decltype(system)>>{}, system, Span<double>{0, 10}, y,
+            ImexStepper<TypeParam, std::remove_const_t<decltype(system)>>{}, system, Span<double>{0, 10}, y,
             Adaptive<double, PiController>({tolerance, tolerance}, TypeParam::error_order));
         EXPECT_EQ(end.outcome, Outcome::reached_end) << lambda;
         // lambda times the rounding of the cosine decides which steps are rejected: between two libraries

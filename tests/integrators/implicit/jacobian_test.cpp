@@ -281,7 +281,7 @@ TEST(JacobianSource, DifferencesInTimeStayInStepsOfAFewRoundings) {
 
 /// Reaction and diffusion in a row of n cells: y_i' = y_(i-1) - 2 y_i + y_(i+1) - y_i^3.
 template <class JacobianT>
-struct Row {
+struct CellRow {
   using State = Eigen::VectorXd;
   using Jacobian = JacobianT;
   Eigen::Index n;
@@ -292,7 +292,7 @@ struct Row {
   }
 };
 template <class JacobianT>
-struct PatternedRow : Row<JacobianT> {
+struct PatternedRow : CellRow<JacobianT> {
   void sparsity(Eigen::SparseMatrix<double>& pattern) const {
     pattern.resize(this->n, this->n);
     for (Eigen::Index j = 0; j < this->n; ++j)
@@ -300,7 +300,7 @@ struct PatternedRow : Row<JacobianT> {
         pattern.insert(i, j) = 1;
   }
 };
-static_assert(PatternedSystem<PatternedRow<Eigen::MatrixXd>> && !PatternedSystem<Row<Eigen::MatrixXd>>);
+static_assert(PatternedSystem<PatternedRow<Eigen::MatrixXd>> && !PatternedSystem<CellRow<Eigen::MatrixXd>>);
 
 /// Error of the Jacobian by differences of a row of 40 cells, and what it cost.
 template <class System>
@@ -341,8 +341,8 @@ TEST(JacobianSource, TakesTheColumnsOfATridiagonalMatrixInThreeGroups) {
   check(PatternedRow<Eigen::MatrixXd>{{40}}, 3 + 1);
   check(PatternedRow<Sparse>{{40}}, 3 + 1);
   check(AnySystem(PatternedRow<Eigen::MatrixXd>{{40}}), 3 + 1);
-  check(Row<Eigen::MatrixXd>{40}, 40 + 1);
-  check(Row<Sparse>{40}, 40 + 1);
+  check(CellRow<Eigen::MatrixXd>{40}, 40 + 1);
+  check(CellRow<Sparse>{40}, 40 + 1);
 }
 
 TEST(JacobianSource, OfASystemWithAPatternIsSparseBehindAnyType) {

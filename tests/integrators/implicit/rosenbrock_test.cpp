@@ -18,7 +18,7 @@ namespace {
 
 using Complex = std::complex<double>;
 using Plane = Eigen::Vector2d;
-using Wide = Eigen::Matrix<long double, 2, 1>;
+using LongPlane = Eigen::Matrix<long double, 2, 1>;
 
 template <class Method>
 struct RosenbrockMethod : testing::Test {};
@@ -123,26 +123,26 @@ TYPED_TEST(RosenbrockMethod, IsExactOnPolynomialsOfTimeUpToItsOrder) {
 
 /// log2 of the ratio of the errors at t = 2 with h and h / 2.
 template <class Method>
-long double observed_order(const ToldPendulum<Wide>& system, JacobianUpdate update, int steps) {
+long double observed_order(const ToldPendulum<LongPlane>& system, JacobianUpdate update, int steps) {
   const auto end = [&](auto stepper, int n) {
-    Wide y(0.3L, 0.5L);
+    LongPlane y(0.3L, 0.5L);
     integrate(stepper, system, Span<long double>{0, 2}, y, FixedStep<long double>(2.0L / n));
     return y;
   };
-  const Wide exact = end(Rk<tableaux::Dop853, Wide>{}, 400);
-  Rosenbrock<Method, Wide> stepper;
+  const LongPlane exact = end(Rk<tableaux::Dop853, LongPlane>{}, 400);
+  Rosenbrock<Method, LongPlane> stepper;
   stepper.set_jacobian_update(update);
   return std::log2((end(stepper, steps) - exact).norm() / (end(stepper, 2 * steps) - exact).norm());
 }
 
 TYPED_TEST(RosenbrockMethod, HasItsOrder) {
-  const ToldPendulum<Wide> system;
+  const ToldPendulum<LongPlane> system;
   const int steps = TypeParam::order > 3 ? 100 : 200;
   EXPECT_NEAR(static_cast<double>(observed_order<TypeParam>(system, {}, steps)), TypeParam::order, 0.1);
 }
 
 TYPED_TEST(RosenbrockMethod, HasTheOrderOfAWMethodWithAWrongOrAnOldJacobian) {
-  ToldPendulum<Wide> system;
+  ToldPendulum<LongPlane> system;
   const auto order = [&](JacobianUpdate update) {
     return static_cast<double>(observed_order<TypeParam>(system, update, 800));
   };
@@ -153,11 +153,11 @@ TYPED_TEST(RosenbrockMethod, HasTheOrderOfAWMethodWithAWrongOrAnOldJacobian) {
 
 TYPED_TEST(RosenbrockMethod, EstimatesItsErrorWithItsOrder) {
   if constexpr (TypeParam::error_order > 0) {
-    const ToldPendulum<Wide> system;
-    const Wide y(0.3L, 0.5L);
-    Wide y_new;
+    const ToldPendulum<LongPlane> system;
+    const LongPlane y(0.3L, 0.5L);
+    LongPlane y_new;
     const auto estimate = [&](long double h) {
-      Rosenbrock<TypeParam, Wide> stepper;
+      Rosenbrock<TypeParam, LongPlane> stepper;
       stepper.init(system, 0.2L, y);
       stepper.attempt(system, 0.2L, y, h, y_new);
       return stepper.error_squared(h, y, y_new, Component{1});
@@ -168,12 +168,12 @@ TYPED_TEST(RosenbrockMethod, EstimatesItsErrorWithItsOrder) {
 }
 
 TYPED_TEST(RosenbrockMethod, InterpolatesBetweenBothEndsWithItsOrder) {
-  const ToldPendulum<Wide> system;
-  const Wide y(0.3L, 0.5L);
-  Wide y_new, out;
+  const ToldPendulum<LongPlane> system;
+  const LongPlane y(0.3L, 0.5L);
+  LongPlane y_new, out;
   const auto error = [&](long double h) {
     long double worst = 0;
-    Rosenbrock<TypeParam, Wide> stepper;
+    Rosenbrock<TypeParam, LongPlane> stepper;
     stepper.init(system, 0.2L, y);
     stepper.attempt(system, 0.2L, y, h, y_new);
     stepper.interpolate(system, 0.2L, h, y, y_new, 0, out);
@@ -182,8 +182,8 @@ TYPED_TEST(RosenbrockMethod, InterpolatesBetweenBothEndsWithItsOrder) {
     EXPECT_LT((out - y_new).norm(), 1e-14L);
     for (const long double theta : {0.2L, 0.5L, 0.9L}) {
       stepper.interpolate(system, 0.2L, h, y, y_new, theta, out);
-      Wide exact = y;
-      integrate(Rk<tableaux::Dop853, Wide>{}, system, Span<long double>{0.2L, 0.2L + theta * h}, exact,
+      LongPlane exact = y;
+      integrate(Rk<tableaux::Dop853, LongPlane>{}, system, Span<long double>{0.2L, 0.2L + theta * h}, exact,
                 FixedStep<long double>(h / 50));
       worst = std::max(worst, (out - exact).norm());
     }

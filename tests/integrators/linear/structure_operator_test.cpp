@@ -35,7 +35,7 @@ MatrixXd chain_stiffness() {
 }
 
 /// q'' = -K q - C q' with masses of one.
-struct Chain {
+struct LinearChain {
   using State = VectorXd;
   using Dofs = VectorXd;
   using DofMatrix = Sparse;
@@ -77,11 +77,11 @@ class ChainOperator final : public StructureOperator {
    private:
     Eigen::PartialPivLU<MatrixXd> lu_;
   };
-  Chain chain_;
+  LinearChain chain_;
 };
 
 /// The same without matrices: who asks for them gets nothing.
-struct ChainByOperators : Chain {
+struct ChainByOperators : LinearChain {
   std::shared_ptr<const StructureOperator> structure = std::make_shared<const ChainOperator>();
 
   [[nodiscard]] std::shared_ptr<const StructureOperator> structure_operator() const { return structure; }
@@ -106,7 +106,7 @@ VectorXd end_of(Stepper stepper, const AnySystem& system) {
 
 template <class Stepper>
 void expect_alike(const Stepper& stepper) {
-  const VectorXd by_matrices = end_of(stepper, AnySystem(Chain{})),
+  const VectorXd by_matrices = end_of(stepper, AnySystem(LinearChain{})),
                  by_operators = end_of(stepper, AnySystem(ChainByOperators{}));
   EXPECT_LE((by_operators - by_matrices).norm(), 1e-11 * by_matrices.norm());
 }
@@ -127,14 +127,14 @@ TEST(StructureOperator, SolvesNoComplexEquations) {
 }
 
 /// A chain of which another process has bodies too, with a number of 8.
-struct PartOfAChain : Chain {
+struct PartOfAChain : LinearChain {
   [[nodiscard]] static double largest_of_all(double own) { return std::max(own, 8.0); }
 };
 
 TEST(NewtonNorm, IsThatOfAllUnknownsWhoeverHoldsThem) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const VectorXd y = VectorXd::Ones(2 * bodies), d = VectorXd::Constant(2 * bodies, 16 * eps);
-  const AnySystem whole(Chain{}), part(PartOfAChain{});
+  const AnySystem whole(LinearChain{}), part(PartOfAChain{});
   NewtonNorm<VectorXd> norm;
   norm.init(y.size());
   EXPECT_EQ(norm.largest(whole, y), 1);

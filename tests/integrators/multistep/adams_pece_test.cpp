@@ -18,8 +18,8 @@ namespace {
 
 using State = Eigen::Vector2d;
 using One = Eigen::Matrix<double, 1, 1>;
-using Method = AdamsPece<State>;
-static_assert(Stepper<Method, Pendulum<State>>);
+using PlaneAdams = AdamsPece<State>;
+static_assert(Stepper<PlaneAdams, Pendulum<State>>);
 
 template <class System>
 RunEnd<double> run(const System& system, double t_end, typename System::State& y,
@@ -42,8 +42,8 @@ Figures forced_liver(double tolerance) {
   const auto integrate_and = [&](auto&& look) {
     Stats stats;
     State y = y0;
-    const auto end = integrate(Method(), Counted(oscillator, stats), {0, 100}, y,
-                               Method::Control({tolerance, tolerance}), look);
+    const auto end = integrate(PlaneAdams(), Counted(oscillator, stats), {0, 100}, y,
+                               PlaneAdams::Control({tolerance, tolerance}), look);
     EXPECT_EQ(end.outcome, Outcome::reached_end);
     return stats.rhs;
   };
@@ -111,7 +111,7 @@ std::pair<double, double> error_on_polynomials(int k) {
 }
 
 TEST(AdamsPece, IsExactToOrderKPlusOneAtUnequalStepsAtTheEndAndBetween) {
-  for (int k = 1; k <= Method::max_order; ++k) {
+  for (int k = 1; k <= PlaneAdams::max_order; ++k) {
     const auto [error, between] = error_on_polynomials<One>(k);
     EXPECT_LT(error, 1e-14) << k;
     EXPECT_LT(between, 1e-14) << k;
@@ -127,7 +127,7 @@ TEST(AdamsPece, ItsEstimatesAreTheTermsOfTheAdamsFormulas) {
       system_of<Extended>([](long double t, const Extended&, Extended& dydt) { dydt[0] = std::exp(t); });
   constexpr auto gamma_star = adams::gamma_star<14>();
   const long double h = 0.1L;
-  for (int k = 3; k <= Method::max_order; ++k) {
+  for (int k = 3; k <= PlaneAdams::max_order; ++k) {
     AdamsPece<Extended> adams;
     Extended y(1.0L), y_new;
     adams.init(system, 0, y);
@@ -291,7 +291,7 @@ TEST(ShampineGordon, HalvesFailedStepsAndStartsAnewAfterTheThird) {
 TEST(AdamsPece, LeavesNoTraceOfARejectedAttempt) {
   const Pendulum<State> system;
   const auto go = [&](bool disturbed) {
-    Method adams;
+    PlaneAdams adams;
     State y(0.3, 0.5), y_new, other;
     adams.init(system, 0, y);
     for (int n = 0; n < 20; ++n) {
@@ -325,7 +325,7 @@ TEST(AdamsPece, EndsOnTheSameStateWhetherSomebodyLooksOrNot) {
   const Pendulum<State> system;
   State y(0.3, 0.5), watched = y;
   run(system, 20, y, {1e-7, 1e-7});
-  integrate(Method(), system, {0, 20}, watched, Method::Control({1e-7, 1e-7}),
+  integrate(PlaneAdams(), system, {0, 20}, watched, PlaneAdams::Control({1e-7, 1e-7}),
             SampleEvery<State, void (*)(double, const State&)>({0, 20}, 0.03, watched,
                                                                [](double, const State&) {}));
   EXPECT_EQ(y, watched);
@@ -362,7 +362,7 @@ TEST(AdamsPece, ReachesHighOrdersWhereTheyPayAndFallsBackAfterAJump) {
   control.orders = &orders;
   const auto end = integrate(AdamsPece<One>(), system, {0, 40}, y, control);
   EXPECT_EQ(end.outcome, Outcome::reached_end);
-  int highest = 0, after_jump = Method::max_order;
+  int highest = 0, after_jump = PlaneAdams::max_order;
   for (const auto& [t, k] : orders)
     if (t < 20)
       highest = std::max(highest, k);
@@ -407,7 +407,7 @@ TEST(AdamsPece, ServesTheShortestRunAndTheExtremeTolerances) {
 
   State late(0.5, 1);
   const double t0 = 50, t_end = std::nextafter(t0, 51);
-  EXPECT_EQ(integrate(Method(), oscillator, {t0, t_end}, late, Method::Control({1e-6, 1e-6})).outcome,
+  EXPECT_EQ(integrate(PlaneAdams(), oscillator, {t0, t_end}, late, PlaneAdams::Control({1e-6, 1e-6})).outcome,
             Outcome::reached_end);
 
   const OscillatorReference exact(oscillator.parameters(), {0.5, 1}, 100);
@@ -421,8 +421,9 @@ TEST(AdamsPece, ServesTheShortestRunAndTheExtremeTolerances) {
 TEST(AdamsPece, KeepsToTheLargestAndTheFirstStepItIsGiven) {
   State y(0.5, 1);
   double first = 0, largest = 0;
-  integrate(Method(), Oscillator(), {0, 100}, y,
-            Method::Control({.rtol = 1e-4, .atol = 1e-4, .h_first = 1e-4, .h_max = 0.2}), [&](auto& view) {
+  integrate(PlaneAdams(), Oscillator(), {0, 100}, y,
+            PlaneAdams::Control({.rtol = 1e-4, .atol = 1e-4, .h_first = 1e-4, .h_max = 0.2}),
+            [&](auto& view) {
               if (first == 0) first = view.h();
               largest = std::max(largest, view.h());
             });

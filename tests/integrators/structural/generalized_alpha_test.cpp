@@ -24,12 +24,12 @@ using Wide = long double;
 using WideOscillator = BasicOscillator<Wide>;
 
 template <class Sys>
-using StepperFor = GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, typename Sys::DofMatrix>;
-using Step = StepperFor<Oscillator>;
-using WideStep = StepperFor<WideOscillator>;
+using AlphaStepper = GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, typename Sys::DofMatrix>;
+using Step = AlphaStepper<Oscillator>;
+using WideStep = AlphaStepper<WideOscillator>;
 
 static_assert(Stepper<Step, Oscillator> &&
-              Stepper<StepperFor<Chain<Eigen::VectorXd>>, Chain<Eigen::VectorXd>>);
+              Stepper<AlphaStepper<Chain<Eigen::VectorXd>>, Chain<Eigen::VectorXd>>);
 
 struct Named {
   std::string name;
@@ -188,7 +188,7 @@ TEST(GeneralizedAlpha, SolvesTheSameWithDenseSparseOrEitherMatrices) {
   using Sparse = Eigen::SparseMatrix<double>;
   const State start = State::LinSpaced(40, 0.4, -0.3);
   const auto run = [&]<class Sys>(const Sys& system) {
-    return after_steps(StepperFor<Sys>(generalized_alpha_parameters(0.8L)), system, start, 0.3, 50);
+    return after_steps(AlphaStepper<Sys>(generalized_alpha_parameters(0.8L)), system, start, 0.3, 50);
   };
   const Chain<State, Eigen::MatrixXd> dense{.n = 20, .c = 0.4, .pull = 1};
   const Chain<State, Sparse> sparse{.n = 20, .c = 0.4, .pull = 1};
@@ -204,7 +204,7 @@ Stats work_of(const Sys& system, const AlphaParameters& parameters, const typena
               double h, JacobianUpdate update = {}) {
   Stats counts;
   const Counted<Sys> counted(system, counts);
-  StepperFor<Sys> stepper(parameters);
+  AlphaStepper<Sys> stepper(parameters);
   stepper.set_jacobian_update(update);
   typename Sys::State y = start;
   const auto end = integrate(stepper, counted, Span<double>{0, 100 * h}, y, FixedStep<double>(h));
@@ -259,7 +259,7 @@ TEST(GeneralizedAlpha, WithAnyPolicySolvesTheSameEquations) {
 
 TEST(GeneralizedAlpha, AnAttemptThatIsRepeatedLeavesNoTrace) {
   using State = Eigen::VectorXd;
-  expect_no_trace_of_rejected_attempts(StepperFor<Chain<State>>(generalized_alpha_parameters(0.8L)),
+  expect_no_trace_of_rejected_attempts(AlphaStepper<Chain<State>>(generalized_alpha_parameters(0.8L)),
                                        Chain<State>{.n = 3, .k3 = 20, .c = 0.3, .pull = 1},
                                        State(State::LinSpaced(6, 0.9, -0.8)), {0.7, 50}, 8);
 }
@@ -352,7 +352,7 @@ TEST(GeneralizedAlpha, RestsWhereStiffSpringsRest) {
 TEST(GeneralizedAlpha, KeepsAKeplerOrbit) {
   const Kepler<double> kepler({.e = 0.3});
   const double pi = 3.14159265358979323846;
-  using S = StepperFor<Kepler<double>>;
+  using S = AlphaStepper<Kepler<double>>;
   const auto error = [&](int steps) {
     return (after_steps(S(generalized_alpha_parameters(0.9L)), kepler, kepler.y0(), 2 * pi / steps, steps) -
             kepler.y0())

@@ -11,7 +11,7 @@
 namespace hmax {
 namespace {
 
-const StepChoices frozen{.jacobian = {JacobianUpdate::frozen}, .linear = {}};
+const StepChoices frozen_jacobian{.jacobian = {JacobianUpdate::frozen}, .linear = {}};
 
 TEST(ToleratedStiffening, IsThatOfTheFormulaWithoutDamping) {
   const Problem spring = make_problem("liver_linear", {.parameters = {{"c", 0}}});
@@ -21,7 +21,7 @@ TEST(ToleratedStiffening, IsThatOfTheFormulaWithoutDamping) {
   for (const double omega_h : {0.5, 1.0, 3.0}) {
     const double of_formula = tolerated_stiffness(*linearly_implicit_method(method.id), omega_h).most;
     ASSERT_TRUE(std::isfinite(of_formula));
-    EXPECT_NEAR(tolerated_stiffening(method, spring, near, frozen, omega_h / omega), of_formula,
+    EXPECT_NEAR(tolerated_stiffening(method, spring, near, frozen_jacobian, omega_h / omega), of_formula,
                 0.03 * of_formula)
         << omega_h;
   }
@@ -31,7 +31,7 @@ TEST(ToleratedStiffening, GrowsWithDamping) {
   const auto tolerated = [](double c) {
     const Problem spring = make_problem("liver_linear", {.parameters = {{"c", c}}});
     return tolerated_stiffening(find_method("linearly_implicit_euler"), spring,
-                                linearised(spring, 0, spring.y0), frozen, 1);
+                                linearised(spring, 0, spring.y0), frozen_jacobian, 1);
   };
   EXPECT_GT(tolerated(1), 1.05 * tolerated(0));
 }
@@ -39,7 +39,7 @@ TEST(ToleratedStiffening, GrowsWithDamping) {
 TEST(ToleratedStiffening, IsNotToldOfWhatHasNoStiffness) {
   const Problem decay = make_problem("dahlquist", {});
   EXPECT_TRUE(std::isnan(tolerated_stiffening(find_method("linearly_implicit_euler"), decay,
-                                              linearised(decay, 0, decay.y0), frozen, 0.1)));
+                                              linearised(decay, 0, decay.y0), frozen_jacobian, 0.1)));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace hmax {
 namespace {
 
-std::string refusal(std::string_view text) {
+std::string refusal_of_name(std::string_view text) {
   return error_of<std::invalid_argument>([&] { mesh_by_name(text); });
 }
 
@@ -50,21 +50,21 @@ TEST(MeshNames, AreMendedAfterTheyAreRefined) {
   EXPECT_EQ(mesh_by_name("ball:n=2:mend=0").points, mesh_by_name("ball:n=2").points);
   // More than there are: until nothing gains.
   EXPECT_TRUE(all_positive(mesh_by_name("ball:n=1:mend=1e12")));
-  EXPECT_TRUE(says(refusal("liver:mend=2.5"),
+  EXPECT_TRUE(says(refusal_of_name("liver:mend=2.5"),
                    "the parameter mend of the mesh liver is 2.5; give a whole number from 0 on"));
 }
 
 TEST(MeshNames, WhatIsUnknownIsRefusedWithWhatIsKnown) {
-  EXPECT_TRUE(says(refusal("kidney"), "known are liver, phantom, beam, cube, ball"));
-  EXPECT_TRUE(says(refusal("ball:m=3"), "no parameter 'm'; it takes refine, mend, merge, n, radius"));
-  EXPECT_TRUE(says(refusal("liver:n=3"), "it takes refine, mend, merge"));
-  EXPECT_TRUE(says(refusal("ball:n=2,radius=x"), "no number"));
-  EXPECT_TRUE(says(refusal("ball:n=2:n=3"), "twice"));
+  EXPECT_TRUE(says(refusal_of_name("kidney"), "known are liver, phantom, beam, cube, ball"));
+  EXPECT_TRUE(says(refusal_of_name("ball:m=3"), "no parameter 'm'; it takes refine, mend, merge, n, radius"));
+  EXPECT_TRUE(says(refusal_of_name("liver:n=3"), "it takes refine, mend, merge"));
+  EXPECT_TRUE(says(refusal_of_name("ball:n=2,radius=x"), "no number"));
+  EXPECT_TRUE(says(refusal_of_name("ball:n=2:n=3"), "twice"));
   for (const char* text : {"ball:n=0", "ball:n=1.5", "ball:n=-1", "ball:n=1e9", "ball:n=inf",
                            "ball:n=", "ball:n=2,,", "ball:n=2,radius", "liver:refine=-1", "liver:refine=30",
                            "liver:mend=-1", "liver:mend=2.5", "cube:edge=0", "ball:merge=0.5",
                            "ball:merge=-0.1", "ball:merge=on", "ball:refine=off", ":refine=1", ""})
-    EXPECT_NE(refusal(text), "") << text;
+    EXPECT_NE(refusal_of_name(text), "") << text;
 }
 
 TEST(MeshNames, PointsAreMergedWithinAShareOfAnEdgeOrNotAtAll) {

@@ -103,7 +103,7 @@ TEST(MeshWriters, ASeriesNamesItsFramesWithTheirTimes) {
   EXPECT_TRUE(says(text, "type=\"Collection\""));
 }
 
-TissueSettings liver() {
+TissueSettings liver_settings() {
   TissueSettings settings;
   settings.model = tissue_model("fem_corotational");
   settings.materials[0] = {.young = 2600, .poisson = 0.3, .density = 1000};
@@ -113,7 +113,7 @@ TissueSettings liver() {
 }
 
 TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
-  TissueSettings settings = liver();
+  TissueSettings settings = liver_settings();
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.02});
   for (const char* part :
        {"dt=\"0.02\" gravity=\"0 0 -9.81\"", "position=\"0 0 0 1 0 0 0 1 0 0 0 1\" tetrahedra=\"0 1 2 3\"",
@@ -126,7 +126,7 @@ TEST(SofaScenes, HoldMeshMaterialSupportsAndStep) {
 }
 
 TEST(SofaScenes, HoldElasticSupports) {
-  TissueSettings settings = liver();
+  TissueSettings settings = liver_settings();
   settings.supports = {};
   settings.elastic_supports = {{.points = {3, 1}, .stiffness = {20, 0.5}}};
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.02});
@@ -145,7 +145,7 @@ std::string scene_of_two_regions(const TissueModel& model, double nu_of_4, doubl
   mesh.tetrahedra << 1, 2, 2, 3, 3, 4, 4, 5;
   mesh.regions = {9, 4};
   MeshImport import = import_mesh(counted_from_one(mesh), 1);
-  TissueSettings settings = liver();
+  TissueSettings settings = liver_settings();
   settings.model = model;
   settings.materials = {{.young = 400, .poisson = nu_of_4, .density = 4},
                         {.young = 900, .poisson = nu_of_9, .density = 9}};
@@ -201,7 +201,7 @@ TEST(SofaScenes, GiveEachRegionAForceFieldWhereOneCannotHoldTheMaterials) {
 /// E = 2600, nu = 0.3: mu = 1000, lambda = 1500, bulk modulus 2166.67.
 TEST(SofaScenes, TranslateTheMaterial) {
   const auto scene = [](const TissueModel& model) {
-    TissueSettings settings = liver();
+    TissueSettings settings = liver_settings();
     settings.model = model;
     return sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01});
   };
@@ -212,7 +212,7 @@ TEST(SofaScenes, TranslateTheMaterial) {
 }
 
 TEST(SofaScenes, HaveEverySpring) {
-  TissueSettings settings = liver();
+  TissueSettings settings = liver_settings();
   settings.model = tissue_model("mass_spring");
   settings.springs.stiffness = 12;
   settings.springs.damper = 0.5;
@@ -226,7 +226,7 @@ TEST(SofaScenes, HaveEverySpring) {
 
 TEST(SofaScenes, RefuseWhatTheyCannotSay) {
   const auto refused = [](auto change, double step = 0.01) {
-    TissueSettings settings = liver();
+    TissueSettings settings = liver_settings();
     change(settings);
     EXPECT_THROW(sofa_text(TissueBody(unit_tetrahedron(), settings), {step}), std::invalid_argument);
   };
@@ -252,7 +252,7 @@ TEST(SofaScenes, RefuseWhatTheyCannotSay) {
 }
 
 TEST(SofaScenes, HaveDeadLoadsByTheirShares) {
-  TissueSettings settings = liver();
+  TissueSettings settings = liver_settings();
   settings.forces = {{.points = {1, 3}, .force = {0, 0, 2}},
                      {.points = {1, 3}, .force = {4, 0, 0}, .shares = {0.25, 0.75}}};
   const std::string text = sofa_text(TissueBody(unit_tetrahedron(), settings), {0.01});

@@ -19,14 +19,13 @@ namespace hmax {
 namespace {
 
 using Eigen::Vector3d;
-using Index = TetMesh::Index;
-using Pairs = std::array<std::array<int, 2>, 6>;
+using EdgeOrder = std::array<std::array<int, 2>, 6>;
 
 /// Corners of the unit tetrahedron.
 Vector3d corner(int i) { return unit_tetrahedron().points.col(i); }
 
 /// Ten points, "x y z" of each: the corners, then the middles of these edges, pushed outwards by `bend`.
-std::vector<std::string> ten_lines(const Pairs& edges, double bend = 0) {
+std::vector<std::string> ten_lines(const EdgeOrder& edges, double bend = 0) {
   std::vector<Vector3d> places;
   for (int i = 0; i < 4; ++i) places.push_back(corner(i));
   for (const auto& [i, j] : edges) {
@@ -49,9 +48,9 @@ const std::string from_one = "1 2 3 4 5 6 7 8 9 10";
 const std::string gmsh_head = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n";
 
 // The order of each format as Gmsh 4.8 (msh, vtk, mesh) and TetGen 1.5 with -o2 (ele) write it.
-constexpr Pairs of_gmsh{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
-constexpr Pairs of_vtk{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
-constexpr Pairs of_tetgen{{{2, 3}, {0, 3}, {0, 1}, {1, 2}, {1, 3}, {0, 2}}};
+constexpr EdgeOrder of_gmsh{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {2, 3}, {1, 3}}};
+constexpr EdgeOrder of_vtk{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+constexpr EdgeOrder of_tetgen{{{2, 3}, {0, 3}, {0, 1}, {1, 2}, {1, 3}, {0, 2}}};
 
 MeshFile gmsh_file(double bend = 0) {
   return read_mesh("a.msh", gmsh_head + "10\n" + numbered(ten_lines(of_gmsh, bend)) +
@@ -115,10 +114,10 @@ TEST(TenNodes, AreCutIntoPartsThatKeepWhatTheFileCallsThem) {
   EXPECT_EQ(ten.mesh.tetrahedron_count(), 8);
   EXPECT_EQ(ten.numbers, std::vector<std::int64_t>(8, 7));
   EXPECT_EQ(ten.where(5), "a.msh, line 20: tetrahedron 7");
-  EXPECT_EQ(ten.mesh.regions, std::vector<Index>(8, 8));
+  EXPECT_EQ(ten.mesh.regions, std::vector<TetMesh::Index>(8, 8));
   // The triangle of six nodes: four of three.
   ASSERT_EQ(ten.groups.size(), 1U);
-  EXPECT_EQ(ten.groups[0].corners, (std::vector<Index>{0, 4, 6, 4, 1, 5, 6, 5, 2, 4, 5, 6}));
+  EXPECT_EQ(ten.groups[0].corners, (std::vector<TetMesh::Index>{0, 4, 6, 4, 1, 5, 6, 5, 2, 4, 5, 6}));
   // Written out the parts are numbered.
   EXPECT_TRUE(says(msh_text(ten), "\n2 4 2 8"));
 }
@@ -243,7 +242,7 @@ TEST(TenNodes, KeepTheirOrderWhereMeshesAreRenumbered) {
   for (Eigen::Index e = 0; e < mesh.element_count(); ++e) {
     // The parts have the points of their element, and its number.
     for (Eigen::Index part = 0; part < 8; ++part) {
-      for (const Index point : mesh.tetrahedra.col(8 * e + part))
+      for (const TetMesh::Index point : mesh.tetrahedra.col(8 * e + part))
         EXPECT_EQ((mesh.ten_node.col(e).array() == point).count(), 1);
       EXPECT_EQ(import.origin.tetrahedron_number(8 * e + part), import.origin.tetrahedron_number(8 * e));
     }
