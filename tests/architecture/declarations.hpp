@@ -1,38 +1,139 @@
-/// Where free functions are declared and where they are defined, as the layout of the sources shows it.
+/// What sources declare, as their layout shows it.
 #pragma once
 
-#include <regex>
+#include <algorithm>
+#include <cctype>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace hmax::architecture {
 
-/// Names of functions in the first column of a text, with that of the last namespace that began before them;
-/// outside of anonymous namespaces and classes.
-/// @param defined  those with a body, else those without
-inline std::set<std::string> free_functions(const std::string& text, bool defined) {
-  static const std::regex name(R"(^[A-Za-z][\w:<>,&* ]*[ &*]([a-z]\w*)\()");
-  std::set<std::string> names;
+/// A name in the first column: of a type, an alias, a function or a variable.
+struct Declared {
+  std::string name;          ///< with the last namespace that began before it
+  std::string meaning = {};  ///< "(types of parameters" of a function, "= type" of an alias, else nothing
+  bool hidden = false;       ///< in an anonymous namespace
+  bool defined = true;       ///< false: a function without its body
+};
+
+namespace detail {
+
+/// The word at the end of a text, with nothing, a space, & or * before it.
+inline std::string_view last_word(std::string_view text) {
+  std::size_t begin = text.size();
+  while (begin > 0 &&
+         (std::isalnum(static_cast<unsigned char>(text[begin - 1])) != 0 || text[begin - 1] == '_'))
+    --begin;
+  const bool is_alone = begin == 0 || std::string_view(" &*").find(text[begin - 1]) != text.npos;
+  return is_alone ? text.substr(begin) : std::string_view();
+}
+
+/// "(double;const Mesh&;int=;" of the parameters whose bracket opens there: their types, = where they have a
+/// default.
+inline std::string types_of_parameters(std::string_view head, std::size_t open) {
+  std::string types = "(", one;
+  int depth = 0;
+  for (std::size_t i = open + 1; i < head.size() && depth >= 0; ++i) {
+    if (std::string_view("(<[{").find(head[i]) != head.npos) ++depth;
+    if (std::string_view(")>]}").find(head[i]) != head.npos) --depth;
+    if (depth >= 0 && (depth > 0 || head[i] != ',')) {
+      if (head[i] != ' ' || !one.empty()) one += head[i];
+      continue;
+    }
+    const std::size_t value = one.find(" = ");
+    one.resize(std::min(one.size(), value));
+    if (const std::string_view name = last_word(one); name.size() < one.size())
+      one.resize(one.size() - name.size());
+    one.resize(one.find_last_not_of(' ') + 1);
+    if (one == "const std::string&" || one == "const char*") one = "std::string_view";  // a literal is each
+    if (!one.empty()) types += one + (value == std::string::npos ? ";" : "=;");
+    one.clear();
+  }
+  return types;
+}
+
+/// Of "Name = type;" or "space::Name;".
+inline std::optional<Declared> named_by_using(std::string_view text) {
+  const std::size_t value = text.find(" = "), colon = text.rfind(':');
+  if (value != text.npos)
+    return Declared{.name = std::string(text.substr(0, value)),
+                    .meaning = std::string(text.substr(value + 1))};
+  if (colon == text.npos || text.find(' ') != text.npos) return std::nullopt;
+  return Declared{.name = std::string(text.substr(colon + 1, text.size() - colon - 2)),
+                  .meaning = "= " + std::string(text)};
+}
+
+/// What a declaration up to its first ; { or } at the end of a line names; nothing for macros and members.
+inline std::optional<Declared> named_by(std::string_view head) {
+  for (const std::string_view kind : {"struct ", "class ", "enum class ", "enum ", "union "})
+    if (head.starts_with(kind)) {
+      if (head.find('{') == head.npos) return std::nullopt;
+      head.remove_prefix(kind.size());
+      return Declared{.name = std::string(head.substr(0, head.find_first_of(" :{<")))};
+    }
+  if (head.starts_with("using ")) return named_by_using(head.substr(6));
+  std::size_t end = 0;
+  for (int depth = 0; end < head.size(); ++end) {
+    if (depth == 0 && std::string_view("(={;[").find(head[end]) != head.npos) break;
+    depth += head[end] == '<' ? 1 : head[end] == '>' ? -1 : 0;
+  }
+  std::string_view before = head.substr(0, end);
+  before = before.substr(0, before.find_last_not_of(' ') + 1);
+  const std::string_view name = last_word(before);
+  if (name.empty() || name == before || name == "operator" || end == head.size()) return std::nullopt;
+  Declared found{.name = std::string(name)};
+  const bool is_constant =
+      head.starts_with("const") && head.ends_with(';') && before.find('&') == before.npos;
+  if (head[end] == '(' && !is_constant) {
+    found.meaning = types_of_parameters(head, end);
+    found.defined = !head.ends_with(';');
+  }
+  return found;
+}
+
+}  // namespace detail
+
+/// Outside of classes and functions.
+inline std::vector<Declared> declared_in(const std::string& text) {
+  std::vector<Declared> all;
   std::istringstream in(text);
   bool hidden = false;
-  std::string space;
-  std::string head;  // of a function whose parameters go on in the next lines
+  std::string space, head;
   for (std::string line; std::getline(in, line);) {
     if (line == "namespace {") hidden = true;
     if (line == "}  // namespace") hidden = false;
-    if (line.starts_with("namespace ") && line.ends_with(" {") && line != "namespace {")
+    const bool opens = line.starts_with("namespace ");
+    if (opens && line.ends_with(" {") && line != "namespace {")
       space = line.substr(10, line.size() - 12) + "::";
-    std::smatch found;
-    if (std::regex_search(line, found, name) && !line.starts_with("return ") &&
-        !line.starts_with("namespace "))
-      head = found[1];
-    if (head.empty()) continue;
-    const bool ends = line.ends_with(';'), begins = line.ends_with('{') || line.ends_with('}');
-    if (!ends && !begins) continue;
-    if (begins == defined && !hidden) names.insert(space + head);
+    const bool begins = !line.empty() && std::isalpha(static_cast<unsigned char>(line.front())) != 0 &&
+                        !opens && !line.starts_with("template ");
+    if (head.empty() && !begins) continue;
+    line.resize(std::min(line.size(), line.find("  // ")));
+    const std::size_t first = line.find_first_not_of(' ');
+    if (first == std::string::npos) continue;
+    head += (head.empty() ? "" : " ") + line.substr(first);
+    if (std::string_view(";{}").find(head.back()) == std::string_view::npos) continue;
+    if (auto found = detail::named_by(head)) {
+      found->name = space + found->name;
+      found->hidden = hidden;
+      all.push_back(std::move(*found));
+    }
     head.clear();
   }
+  return all;
+}
+
+/// Names of functions outside of anonymous namespaces.
+/// @param defined  those with a body, else those without
+inline std::set<std::string> free_functions(const std::string& text, bool defined) {
+  std::set<std::string> names;
+  for (const Declared& found : declared_in(text))
+    if (found.meaning.starts_with('(') && !found.hidden && found.defined == defined) names.insert(found.name);
   return names;
 }
 
