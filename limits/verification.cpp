@@ -96,8 +96,7 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
   return steps;
 }
 
-std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
-                             const Linearised& near) {
+std::string why_not_verified(const Method& method, const Problem& free, const Linearised& near) {
   const Eigen::Index states = near.point.model.y.size();
   if (is_driven(free) && states > most_driven_states)
     return fmt::format("not verified: a force moves the {} states of the model during the runs", states);
@@ -326,7 +325,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   if (rates.fastest == 0) return;  // nothing moves
   const Method& step = method.analysed();
   Problem free = after_ramps(problem);
-  if (std::string why = why_not_verified(step, problem, free, near); !why.empty()) {
+  if (std::string why = why_not_verified(step, free, near); !why.empty()) {
     row.note = std::move(why);
     return;
   }

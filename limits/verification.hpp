@@ -77,7 +77,6 @@ std::vector<double> steps_without_limit(const Problem& problem, double farthest)
 
 /// Why runs are not worth their time, or would show something else; empty where they are.
 /// @param free  the problem after its ramps
-std::string why_not_verified(const Method& method, const Problem& problem, const Problem& free,
-                             const Linearised& near);
+std::string why_not_verified(const Method& method, const Problem& free, const Linearised& near);
 
 }  // namespace hmax

@@ -226,8 +226,7 @@ Finding watched_limit(const Found& found, const ShowSteps& run, const Distance& 
 void verify_steps(Found& found, const Method& method, const Problem& problem, const Linearised& near,
                   const StepQuestion& question, const LinearModel& jacobian) {
   const Problem free = after_ramps(problem);
-  if (std::string why = why_not_verified(method, problem, free, near); !why.empty())
-    return say(found.row, why);
+  if (std::string why = why_not_verified(method, free, near); !why.empty()) return say(found.row, why);
   RunSpec spec;
   if (question.options) {
     spec.jacobian = question.options->jacobian;

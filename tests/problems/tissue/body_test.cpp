@@ -164,7 +164,7 @@ TEST(TissueBody, SmallStrainsAreTheSameInAllFiniteElements) {
   const TissueBody linear(mesh, settings);
   const VectorXd rest = VectorXd::Zero(linear.dofs());
   const MatrixXd K = stiffness(linear, 0, rest, rest);
-  for (const auto model :
+  for (const TissueModel& model :
        {tissue_model("fem_green"), tissue_model("fem_corotational"), tissue_model("fem_neo_hookean")}) {
     settings.model = model;
     EXPECT_LT(largest(stiffness(TissueBody(mesh, settings), 0, rest, rest) - K), 1e-13 * largest(K));

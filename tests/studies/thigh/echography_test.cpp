@@ -138,7 +138,7 @@ TEST(LinearRule, IsExactForALinearDisplacementAndInvertsIt) {
   const RuleError error = rule_error(anatomy(), {0.084, 0.06, 0}, 0.08, rule, exact);
   EXPECT_LT(error.vein_most, 1e-15);
   EXPECT_LT(error.bone_most, 1e-15);
-  for (const Eigen::Vector3d at :
+  for (const Eigen::Vector3d& at :
        {Eigen::Vector3d(0.03, 0.05, 0.02), {0.19, 0.1, 0.079}, {0.1, 0.01, 0.03}}) {
     const Eigen::Vector3d now = at + rule.displacement(at);
     EXPECT_LT((rule.source(now) - at).norm(), 1e-15);
