@@ -36,10 +36,12 @@ if(HMAX_FUZZ)  # which branches an input takes, and numbers beyond the integers 
   target_link_options(hmax_flags INTERFACE -fsanitize=float-cast-overflow)
 endif()
 
-# g++ 12 sees overlapping copies in "literal" + std::string where there are none, hence -Wno-restrict.
+# g++ 12 sees overlapping copies in "literal" + std::string where there are none, hence -Wno-restrict. What a name of a batch
+# shadows stands in another source.
 add_library(hmax_warnings INTERFACE)
-target_compile_options(hmax_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-                                               -Wnon-virtual-dtor -Woverloaded-virtual $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+target_compile_options(hmax_warnings INTERFACE -Wall -Wextra -Wpedantic $<$<NOT:$<BOOL:$<TARGET_PROPERTY:UNITY_BUILD>>>:-Wshadow>
+                                               -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
+                                               $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(HMAX_WARNINGS_AS_ERRORS)
   target_compile_options(hmax_warnings INTERFACE -Werror)
 endif()
