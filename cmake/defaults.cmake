@@ -30,6 +30,12 @@ target_compile_options(hmax_flags INTERFACE -ffp-contract=off)
 if(HMAX_SANITIZE)
   target_compile_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(hmax_flags INTERFACE -fsanitize=${HMAX_SANITIZE})
+  foreach(kind address thread)  # g++ says so itself
+    if(HMAX_SANITIZE MATCHES ${kind} AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+      string(TOUPPER ${kind} name)
+      target_compile_definitions(hmax_flags INTERFACE __SANITIZE_${name}__=1)
+    endif()
+  endforeach()
 endif()
 if(HMAX_FUZZ)  # which branches an input takes, and numbers beyond the integers that they become
   target_compile_options(hmax_flags INTERFACE -fsanitize=fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=float-cast-overflow)
