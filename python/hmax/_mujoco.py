@@ -85,7 +85,7 @@ class _Scene:
         self._begin = mujoco.MjData(model)
         mujoco.mj_copyData(self._begin, model, self._data)
         kinds = mujoco.mjtWarning
-        self._signs = [int(kind) for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)]
+        self._reset_kinds = [int(kind) for kind in (kinds.mjWARN_BADQPOS, kinds.mjWARN_BADQVEL, kinds.mjWARN_BADQACC)]
         self._before = self._resets()
 
     def state(self) -> Any:
@@ -149,4 +149,4 @@ class _Scene:
 
     def _resets(self) -> int:
         warnings = self._data.warning
-        return sum([warnings[sign].number for sign in self._signs])
+        return sum([warnings[kind].number for kind in self._reset_kinds])
