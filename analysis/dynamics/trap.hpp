@@ -13,8 +13,8 @@ namespace hmax {
 /// A neighbourhood of a stable equilibrium that the linear flow does not leave: the ellipse u^T P u < r^2 of
 /// u = (y - y*) / size, with J^T P + P J = -1 in these units and r so small that |u| < 1e-3 inside.
 /// u^T P u is a Lyapunov function of the linear flow u' = A u, A = size^-1 J size: its derivative is u^T
-/// (A^T P + P A) u = -|u|^2 < 0. Nonlinear terms are small against this for |u| < 1e-3, which is assumed,
-/// not checked. A motion inside is counted as arrived.
+/// (A^T P + P A) u = -|u|^2 < 0. Nonlinear terms are small against this for |u| < 1e-3, if `size` is chosen
+/// so. A motion inside is counted as arrived.
 class Trap {
  public:
   /// @param J     at the equilibrium, all eigenvalues with negative real parts

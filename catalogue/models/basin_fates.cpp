@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -24,6 +25,40 @@ using Eigen::Vector2d;
 /// Ends a run from inside.
 struct Left {};
 
+/// Whether f(y + z) = 2 f(y + z / 2) to a tenth of what is largest around y, with |z| = r in each direction:
+/// f is linear there, or piecewise linear with kinks in y.
+bool is_linear_at(const PlanarField& field, const Vector2d& y, const Vector2d& r) {
+  constexpr int directions = 64;
+  Vector2d largest(0, 0), change(0, 0);
+  for (int k = 0; k < directions; ++k) {
+    const double phi = 2 * std::numbers::pi * (k + 0.5) / directions;
+    const Vector2d z = r.cwiseProduct(Vector2d(std::cos(phi), std::sin(phi)));
+    const Vector2d far = field.rhs(y + z);
+    largest = largest.cwiseMax(far.cwiseAbs());
+    change = change.cwiseMax((far - 2 * field.rhs(y + z / 2)).cwiseAbs());
+  }
+  return (change.array() <= 0.1 * largest.array()).all();
+}
+
+/// Of a thousandth of `size`, so that f is linear at every distance from y up to there, and nothing else at
+/// rest is that near.
+double linear_share(const PlanarField& field, const std::vector<Equilibrium>& equilibria, const Vector2d& y,
+                    const Vector2d& size) {
+  const double seen = (1e-7 * y.cwiseAbs().cwiseQuotient(1e-3 * size)).maxCoeff();
+  double share = 1;
+  // From the smallest distance upwards: far beyond a wall f is linear again, as at a kink.
+  for (double next = std::exp2(std::ceil(std::log2(std::max(seen, 1e-6)))); next <= 1; next *= 2)
+    if (!is_linear_at(field, y, 1e-3 * next * size)) {
+      share = next / 2;
+      break;
+    }
+  for (const Equilibrium& other : equilibria) {
+    const double distance = (other.state - y).cwiseAbs().cwiseQuotient(1e-3 * size).maxCoeff();
+    if (distance > 0) share = std::min(share, distance / 2);
+  }
+  return share;
+}
+
 /// When a motion has found its fate.
 struct Destiny {
   Arrival arrival;
@@ -35,10 +70,11 @@ struct Destiny {
     for (std::size_t i = 0; i < equilibria.size(); ++i) {
       const Equilibrium& e = equilibria[i];
       if (e.type != EquilibriumType::stable_node && e.type != EquilibriumType::stable_focus) continue;
-      arrival.traps.push_back(
-          {static_cast<int>(i), e.kink ? Trap(e.state, *e.kink, window.size())
-                                       : Trap(e.state, field.jacobian(e.state), window.size())});
-      longest = std::max(longest, 20 * std::log(1e3) / -e.eigenvalues[0].real());
+      const double share = linear_share(field, equilibria, e.state, window.size());
+      const Vector2d size = share * window.size();
+      arrival.traps.push_back({static_cast<int>(i), e.kink ? Trap(e.state, *e.kink, size)
+                                                           : Trap(e.state, field.jacobian(e.state), size)});
+      longest = std::max(longest, 20 * std::log(1e3 / share) / -e.eigenvalues[0].real());
     }
   }
 
