@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int directions = 8192;  ///< directions of a turn
-constexpr double span = 2 * 27.6 / (directions / 4);
+constexpr int directions = 8192;  ///< of a turn
+constexpr double ds = 2 * 27.6 / (directions / 4);
 
 /// Directions around 0 lie closer towards the axes, beside which stiff fields turn: in each quadrant s = ln
 /// tan(phi) grows evenly from -27.6 to 27.6, so that dphi = ds / (2 cosh s). Sums over s converge like those
@@ -25,10 +25,10 @@ struct Direction {
 
 Direction direction(int k) {
   const int quadrant = k / (directions / 4) % 4, i = k % (directions / 4);
-  const double slope = span * (i + 0.5 - directions / 8);
-  const Vector2d u = Vector2d(1, std::exp(slope)).normalized();
+  const double s = ds * (i + 0.5 - directions / 8);
+  const Vector2d u = Vector2d(1, std::exp(s)).normalized();
   const std::array<Vector2d, 4> turned{u, Vector2d(-u(1), u(0)), Vector2d(-u), Vector2d(u(1), -u(0))};
-  return {turned[static_cast<std::size_t>(quadrant)], span / (2 * std::cosh(slope))};
+  return {turned[static_cast<std::size_t>(quadrant)], ds / (2 * std::cosh(s))};
 }
 
 /// Of a field r g(u) in the direction u = (cos phi, sin phi): r' = radial r, phi' = angular [1/s].
@@ -96,15 +96,18 @@ Kink kink_around(const std::function<Vector2d(const Vector2d&)>& f, const Vector
     return rates[static_cast<std::size_t>((k + directions) % directions)];
   };
   Kink kink{.unit = unit};
+  std::vector<bool> has_ray;
+  for (int k = 0; k < directions; ++k) {
+    const auto ray = ray_at(field, {direction(k + directions - 1).u, direction(k).u, direction(k + 1).u},
+                            {at(k - 1), at(k), at(k + 1)});
+    has_ray.push_back(ray.has_value());
+    if (ray) kink.rays.push_back({ray->cwiseProduct(scale).stableNormalized(), field(*ray).radial});
+  }
   // Up to the next ray a motion grows by exp(rise); twice around, since a rise may begin late in a turn.
   double rise = 0, largest_rise = 0;
   for (int k = 0; k < 2 * directions; ++k) {
-    const Direction here = direction(k);
-    const auto ray = ray_at(field, {direction(k + directions - 1).u, here.u, direction(k + 1).u},
-                            {at(k - 1), at(k), at(k + 1)});
-    if (ray && k < directions)
-      kink.rays.push_back({ray->cwiseProduct(scale).stableNormalized(), field(*ray).radial});
-    rise = ray ? 0 : std::max(0.0, rise + here.width * at(k).radial / std::abs(at(k).angular));
+    const double step = direction(k).width * at(k).radial / std::abs(at(k).angular);
+    rise = has_ray[static_cast<std::size_t>(k % directions)] ? 0 : std::max(0.0, rise + step);
     largest_rise = std::max(largest_rise, rise);
   }
   kink.swing = std::exp(largest_rise);
