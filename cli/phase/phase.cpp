@@ -204,7 +204,7 @@ std::string equilibria_table(const PhaseView& view, const Console& console) {
   TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
   for (const Equilibrium& e : view.equilibria)
     table.add({fmt::format("{}{}", name_of(e.type), e.kink ? ", kink" : ""), short_name(e.state(0)),
-               short_name(e.state(1)), pair_in_words(e.eigenvalues)});
+               short_name(e.state(1)), eigenvalues_in_words(e.eigenvalues)});
   return "\n" + table.text(console) + guarantee(view) + "\n";
 }
 
@@ -330,7 +330,7 @@ Json document_of(const PhaseView& view) {
   return document;
 }
 
-Json pair_document(const std::array<std::complex<double>, 2>& eigenvalues) {
+Json eigenvalues_document(const std::array<std::complex<double>, 2>& eigenvalues) {
   Json pairs = Json::array();
   for (const auto& lambda : eigenvalues) pairs.push_back({lambda.real(), lambda.imag()});
   return pairs;
@@ -343,11 +343,11 @@ Json to_json(const std::vector<Equilibrium>& equilibria) {
                     {"v", e.state(1)},
                     {"type", name_of(e.type)},
                     {"kink", e.kink.has_value()},
-                    {"eigenvalues", pair_document(e.eigenvalues)}});
+                    {"eigenvalues", eigenvalues_document(e.eigenvalues)}});
   return list;
 }
 
-std::string pair_in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
+std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
   const auto& [first, second] = eigenvalues;
   // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
   if (std::abs(first.imag()) <= 1e-7 * std::abs(first))

@@ -55,9 +55,9 @@ nlohmann::ordered_json document_of(const Problem& problem);
 nlohmann::ordered_json document_of(const PhaseView& view);
 nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
 /// [[re, im], [re, im]]
-nlohmann::ordered_json pair_document(const std::array<std::complex<double>, 2>& eigenvalues);
+nlohmann::ordered_json eigenvalues_document(const std::array<std::complex<double>, 2>& eigenvalues);
 /// "-0.69 ± 0.0845i" or "-0.1, -3"
-std::string pair_in_words(const std::array<std::complex<double>, 2>& eigenvalues);
+std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eigenvalues);
 
 /// What a search has looked for, in words.
 struct Searched {

@@ -64,7 +64,7 @@ void add_map(const PhaseView& view, const MapView& seen, Json& document) {
     const FixedPoint& point = seen.fixed.points[i];
     points.push_back({{"x", point.state(0)},
                       {"v", point.state(1)},
-                      {"multipliers", pair_document(point.multipliers)},
+                      {"multipliers", eigenvalues_document(point.multipliers)},
                       {"type", name_of(point.type)},
                       {"spurious", bool(seen.spurious[i])}});
   }
@@ -73,7 +73,7 @@ void add_map(const PhaseView& view, const MapView& seen, Json& document) {
     for (const Vector2d& y : orbit.states) both.push_back({y(0), y(1)});
     pairs.push_back(both);
     types.push_back(name_of(orbit.type));
-    multipliers.push_back(pair_document(orbit.multipliers));
+    multipliers.push_back(eigenvalues_document(orbit.multipliers));
   }
   document["fixed_points"] = points;
   document["fixed_point_search"] = search_document(view.window, seen.fixed, guarantee(view, seen));
@@ -89,7 +89,8 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
   for (std::size_t i = 0; i < seen.fixed.points.size(); ++i) {
     const FixedPoint& point = seen.fixed.points[i];
     table.add({std::string(name_of(point.type)), seen.spurious[i] ? "no: spurious" : "yes",
-               short_name(point.state(0)), short_name(point.state(1)), pair_in_words(point.multipliers)});
+               short_name(point.state(0)), short_name(point.state(1)),
+               eigenvalues_in_words(point.multipliers)});
   }
   text += seen.fixed.points.empty() ? "" : table.text(console);
   text += guarantee(view, seen) + "\n";
@@ -100,7 +101,7 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
   };
   for (const PeriodTwo& orbit : seen.period_two)
     pairs.add({std::string(name_of(orbit.type)), in_brackets(orbit.states[0]), in_brackets(orbit.states[1]),
-               pair_in_words(orbit.multipliers)});
+               eigenvalues_in_words(orbit.multipliers)});
   return text + "\n" + pairs.text(console);
 }
 

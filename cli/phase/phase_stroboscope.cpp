@@ -357,7 +357,7 @@ Json fixed_point_document(const FixedPoint& point) {
   const auto index = index_of(point);
   return {{"x", point.state(0)},
           {"v", point.state(1)},
-          {"multipliers", pair_document(point.multipliers)},
+          {"multipliers", eigenvalues_document(point.multipliers)},
           {"type", name_of(point.type)},
           {"index", index ? Json(*index) : Json()}};
 }
@@ -399,7 +399,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
     TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
     for (const FixedPoint& point : section.periodic.points)
       table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
-                 pair_in_words(point.multipliers)});
+                 eigenvalues_in_words(point.multipliers)});
     text += "\n" + table.text(console);
   }
   text += fmt::format("\n{}\n", guarantee(problem, section));
