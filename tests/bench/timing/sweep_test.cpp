@@ -7,11 +7,10 @@
 #include <random>
 #include <sched.h>
 #include <set>
-#include <signal.h>
 #include <stdexcept>
 #include <string>
+#include <sys/time.h>
 #include <sys/wait.h>
-#include <thread>
 #include <tuple>
 #include <unistd.h>
 
@@ -307,6 +306,31 @@ TEST(Sweep, WhatIsStoredIsSkippedWhenASweepIsResumed) {
   EXPECT_EQ(store.sessions().size(), 2u) << "a sweep with nothing to do is no session";
 }
 
+/// Starts a process that begins or resumes a sweep, and dies where it has taken so much CPU time [us]; 0:
+/// never. Elapsed time would tell little: on a busy machine the sweep may be over when its parent wakes up.
+pid_t start_sweep(const SweepPlan& plan, const std::filesystem::path& file, long most_cpu = 0) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  int code = 0;
+  try {
+    const itimerval end{.it_interval = {}, .it_value = {.tv_sec = 0, .tv_usec = most_cpu}};
+    setitimer(ITIMER_PROF, &end, nullptr);
+    Store store = open_sweep_store(plan, file, true);
+    run_sweep(plan, store);
+  } catch (const std::exception& error) {
+    fprintf(stderr, "child: %s\n", error.what());
+    code = 1;
+  }
+  _exit(code);
+}
+
+/// How a process ends, as wait() tells.
+int ended(pid_t child) {
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
 TEST(Sweep, KilledAtRandomMomentsAndResumedItLosesNoRowAndDoublesNone) {
   Scratch scratch;
   const auto file = scratch / "a.sqlite";
@@ -318,21 +342,7 @@ TEST(Sweep, KilledAtRandomMomentsAndResumedItLosesNoRowAndDoublesNone) {
   int interrupted = 0;
   std::int64_t most = 0;
   for (int kill_number = 0; kill_number < 10; ++kill_number) {
-    const pid_t child = fork();
-    if (child == 0) {
-      try {
-        Store store = open_sweep_store(plan, file, true);
-        run_sweep(plan, store);
-      } catch (const std::exception& error) {
-        fprintf(stderr, "child: %s\n", error.what());
-        _exit(1);
-      }
-      _exit(0);
-    }
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 40'000));
-    kill(child, SIGKILL);
-    int status = 0;
-    waitpid(child, &status, 0);
+    const int status = ended(start_sweep(plan, file, 1 + static_cast<long>(random() % 40'000)));
     interrupted += WIFSIGNALED(status);
     EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
     const std::int64_t size = Store::open_or_create(file).size();
@@ -469,37 +479,20 @@ TEST(Shards, KilledResumedAndMergedHaveTheRowsOfASerialRun) {
   const SweepPlan plan = plan_sweep(spec);
   constexpr int count = 4;
   const auto file = [&](int i) { return scratch / ("shard_" + std::to_string(i) + ".sqlite"); };
-  const auto start = [&](int i) {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    int code = 0;
-    try {
-      const SweepPlan shard = shard_of(plan, {i, count});
-      Store store = open_sweep_store(shard, file(i), true);
-      run_sweep(shard, store);
-    } catch (const std::exception& error) {
-      fprintf(stderr, "child: %s\n", error.what());
-      code = 1;
-    }
-    _exit(code);
+  const auto start = [&](int i, long most_cpu = 0) {
+    return start_sweep(shard_of(plan, {i, count}), file(i), most_cpu);
   };
   std::mt19937 random(5);
   int interrupted = 0;
   for (int kill_number = 0; kill_number < 12; ++kill_number) {
-    const pid_t child = start(1 + static_cast<int>(random() % count));
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 30'000));
-    kill(child, SIGKILL);
-    int status = 0;
-    waitpid(child, &status, 0);
-    interrupted += WIFSIGNALED(status);
+    const int shard = 1 + static_cast<int>(random() % count);
+    interrupted += WIFSIGNALED(ended(start(shard, 1 + static_cast<long>(random() % 30'000))));
   }
   EXPECT_GE(interrupted, 4);
   Store merged = Store::open_or_create(scratch / "merged.sqlite");
   Merger merger(merged);
   for (int i = 1; i <= count; ++i) {
-    int status = 0;
-    waitpid(start(i), &status, 0);
-    ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    ASSERT_EQ(ended(start(i)), 0);
     merger.add(file(i));
   }
   EXPECT_EQ(merger.summary().added, plan.rows());
