@@ -29,6 +29,12 @@ Matrix2d rough_jacobian(const PlanarMap& map, const Vector2d& y, const Vector2d&
   return D;
 }
 
+/// How far a step leads from y, in sizes of the window; a fixed point stays below.
+double map_residual(const PlanarMap& map, const Vector2d& y, const Vector2d& size) {
+  return (map(y) - y).cwiseAbs().cwiseQuotient(size).maxCoeff<Eigen::PropagateNaN>();
+}
+constexpr double fixed_residual = 1e-10;
+
 }  // namespace
 
 Multipliers multipliers_of(const Matrix2d& D) {
@@ -97,18 +103,15 @@ std::optional<Vector2d> newton_fixed_point(const PlanarMap& map, const Window& w
       return std::nullopt;
   }
   const Vector2d slack = 1e-9 * size;
-  const auto residual = [&](const Vector2d& at) -> Vector2d {
-    return (map(at) - at).cwiseAbs().cwiseQuotient(size);
-  };
+  const auto residual_at = [&](const Vector2d& at) { return map_residual(map, at, size); };
   // At a double point the last steps stay at the root of rounding.
-  if (!(length < 1e-6) || !(residual(y).maxCoeff() < 1e-10)) return std::nullopt;
+  if (!(length < 1e-6) || !(residual_at(y) < fixed_residual)) return std::nullopt;
   if (((y - window.lower + slack).array() < 0).any() || ((window.upper - y + slack).array() < 0).any())
     return std::nullopt;
   for (Eigen::Index i = 0; i < 2; ++i) {  // a coordinate that is zero to rounding is printed as 0
     Vector2d rounded = y;
     rounded(i) = 0;
-    if (std::abs(y(i)) < 1e-9 * size(i) && residual(rounded).maxCoeff() <= residual(y).maxCoeff() + 1e-15)
-      y = rounded;
+    if (std::abs(y(i)) < 1e-9 * size(i) && residual_at(rounded) <= residual_at(y) + 1e-15) y = rounded;
   }
   return y;
 }
@@ -271,8 +274,10 @@ class FixedPoints {
     const bool known = std::ranges::any_of(found, [&](const FixedPoint& other) {
       return (other.state - *y).cwiseQuotient(window_.size()).norm() < same;
     });
-    if (known) return;
-    found.push_back(fixed_point_at(counted, *y, window_.size() / 16));
+    if (!known) add(*y);
+  }
+  void add(const Vector2d& y) {
+    found.push_back(fixed_point_at([this](const Vector2d& at) { return map(at); }, y, window_.size() / 16));
     if (found.size() > most_points) left_ = 0;
   }
 
@@ -335,10 +340,13 @@ void sum_indices(FixedPointSearch& found) {
 }  // namespace
 
 // The degree is taken of the same g in sizes of the window: scaling by positive numbers does not change it.
-FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window, std::int64_t most_steps) {
+FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window,
+                                     const std::vector<Vector2d>& known, std::int64_t most_steps) {
   require_valid(window);
   const Vector2d size = window.size();
   FixedPoints points(map, window, most_steps);
+  for (const Vector2d& y : known)
+    if (map_residual(map, y, size) < fixed_residual) points.add(y);
   const PlanarMap g = [&](const Vector2d& y) -> Vector2d { return (points.map(y) - y).cwiseQuotient(size); };
   FixedPointSearch found;
   found.whole = CellSearch(g, window, points, 0).run();

@@ -92,11 +92,13 @@ struct FixedPointSearch : DegreeCheck {
 /// Every fixed point in a window. Cells are divided, down to 1/4096 of the window, until either an
 /// affine map through the values in the cell, with twice its misfit as doubt, has no zero there, or one that
 /// Newton's method takes over. The misfit is seen at five points, so that this is no proof; `accounts` is
-/// what the border adds to it.
+/// what the border adds to it. Points less than 1e-7 of the window apart are one, unless they are known.
+/// @param known       states that may be fixed, like the equilibria of the field that a method's step maps
 /// @param most_steps  evaluations of the map, after which the search is cut short, as it is where the fixed
 ///                    points are not isolated
 /// @throws std::invalid_argument when the window is empty or not finite
 FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window,
+                                     const std::vector<Eigen::Vector2d>& known = {},
                                      std::int64_t most_steps = 400'000);
 
 /// Every orbit of period two with a point in the window that Newton's method on Phi(Phi(y)) - y reaches from

@@ -35,10 +35,12 @@ MapView map_of(const PhaseView& view, const PhaseOptions& options) {
   if (!options.h) throw InputError("no step size is given; add --h in seconds");
   const Method method = options.method.make();
   const PlanarMap map = one_step_map(method, view.still, *options.h);
+  std::vector<Vector2d> at_rest;
+  for (const Equilibrium& e : view.equilibria) at_rest.push_back(e.state);
   MapView seen{.method = method.id,
                .h = *options.h,
                .map = map,
-               .fixed = search_fixed_points(map, view.window),
+               .fixed = search_fixed_points(map, view.window, at_rest),
                .period_two = find_period_two(map, view.window)};
   for (const FixedPoint& point : seen.fixed.points)
     seen.spurious.push_back(is_spurious(view.field.rhs, seen.h, point.state, view.window));

@@ -370,6 +370,21 @@ TEST(Phase, AKinkThatIsASaddleHasFourWaysOfItsOwn) {
   EXPECT_EQ(slopes, (std::vector{-2.16, -1.16, 0.86, 1.86}));
 }
 
+/// Also where these are less than 1e-7 of the window apart.
+TEST(Phase, StepsRestWhereTheFieldDoes) {
+  const Shell shell;
+  write_oscillator(shell, "-x*(x-1e-6)*(x+3) - v");
+  const Json map = phase(shell, "own.toml --window=-20,20,-20,20 --method rk4 --h 0.1");
+  const Json &rests = map.at("equilibria"), &fixed = map.at("fixed_points");
+  ASSERT_EQ(rests.size(), 3U);
+  ASSERT_EQ(fixed.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(fixed[i].at("x"), rests[i].at("x"));
+    EXPECT_EQ(fixed[i].at("type"), rests[i].at("type"));
+  }
+  EXPECT_EQ(map.at("fixed_point_search").at("index_sum"), 1);
+}
+
 TEST(Phase, FixedPointsFarFromZeroAreFound) {
   const Shell shell;
   write_oscillator(shell, "1e6 - x - v");
