@@ -80,7 +80,7 @@ TEST(Observers, DoNotChangeTheRun) {
 
 struct Found {
   std::vector<Event<Plane>> events;
-  RunEnd<double> end;
+  RunEnd<double> end{};
   Plane y;
 };
 
