@@ -216,10 +216,10 @@ std::shared_ptr<const TissueBody> block(const TissueModel& model, double alpha, 
   settings.gravity = {0, 0, -9.81};
   settings.alpha = alpha;
   settings.beta = beta;
-  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {1, 1, 1e-6}), {}, {}}};
+  settings.supports = {{points_in_box(mesh, {-1, -1, -1}, {1, 1, 1e-6})}};
   settings.elastic_supports = {{points_in_box(mesh, {-1, -1, 0.04}, {1, 1, 0.06}), {}}};
   settings.elastic_supports.front().stiffness.assign(settings.elastic_supports.front().points.size(), 3.0);
-  settings.forces = {{points_in_box(mesh, {-1, -1, 0.099}, {1, 1, 1}), {0.1, 0, -0.5}, {}, {}}};
+  settings.forces = {{points_in_box(mesh, {-1, -1, 0.099}, {1, 1, 1}), {0.1, 0, -0.5}}};
   return std::make_shared<const TissueBody>(mesh, settings);
 }
 

@@ -119,7 +119,7 @@ TissueSettings constrained(std::string_view model) {
   TissueSettings settings;
   settings.model = tissue_model(model);
   settings.materials = two_materials();
-  settings.supports = {{points_in_box(uneven_box(), {-1, -1, -1}, {0.01, 1, 1}), {}, {}}};
+  settings.supports = {{points_in_box(uneven_box(), {-1, -1, -1}, {0.01, 1, 1})}};
   settings.elastic_supports = {{{9, 20, 35}, {40, 300, 20}}};
   return settings;
 }
