@@ -136,7 +136,7 @@ TEST(AdviseCommand, PrintsNoPredictionBesideAnError) {
 TEST(AdviseCommand, AnswersWithinATime) {
   const Shell shell;
   const std::string question =
-      "advise --mesh ball:n=14 --rate 100 --methods symplectic_euler,newmark --within ";
+      "advise --mesh ball:n=10 --rate 100 --methods symplectic_euler,newmark --within ";
   const Told told = shell.hmax(question + "0.01 --json --out kept.sqlite");
   EXPECT_EQ(told.exit_code, 1) << told.err;
   const Json document = told.json();
