@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/timing/timing.hpp"
+#include "core/numbers.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "tests/advice/cube.hpp"
@@ -31,11 +32,16 @@ TEST(FirstAnswer, TimesStepsAndLeavesOutWhatIsHopeless) {
     EXPECT_GT(asked.frame() / static_cast<double>(row.steps_per_frame - 1), 0.95 * h_max);
     // The steps alone, in as long a run.
     const Runner runner = row.candidate.method.bind(problem);
-    const double begun = thread_cpu_seconds();
-    (void)runner.run(row.candidate.spec(row.h, asked.frame()), {});
-    const double seen = thread_cpu_seconds() - begun;
-    EXPECT_GT(row.expected_frame, seen / 10) << row.candidate.words();
-    EXPECT_LT(row.expected_frame, seen * 10) << row.candidate.words();
+    double least = infinity, most = 0;
+    for (int sample = 0; sample < 10; ++sample) {
+      const double begun = thread_cpu_seconds();
+      (void)runner.run(row.candidate.spec(row.h, asked.frame()), {});
+      const double seen = thread_cpu_seconds() - begun;
+      least = std::min(least, seen);
+      most = std::max(most, seen);
+    }
+    EXPECT_GT(row.expected_frame, least / 10) << row.candidate.words();
+    EXPECT_LT(row.expected_frame, most * 10) << row.candidate.words();
   }
   EXPECT_TRUE(std::ranges::is_sorted(rows, {}, &AdviceRow::expected_frame));
   asked.budget = rows[1].expected_frame / 10;

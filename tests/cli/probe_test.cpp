@@ -100,9 +100,10 @@ TEST(ProbeCommand, WhatAPluginSaysIsNoPartOfTheDocument) {
 
 TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
   const Shell shell;
-  const Told told = shell.line("timeout -s INT 1 '" HMAX_PROGRAM "' probe --plugin " + tested +
-                               ":crash:hang --h0 1e-3 --h1 1; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM
-                               " probe .*crash:hang' | wc -l");
+  const Told told =
+      shell.line("timeout -s INT 1 '" HMAX_PROGRAM "' probe --plugin " + tested +
+                 ":crash:hang --h0 1e-3 --h1 1.0625; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM
+                 " probe .*crash:hang --h0 1e-3 --h1 1.0625' | wc -l");
   EXPECT_EQ(told.out.substr(told.out.size() - 2), "0\n") << told.out << told.err;
 }
 

@@ -19,8 +19,8 @@ nlohmann::json Shell::json(const std::string& arguments) const {
 }
 
 Told Shell::line(const std::string& command, const char* program) const {
-  // Three minutes turn a hang into a failure, also on a slow machine.
-  const std::string line = "cd '" + folder_.folder().string() + "' && hmax() { timeout 180 '" + program +
+  // Eight minutes turn a hang into a failure, also on a slow machine.
+  const std::string line = "cd '" + folder_.folder().string() + "' && hmax() { timeout 480 '" + program +
                            "' \"$@\"; } && { " + command + " ; } >'" + out().string() + "' 2>'" +
                            err().string() + "' </dev/null";
   const int status = std::system(line.c_str());

@@ -470,7 +470,8 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
   }
   if (faulty.way == "threads" && faulty.calls == faulty.from + 1) scribble_on(0xff, 192);
   if (faulty.way == "child" && faulty.calls == faulty.from + 1) leave_a_process(false);
-  if (faulty.way == "slow") usleep(20000);
+  if (faulty.way == "slow") usleep(20'000);
+  if (faulty.way == "slower") usleep(600'000);
   if (faulty.way == "nan") *dydt = std::nan("");
   if (faulty.way == "noise") *dydt *= 1 + 1e-6 * static_cast<double>(faulty.calls % 7);
   while (faulty.way == "hang") usleep(1000);

@@ -112,7 +112,7 @@ TEST(AdviseCommand, StoresWhatIsFinishedWhenItIsInterruptedTwiceAtOnce) {
 TEST(AdviseCommand, SaysWhereNothingIsFinishedWhenItIsInterrupted) {
   const Shell shell;
   // The motion of a body of 10,000 points and its reference take longer than that.
-  const std::string line = "timeout -s INT 1 '" HMAX_PROGRAM
+  const std::string line = "timeout -s INT 2 '" HMAX_PROGRAM
                            "' advise --mesh ball:n=14 --rate 100 --methods newmark --out kept.sqlite ";
   const Told told = shell.line(line);
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";

@@ -28,7 +28,9 @@ TEST(Checkpoint, ARunThatIsKilledGoesOnWithTheSameAnswer) {
     const std::string command = std::string(long_run) + "--checkpoint-every 0.05";
     // On a machine where it is done before that, what is finished is told again.
     const Told stopped = shell.line(
-        fmt::format("timeout -s {} 0.5 '" HMAX_PROGRAM "' {} >first; echo $?; ls", signal, command));
+        fmt::format("'" HMAX_PROGRAM "' {} >first & run=$!; until [ -s run.checkpoint ]; do sleep 0.01; "
+                    "kill -0 $run || break; done; kill -s {} $run; wait $run; echo $?; ls",
+                    command, signal));
     ASSERT_TRUE(says(stopped.out, "run.checkpoint")) << stopped.err;
     // SIGKILL in the middle of a saving leaves its part, which nobody reads.
     const bool killed = std::string(signal) == "KILL";

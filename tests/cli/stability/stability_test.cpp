@@ -482,9 +482,9 @@ TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
 #endif
   // Without --foreground the signal comes twice, and the second one ends at once.
   const Told told = Shell().line(
-      "timeout --foreground -s INT 5 '" HMAX_PROGRAM
+      "timeout --foreground -s INT 12 '" HMAX_PROGRAM
       "' stability predict --problem liver_forced --methods explicit_runge_kutta,adams --along --verify "
-      "--t-end 20000 --json");
+      "--jobs 1 --t-end 20000 --json");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
   EXPECT_EQ(told.err, "hmax: interrupted; the rows so far are printed\n");
   const Json rows = told.json()["rows"];
@@ -504,9 +504,9 @@ TEST(StabilityPredict, SaysHowManyRowsAreKeptWhenItIsInterrupted) {
 #endif
   const Shell shell;
   const Told told = shell.line(
-      "timeout -s INT 5 '" HMAX_PROGRAM
+      "timeout -s INT 12 '" HMAX_PROGRAM
       "' stability predict --problem liver_forced --methods explicit_runge_kutta,adams --along --verify "
-      "--t-end 20000 --out kept.sqlite");
+      "--jobs 1 --t-end 20000 --out kept.sqlite");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
   const std::size_t kept = shell.json("export kept.sqlite --of limits --format jsonl").size();
   ASSERT_EQ(kept, 0U) << "rows without what lies along the motion are not stored";
