@@ -122,6 +122,11 @@ TEST(Batches, ANameOfTwoFilesIsFound) {
   EXPECT_EQ(found("void f(int a) {\n}", "void f(int a, std::map<A, B> b) {\n}"), 0U);
   EXPECT_EQ(found("struct Settled {\n};", "struct Settled {\n};", true), 1U);
   EXPECT_EQ(found("void f(int a) {\n}", "void f(int b);", true), 1U);
+  EXPECT_EQ(found("[[noreturn]] void f(int a) {\n}", "void f(int b) {\n}"), 1U);
+  EXPECT_EQ(found("void f(int a) {\n}", "namespace detail {\n}  // namespace detail\nvoid f(int b);", true),
+            1U);
+  EXPECT_EQ(found("void f(int a) {\n}", "namespace detail {\nvoid f(int b);\n}  // namespace detail", true),
+            0U);
   EXPECT_EQ(found("void f(int a) {\n}", "template <class... T>\nvoid f(T&&... b) {}", true), 1U);
 }
 

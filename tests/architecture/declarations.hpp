@@ -102,14 +102,26 @@ inline std::optional<Declared> named_by(std::string_view head) {
 inline std::vector<Declared> declared_in(const std::string& text) {
   std::vector<Declared> all;
   std::istringstream in(text);
-  bool hidden = false;
+  bool hidden = false, in_body = false;
   std::string space, head;
+  std::vector<std::size_t> outer;  // lengths of `space` around each namespace with a name
   for (std::string line; std::getline(in, line);) {
     if (line == "namespace {") hidden = true;
-    if (line == "}  // namespace") hidden = false;
     const bool opens = line.starts_with("namespace ");
-    if (opens && line.ends_with(" {") && line != "namespace {")
-      space = line.substr(10, line.size() - 12) + "::";
+    if (opens && line.ends_with(" {") && line != "namespace {") {
+      outer.push_back(space.size());
+      space += line.substr(10, line.size() - 12) + "::";
+    }
+    if (line == "}  // namespace") {
+      hidden = in_body = false;
+    } else if (line.starts_with('}')) {
+      const bool closes_body = std::exchange(in_body, false) && !line.starts_with("}  // namespace ");
+      if (!closes_body && !outer.empty()) {
+        space.resize(outer.back());
+        outer.pop_back();
+      }
+    }
+    if (line.starts_with("[[")) line = line.substr(line.find("]] ") + 3);
     const bool begins = !line.empty() && std::isalpha(static_cast<unsigned char>(line.front())) != 0 &&
                         !opens && !line.starts_with("template ");
     if (head.empty() && !begins) continue;
@@ -118,6 +130,7 @@ inline std::vector<Declared> declared_in(const std::string& text) {
     if (first == std::string::npos) continue;
     head += (head.empty() ? "" : " ") + line.substr(first);
     if (std::string_view(";{}").find(head.back()) == std::string_view::npos) continue;
+    in_body = head.back() == '{';
     if (auto found = detail::named_by(head)) {
       found->name = space + found->name;
       found->hidden = hidden;
