@@ -7,6 +7,7 @@
 
 #include <Eigen/LU>
 
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 
 namespace hmax {
@@ -33,6 +34,8 @@ Trap::Trap(const Vector2d& equilibrium, const Matrix2d& J, const Vector2d& size)
   const double sum = B.squaredNorm(), largest = (sum + std::sqrt(std::max(0.0, sum * sum - 4 * d * d))) / 2;
   // u^T P u >= p_min |u|^2, so u^T P u < 1e-6 p_min gives |u| < 1e-3.
   bound_ = 1e-6 * c * (d + d * d / largest);
+  // |2 u^T P N| <= |u|^2 / 2 where |N| <= |u| / (4 p_max).
+  slack_ = 1 / (16 * c * (d + largest));
 }
 
 Trap::Trap(const Vector2d& equilibrium, const Kink& kink, const Vector2d& size)
@@ -42,6 +45,9 @@ Trap::Trap(const Vector2d& equilibrium, const Kink& kink, const Vector2d& size)
   P_[1][1] = in_units[1] * in_units[1];
   const double r = 1e-3 * in_units.minCoeff() / kink.swing;
   bound_ = r * r;
+  double slowest = kink.rays.empty() ? -kink.rate : infinity;
+  for (const Kink::Ray& ray : kink.rays) slowest = std::min(slowest, -ray.rate);
+  slack_ = slowest / 16;
 }
 
 double Basins::share(int of) const {

@@ -114,7 +114,8 @@ Equilibria::Equilibria(const PlanarField& field, const Window& window)
              [this, jacobian = field.jacobian](const Vector2d& y) {
                ++evaluations_;
                return jacobian(y);
-             }},
+             },
+             field.jacobian_error},
       window_(window),
       size_(window.size()) {
   require_valid(window);
@@ -277,16 +278,22 @@ bool Equilibria::is_kink(const Vector2d& y, const Vector2d& r) {
     return most;
   };
   const double near = change(r);
-  return near > 1e-6 && near > change(8 * r) / 2;  // 1e-6: no rounding of differences
+  return near > field_.jacobian_error && near > change(8 * r) / 2;
 }
 
 void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
   // As far from rounding as from what bends.
   const Vector2d r = found.outer * std::sqrt(found.inner.cwiseQuotient(found.outer).maxCoeff());
   const std::int64_t before = evaluations_;
-  e.kink = kink_around(field_.rhs, e.state, r, ratio_of_units(e.state, r));
+  const double unit = ratio_of_units(e.state, r);
+  Kink kink = kink_around(field_.rhs, e.state, r, unit);
+  if (kink.rays.empty()) {  // terms of second order change the rate in proportion to the distance
+    const double change = kink_around(field_.rhs, e.state, r / 2, unit).rate - kink.rate;
+    kink.rate += 2 * change;
+    kink.rate_error += std::abs(change) / 10;
+  }
   evaluations_ = before;  // bounded by the number of points
-  const Kink& kink = *e.kink;
+  e.kink = kink;
   if (kink.rays.empty()) {
     e.index = 1;
     e.eigenvalues = {std::complex(kink.rate, kink.frequency), std::complex(kink.rate, -kink.frequency)};
@@ -383,7 +390,8 @@ void Equilibria::take(const Vector2d& start, double leash) {
   if (is_small(1e-3, 1e-3) && !is_known(y)) judge(y, is_small(1e-9, 1e-6));
 }
 
-void Equilibria::take_grid(int starts) {
+void Equilibria::take_grid() {
+  constexpr int starts = 15;
   for (int i = 0; i < starts; ++i)
     for (int j = 0; j < starts; ++j)
       take(window_.lower + Vector2d(i + 0.5, j + 0.5).cwiseProduct(size_) / starts);
@@ -405,10 +413,9 @@ std::vector<Equilibrium> Equilibria::points() const {
   return all;
 }
 
-std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts) {
-  if (starts < 1) throw std::invalid_argument("the search for equilibria needs at least one start");
+std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window) {
   Equilibria found(field, window);
-  found.take_grid(starts);
+  found.take_grid();
   return found.points();
 }
 

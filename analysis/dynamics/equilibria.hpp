@@ -45,8 +45,8 @@ class Equilibria {
   /// @param leash  in sizes of the window: how far from the start it may stray before it is given up
   void take(const Eigen::Vector2d& start, double leash = std::numeric_limits<double>::infinity());
   Eigen::Vector2d rhs(const Eigen::Vector2d& y) { return field_.rhs(y); }
-  /// Newton's method from the centres of starts x starts cells.
-  void take_grid(int starts);
+  /// Newton's method from the centres of 15 x 15 cells.
+  void take_grid();
 
   /// By how much J differs between points of the border of a box of half widths r, as a share of itself.
   double change_of_slopes(const Eigen::Vector2d& y, const Eigen::Vector2d& r);

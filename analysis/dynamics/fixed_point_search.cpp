@@ -245,12 +245,14 @@ class CellSearch {
 
 /// More than these are not isolated, or nobody reads them; fewer may be searched for down to rounding.
 constexpr std::size_t most_points = 500, few = 20;
+/// Of a map, or of a field and its Jacobian, after which a search is cut short; where some of few points have
+/// been missed, so many more.
+constexpr std::int64_t most_evaluations = 400'000, more_evaluations = 100'000;
 
 /// Of a map, each once.
 class FixedPoints {
  public:
-  FixedPoints(const PlanarMap& map, const Window& window, std::int64_t most_steps)
-      : map_(map), window_(window), left_(most_steps) {}
+  FixedPoints(const PlanarMap& map, const Window& window) : map_(map), window_(window) {}
 
   Vector2d map(const Vector2d& y) {
     --left_;
@@ -286,7 +288,7 @@ class FixedPoints {
  private:
   const PlanarMap& map_;
   Window window_;
-  std::int64_t left_;
+  std::int64_t left_ = most_evaluations;
 };
 
 /// Of a field.
@@ -341,10 +343,10 @@ void sum_indices(FixedPointSearch& found) {
 
 // The degree is taken of the same g in sizes of the window: scaling by positive numbers does not change it.
 FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window,
-                                     const std::vector<Vector2d>& known, std::int64_t most_steps) {
+                                     const std::vector<Vector2d>& known) {
   require_valid(window);
   const Vector2d size = window.size();
-  FixedPoints points(map, window, most_steps);
+  FixedPoints points(map, window);
   for (const Vector2d& y : known)
     if (map_residual(map, y, size) < fixed_residual) points.add(y);
   const PlanarMap g = [&](const Vector2d& y) -> Vector2d { return (points.map(y) - y).cwiseQuotient(size); };
@@ -393,14 +395,13 @@ std::vector<PeriodTwo> find_period_two(const PlanarMap& map, const Window& windo
 }
 
 // Where the degree tells that one of few has been missed, all squares are divided down to rounding.
-EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
-                                 std::int64_t most_evaluations) {
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window) {
   Equilibria equilibria(field, window);
-  equilibria.take_grid(15);
+  equilibria.take_grid();
   const PlanarMap f = [&](const Vector2d& y) { return equilibria.rhs(y); };
   // Valleys in which zeros lie may not run along the axes: a leash far beyond the width of small squares.
   const auto search = [&](bool is_suspicious) {
-    const std::int64_t most = is_suspicious ? equilibria.evaluations() + 100'000 : most_evaluations;
+    const std::int64_t most = is_suspicious ? equilibria.evaluations() + more_evaluations : most_evaluations;
     FieldPoints points(equilibria, most, is_suspicious);
     return CellSearch(f, window, points, 0.02).run();
   };

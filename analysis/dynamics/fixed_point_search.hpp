@@ -93,13 +93,11 @@ struct FixedPointSearch : DegreeCheck {
 /// affine map through the values in the cell, with twice its misfit as doubt, has no zero there, or one that
 /// Newton's method takes over. The misfit is seen at five points, so that this is no proof; `accounts` is
 /// what the border adds to it. Points less than 1e-7 of the window apart are one, unless they are known.
-/// @param known       states that may be fixed, like the equilibria of the field that a method's step maps
-/// @param most_steps  evaluations of the map, after which the search is cut short, as it is where the fixed
-///                    points are not isolated
+/// The search is cut short after 400,000 steps, and where the fixed points are not isolated.
+/// @param known  states that may be fixed, like the equilibria of the field that a method's step maps
 /// @throws std::invalid_argument when the window is empty or not finite
 FixedPointSearch search_fixed_points(const PlanarMap& map, const Window& window,
-                                     const std::vector<Eigen::Vector2d>& known = {},
-                                     std::int64_t most_steps = 400'000);
+                                     const std::vector<Eigen::Vector2d>& known = {});
 
 /// Every orbit of period two with a point in the window that Newton's method on Phi(Phi(y)) - y reaches from
 /// 31 x 31 starts, in lexicographic order; fixed points of Phi itself are left out. Multipliers by the chain
@@ -114,10 +112,9 @@ struct EquilibriumSet : DegreeCheck {
 
 /// Every equilibrium in a window: those of find_equilibria and of a search in cells, which are divided until
 /// a component of f has no zero there, a known equilibrium is the only one, or f is so nearly affine that
-/// Newton's method takes over. It is cut short where equilibria are not isolated.
-/// @param most_evaluations  of f and J, after which the search is cut short
+/// Newton's method takes over. It is cut short after 400,000 evaluations of f and J, and where equilibria are
+/// not isolated.
 /// @throws std::invalid_argument as find_equilibria
-EquilibriumSet search_equilibria(const PlanarField& field, const Window& window,
-                                 std::int64_t most_evaluations = 400'000);
+EquilibriumSet search_equilibria(const PlanarField& field, const Window& window);
 
 }  // namespace hmax

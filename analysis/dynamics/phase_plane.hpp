@@ -25,6 +25,7 @@ namespace hmax {
 struct PlanarField {
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> rhs;       ///< f [1/s times the units of y]
   std::function<Eigen::Matrix2d(const Eigen::Vector2d&)> jacobian;  ///< J
+  double jacobian_error = 1e-10;  ///< jumps of J that are no more than this share of it are its rounding
 };
 
 /// The field of `system` at the instant t [s]; the system is copied. For an autonomous system t is
@@ -81,11 +82,15 @@ enum class EquilibriumType {
 
 /// "stable_node", ...: the words of the command line.
 std::string_view name_of(EquilibriumType type);
+/// Nodes and foci to which motions near them come.
+inline bool is_stable(EquilibriumType type) {
+  return type == EquilibriumType::stable_node || type == EquilibriumType::stable_focus;
+}
 
 /// A point where f vanishes.
 struct Equilibrium {
   Eigen::Vector2d state;  ///< in the units of the two components
-  EquilibriumType type;   ///< by classify()
+  EquilibriumType type;   ///< by classify(); at a kink that of the motions, degenerate where J is no guide
   std::array<std::complex<double>, 2>
       eigenvalues;  ///< of J [1/s]; larger real part first, then larger imaginary part
   /// Of f around it, the only zero there; nothing where it is not isolated, or f not finite around it.
@@ -105,9 +110,8 @@ EquilibriumType classify(const Eigen::Matrix2d& J);
 
 /// The equilibria in the window that Newton's method reaches from a grid, see Equilibria, by first then
 /// second component. A line of equilibria is represented by points of it, all `degenerate`.
-/// @param starts  of each component: starts^2 Newton iterations
-/// @throws std::invalid_argument when the window is empty or not finite, or starts < 1
-std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window, int starts = 15);
+/// @throws std::invalid_argument when the window is empty or not finite
+std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window);
 /// The same of a system at the instant t [s].
 template <DifferentiableSystem S>
 std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window& window) {

@@ -13,8 +13,8 @@ namespace hmax {
 /// A neighbourhood of a stable equilibrium that the linear flow does not leave: the ellipse u^T P u < r^2 of
 /// u = (y - y*) / size, with J^T P + P J = -1 in these units and r so small that |u| < 1e-3 inside.
 /// u^T P u is a Lyapunov function of the linear flow u' = A u, A = size^-1 J size: its derivative is u^T
-/// (A^T P + P A) u = -|u|^2 < 0. Nonlinear terms are small against this for |u| < 1e-3, if `size` is chosen
-/// so. A motion inside is counted as arrived.
+/// (A^T P + P A) u = -|u|^2 < 0. `size` has to be so small that nonlinear terms stay below slack() inside. A
+/// motion inside is counted as arrived.
 class Trap {
  public:
   /// @param J     at the equilibrium, all eigenvalues with negative real parts
@@ -24,6 +24,10 @@ class Trap {
   /// At a stable kink: the ellipse x^2 + (v / unit)^2 < r^2 from which motions stay in |u| < 1e-3, though
   /// they swing out of the ellipse.
   Trap(const Eigen::Vector2d& equilibrium, const Kink& kink, const Eigen::Vector2d& size);
+
+  /// What the linear flow stands of other terms [1/s]: it stays in the trap where u' = A u + N(u) with
+  /// |N(u)| <= 4 slack |u|. At a kink u = (x, v / unit), and the mean rate of motions stands it.
+  [[nodiscard]] double slack() const { return slack_; }
 
   /// Whether y lies inside; costs one product with a 2 x 2 matrix. False for a y that is not finite.
   [[nodiscard]] HMAX_DEVICE bool holds(const Eigen::Vector2d& y) const {
@@ -39,6 +43,7 @@ class Trap {
   double equilibrium_[2], size_[2];
   double P_[2][2];  ///< symmetric and positive definite
   double bound_;    ///< r^2
+  double slack_;
 };
 
 /// Where starts end that are no place of rest.
@@ -50,11 +55,11 @@ struct NumberedTrap {
   Trap trap;
 };
 
-/// When a motion has found its fate. The traps lie elsewhere.
+/// When a motion has found its fate; unbounded a million sizes of the window away. The traps lie elsewhere.
 struct FateRule {
   const NumberedTrap* traps;
   int count;
-  double lower[2], size[2];  ///< of the window; a million of its sizes away a motion is unbounded
+  double lower[2], size[2];  ///< of the window
 
   /// A number of a trap, or a Fate: undecided while the motion has to go on.
   [[nodiscard]] HMAX_DEVICE int of(const Eigen::Vector2d& y) const {

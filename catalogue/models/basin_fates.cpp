@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -20,35 +21,45 @@ namespace hmax {
 
 namespace {
 
+using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 /// Ends a run from inside.
 struct Left {};
 
-/// Whether f(y + z) = 2 f(y + z / 2) to a tenth of what is largest around y, with |z| = r in each direction:
-/// f is linear there, or piecewise linear with kinks in y.
-bool is_linear_at(const PlanarField& field, const Vector2d& y, const Vector2d& r) {
+/// Whether |f(y + z) - 2 f(y + z / 2)| <= slack |z| in each direction, with |z| = 1 in units of r, and both
+/// sides in units of `scale`: f is linear there, or piecewise linear with kinks in y, but for terms of at
+/// most four times the slack, as those of second order have twice and those of higher order less.
+bool is_linear_at(const PlanarField& field, const Vector2d& y, const Vector2d& r, const Vector2d& scale,
+                  double slack) {
   constexpr int directions = 64;
-  Vector2d largest(0, 0), change(0, 0);
   for (int k = 0; k < directions; ++k) {
     const double phi = 2 * std::numbers::pi * (k + 0.5) / directions;
     const Vector2d z = r.cwiseProduct(Vector2d(std::cos(phi), std::sin(phi)));
-    const Vector2d far = field.rhs(y + z);
-    largest = largest.cwiseMax(far.cwiseAbs());
-    change = change.cwiseMax((far - 2 * field.rhs(y + z / 2)).cwiseAbs());
+    const Vector2d other = field.rhs(y + z) - 2 * field.rhs(y + z / 2);
+    if (!(other.cwiseQuotient(scale).norm() <= slack * z.cwiseQuotient(scale).norm())) return false;
   }
-  return (change.array() <= 0.1 * largest.array()).all();
+  return true;
 }
 
-/// Of a thousandth of `size`, so that f is linear at every distance from y up to there, and nothing else at
-/// rest is that near.
-double linear_share(const PlanarField& field, const std::vector<Equilibrium>& equilibria, const Vector2d& y,
-                    const Vector2d& size) {
-  const double seen = (1e-7 * y.cwiseAbs().cwiseQuotient(1e-3 * size)).maxCoeff();
-  double share = 1;
+/// The trap of a stable equilibrium: of a thousandth of the window, or so much less that what is not linear
+/// stays within its slack at every distance from y up to there, and that nothing else at rest is that near.
+/// @param share  becomes what is left of that thousandth
+Trap trap_of(const PlanarField& field, const std::vector<Equilibrium>& equilibria, const Equilibrium& e,
+             const Vector2d& size, double& share) {
+  const Vector2d& y = e.state;
+  const Matrix2d J = field.jacobian(y);
+  const auto trap = [&](const Vector2d& of) { return e.kink ? Trap(y, *e.kink, of) : Trap(y, J, of); };
+  const Vector2d scale = e.kink ? Vector2d(1, e.kink->unit) : size;
+  const double slack = trap(size).slack();
+  // Nearer, rounding of f is more than the slack.
+  const Vector2d rounding = 8 * std::numeric_limits<double>::epsilon() * (J.cwiseAbs() * y.cwiseAbs());
+  const double seen =
+      rounding.cwiseQuotient(scale).norm() / slack / (1e-3 * size).cwiseQuotient(scale).minCoeff();
+  share = 1;
   // From the smallest distance upwards: far beyond a wall f is linear again, as at a kink.
-  for (double next = std::exp2(std::ceil(std::log2(std::max(seen, 1e-6)))); next <= 1; next *= 2)
-    if (!is_linear_at(field, y, 1e-3 * next * size)) {
+  for (double next = std::exp2(std::ceil(std::log2(std::clamp(seen, 1e-6, 1.0)))); next <= 1; next *= 2)
+    if (!is_linear_at(field, y, 1e-3 * next * size, scale, slack)) {
       share = next / 2;
       break;
     }
@@ -56,7 +67,7 @@ double linear_share(const PlanarField& field, const std::vector<Equilibrium>& eq
     const double distance = (other.state - y).cwiseAbs().cwiseQuotient(1e-3 * size).maxCoeff();
     if (distance > 0) share = std::min(share, distance / 2);
   }
-  return share;
+  return trap(share * size);
 }
 
 /// When a motion has found its fate.
@@ -69,11 +80,9 @@ struct Destiny {
     const PlanarField field = planar_field(problem, 0, window.size());
     for (std::size_t i = 0; i < equilibria.size(); ++i) {
       const Equilibrium& e = equilibria[i];
-      if (e.type != EquilibriumType::stable_node && e.type != EquilibriumType::stable_focus) continue;
-      const double share = linear_share(field, equilibria, e.state, window.size());
-      const Vector2d size = share * window.size();
-      arrival.traps.push_back({static_cast<int>(i), e.kink ? Trap(e.state, *e.kink, size)
-                                                           : Trap(e.state, field.jacobian(e.state), size)});
+      if (!is_stable(e.type)) continue;
+      double share = 1;
+      arrival.traps.push_back({static_cast<int>(i), trap_of(field, equilibria, e, window.size(), share)});
       longest = std::max(longest, 20 * std::log(1e3 / share) / -e.eigenvalues[0].real());
     }
   }
@@ -102,7 +111,7 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
         fate = destiny.of(y);
         if (fate != undecided || (interrupted && *interrupted)) throw Left{};
       });
-      if (record.outcome == Outcome::diverged || record.outcome == Outcome::step_too_small) return unbounded;
+      if (record.outcome == Outcome::diverged) return unbounded;
     } catch (const Left&) {
     }
     return fate;
@@ -156,7 +165,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
     const auto has_run = [&](const OscillatorRun& each) {
       int& fate = fates[std::size_t(&each - runs.data())];
       if (each.outcome == Outcome::stopped) fate = destiny.of(each.y);
-      if (each.outcome == Outcome::diverged || each.outcome == Outcome::step_too_small) fate = unbounded;
+      if (each.outcome == Outcome::diverged) fate = unbounded;
       ended();
     };
     run({next, has_run});

@@ -138,10 +138,12 @@ PlanarField planar_field(const Problem& problem, double t, const Vector2d& scale
       system.jacobian(t, y, J);
       return std::visit([](const auto& matrix) { return Matrix2d(Eigen::MatrixXd(matrix)); }, J);
     };
-  else
+  else {
     field.jacobian = [rhs = field.rhs, scale](const Vector2d& y) -> Matrix2d {
       return differenced_jacobian(rhs, y, scale);
     };
+    field.jacobian_error = 1e-6;
+  }
   return field;
 }
 
@@ -161,16 +163,18 @@ double drive_period(const Problem& problem, std::optional<double> named) {
   const double period = *named;
   if (!(period > 0) || !std::isfinite(period))
     throw InputError(fmt::format("--period is {} but must be a positive number of seconds", to_text(period)));
+  double size = 0, change = 0;
   for (int i = 0; i < 16; ++i) {
     const double t = i * period / 16;
     const Vector2d now = rhs_of(problem.system, t, problem.y0);
     const Vector2d later = rhs_of(problem.system, t + period, problem.y0);
-    const double size = std::max({1.0, now.cwiseAbs().maxCoeff(), later.cwiseAbs().maxCoeff()});
-    if ((later - now).cwiseAbs().maxCoeff() > 1e-9 * size)
-      throw InputError(
-          fmt::format("the force of {} is not the same {} s later; give --period the period of the force",
-                      problem.id, to_text(period)));
+    size = std::max({size, now.cwiseAbs().maxCoeff(), later.cwiseAbs().maxCoeff()});
+    change = std::max(change, (later - now).cwiseAbs().maxCoeff());
   }
+  if (change > 1e-9 * size)
+    throw InputError(
+        fmt::format("the force of {} is not the same {} s later; give --period the period of the force",
+                    problem.id, to_text(period)));
   return period;
 }
 

@@ -39,20 +39,21 @@ void require_finite(const PhaseView& view) {
                   view.problem.id));
 }
 
-/// What is seen, in a sentence.
+/// What is seen: no more than the types, since what is not linear decides where motions end.
 std::string title_of_view(const PhaseView& view) {
   const std::string& id = view.problem.id;
   if (view.t) return fmt::format("{} as it is pushed at t = {} s, forever", id, short_name(*view.t));
   const auto all = view.equilibria.size();
-  const auto stable = std::ranges::count_if(view.equilibria, [](const Equilibrium& e) {
-    return e.type == EquilibriumType::stable_node || e.type == EquilibriumType::stable_focus;
-  });
-  if (all == 0) return fmt::format("{} has no place of rest here", id);
-  if (all == 1 && view.equilibria[0].type == EquilibriumType::centre)
-    return fmt::format("{} circles its equilibrium forever", id);
-  if (stable == 0) return fmt::format("{} leaves what equilibria it has", id);
-  if (all == 1) return fmt::format("{} converges to its only equilibrium", id);
-  return fmt::format("{} converges to {} of its {} equilibria", id, stable, all);
+  if (all == 0) return fmt::format("{}: no equilibrium was found here", id);
+  if (all == 1) {
+    std::string type(name_of(view.equilibria[0].type));
+    std::ranges::replace(type, '_', ' ');
+    return fmt::format("{}: one equilibrium, {}", id, type);
+  }
+  const auto stable = std::ranges::count_if(view.equilibria, is_stable, &Equilibrium::type);
+  const auto centres = std::ranges::count(view.equilibria, EquilibriumType::centre, &Equilibrium::type);
+  return fmt::format("{}: {} equilibria, {} stable{}", id, all, stable,
+                     centres == 0 ? "" : fmt::format(", {} centres", centres));
 }
 
 Figure phase_portrait(const PhaseView& view) {

@@ -51,7 +51,7 @@ PhaseView view_of(const PhaseOptions& options);
 
 /// {problem, material, parameters, states}, how every document of the command begins.
 nlohmann::ordered_json document_of(const Problem& problem);
-/// The same and {t, window, remarks, equilibria, tolerances}; those of orbits.
+/// The same and {t, window, remarks, equilibria, search, tolerances}; those of orbits.
 nlohmann::ordered_json document_of(const PhaseView& view);
 nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
 /// [[re, im], [re, im]]
@@ -77,7 +77,7 @@ std::string guarantee(const PhaseView& view);
 
 /// "liver_cubic with m=1.45 ...", a line.
 std::string headline(const Problem& problem);
-/// The equilibria as a table for people; empty when there are none.
+/// The equilibria as a table for people, and what the search for them is worth.
 std::string equilibria_table(const PhaseView& view, const Console& console);
 /// At most five digits, for people.
 std::string short_name(double value);

@@ -23,10 +23,6 @@ constexpr std::int64_t most_cells = 10'000, most_drawn_cells = 4000;
 /// That a card runs together, while other threads begin and judge theirs.
 constexpr std::size_t starts_at_once = 1 << 17;
 
-bool attracts(const Equilibrium& e) {
-  return e.type == EquilibriumType::stable_node || e.type == EquilibriumType::stable_focus;
-}
-
 /// Throws unless something attracts.
 void require_attractor(const PhaseView& view) {
   if (view.t)
@@ -34,7 +30,7 @@ void require_attractor(const PhaseView& view) {
         fmt::format("--basins is for problems that do not depend on time, and {} is driven; set its force to "
                     "zero, or see what it settles to with --poincare",
                     view.problem.id));
-  if (std::ranges::any_of(view.equilibria, attracts)) return;
+  if (std::ranges::any_of(view.equilibria, is_stable, &Equilibrium::type)) return;
   const bool is_told =
       view.check.accounts() &&
       std::ranges::count(view.equilibria, EquilibriumType::degenerate, &Equilibrium::type) == 0;
@@ -59,7 +55,7 @@ Figure picture(const PhaseView& view, const Basins& found) {
   std::vector<int> number(view.equilibria.size(), -1);  // among those that attract
   for (std::size_t i = 0; i < view.equilibria.size(); ++i) {
     const Equilibrium& e = view.equilibria[i];
-    if (!attracts(e)) continue;
+    if (!is_stable(e.type)) continue;
     number[i] = static_cast<int>(labels.size());
     labels.push_back(fmt::format("converges to ({}, {}): {:.1f} %", short_name(e.state(0)),
                                  short_name(e.state(1)), 100 * found.share(static_cast<int>(i))));
@@ -119,14 +115,14 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   TextTable table({"converges to", names[0], names[1], "share of the starts"});
   for (std::size_t i = 0; i < view.equilibria.size(); ++i) {
     const Equilibrium& e = view.equilibria[i];
-    if (!attracts(e)) continue;
+    if (!is_stable(e.type)) continue;
     const double share = found.share(static_cast<int>(i));
     attractors.push_back({{"x", e.state(0)}, {"v", e.state(1)}, {"type", name_of(e.type)}, {"share", share}});
     table.add({std::string(name_of(e.type)), short_name(e.state(0)), short_name(e.state(1)),
                fmt::format("{:.2f} %", 100 * share)});
   }
   for (const auto& [fate, words] :
-       {std::pair{unbounded, "has no bound"}, {undecided, "settles elsewhere or later"}})
+       {std::pair{unbounded, "goes far away"}, {undecided, "settles elsewhere or later"}})
     if (found.share(fate) > 0) table.add({words, "", "", fmt::format("{:.2f} %", 100 * found.share(fate))});
   document["tolerances"] = to_json(basin_tolerances);
   document["cells"] = {found.columns, found.rows};

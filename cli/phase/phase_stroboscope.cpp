@@ -76,10 +76,13 @@ Window around(const Problem& problem, const std::vector<VectorXd>& points, doubl
   const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
   Window window = window_around({orbit(problem, points[0], period, plane, everywhere)}, names[0], names[1],
                                 std::vector<Vector2d>(points.begin(), points.end()), 0.3);
+  const Vector2d size = window.size(), largest = window.lower.cwiseAbs().cwiseMax(window.upper.cwiseAbs());
+  const double rounding = std::numeric_limits<double>::epsilon();
+  const double other = size.maxCoeff() > 1e3 * stroboscope_tolerances.atol ? size.maxCoeff() : 1;
   for (Eigen::Index i = 0; i < 2; ++i)  // at rest to rounding
-    if (window.size()(i) < 1e-6) {
-      window.lower(i) -= 0.5;
-      window.upper(i) += 0.5;
+    if (size(i) < 1e3 * std::max(stroboscope_tolerances.atol, rounding * largest(i))) {
+      window.lower(i) -= other / 2;
+      window.upper(i) += other / 2;
     }
   return window;
 }

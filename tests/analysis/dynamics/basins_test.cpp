@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -25,21 +26,39 @@ TEST(Trap, IsNotLeftByTheLinearFlow) {
   const Vector2d rest(2, -1), size(3, 7);
   const Trap trap(rest, J, size);
   EXPECT_TRUE(trap.holds(rest));
-  int inside = 0;
+  double largest = 0;
   for (int k = 0; k < 200; ++k) {
     const double angle = 2 * std::acos(-1.0) * k / 200;
     const Vector2d u(std::cos(angle), std::sin(angle));
-    double r = 1e-3;
+    double r = 2e-3;
     while (!trap.holds(rest + r * u.cwiseProduct(size))) r *= 0.98;
-    EXPECT_LT(r, 1e-3 + 1e-15);
-    ++inside;
+    largest = std::max(largest, r);
     for (const double t : {1e-3, 1e-2, 0.1, 1.0, 10.0}) {
       const Vector2d y = T * Vector2d(std::exp(a * t), std::exp(b * t)).asDiagonal() * T.inverse() *
                          (r * u.cwiseProduct(size));
       EXPECT_TRUE(trap.holds(rest + y)) << angle << " " << t;
     }
   }
-  EXPECT_EQ(inside, 200);
+  EXPECT_LE(largest, 1e-3);
+  EXPECT_GT(largest, 0.9e-3) << "the ellipse is smaller than it may be";
+}
+
+/// The linear flow with N(u) = 4 slack R u besides, R a rotation, by short steps.
+TEST(Trap, IsNotLeftWithinItsSlack) {
+  const Matrix2d J = (Matrix2d() << -0.1, 40, -1, -0.3).finished();
+  const Trap trap({0, 0}, J, {1, 1});
+  const double h = 1e-3;
+  for (int k = 0; k < 32; ++k)
+    for (int direction = 0; direction < 16; ++direction) {
+      const double phi = std::acos(-1.0) * k / 16, psi = std::acos(-1.0) * direction / 8;
+      double r = 2e-3;
+      while (!trap.holds(r * Vector2d(std::cos(phi), std::sin(phi)))) r *= 0.999;
+      Vector2d u = r * Vector2d(std::cos(phi), std::sin(phi));
+      const Matrix2d A = h * (J + 4 * trap.slack() * Eigen::Rotation2Dd(psi).toRotationMatrix());
+      const Matrix2d step = Matrix2d::Identity() + A + A * A / 2 + A * A * A / 6;
+      for (int i = 0; i < 2000 && trap.holds(u); ++i) u = step * u;
+      EXPECT_TRUE(trap.holds(u)) << phi << " " << psi;
+    }
 }
 
 TEST(Trap, NeedsAStableEquilibrium) {

@@ -370,6 +370,47 @@ TEST(Phase, AKinkThatIsASaddleHasFourWaysOfItsOwn) {
   EXPECT_EQ(slopes, (std::vector{-2.16, -1.16, 0.86, 1.86}));
 }
 
+/// Weak damping that changes its sign with the amplitude: an unstable cycle at 0.75, a stable one at 9.75 by
+/// averaging, far within a thousandth of the window, or far from the origin.
+TEST(Phase, CyclesWithinAThousandthOfTheWindowAreNoRest) {
+  const Shell shell;
+  write_oscillator(shell, "-x - 0.02*v*(1 - 12*x^2/(1 + x^2)^2)");
+  const Json wide = phase(shell, "own.toml --window=-1e4,1e4,-1e4,1e4 --basins --cells 6");
+  EXPECT_EQ(wide.at("attractors").at(0).at("share"), 0);
+  write_oscillator(shell, "-(x - 1e5) - v*(1 - 12*(2e3*(x - 1e5))^2/(1 + (2e3*(x - 1e5))^2)^2)");
+  const Json far = phase(shell, "own.toml --window 99995.05,100004.95,-4.95,4.95 --basins --cells 6");
+  EXPECT_EQ(far.at("attractors").at(0).at("share"), 0);
+  EXPECT_EQ(far.at("unbounded"), 0);
+}
+
+/// The root ends at 0, where motions go that begin below 1.
+TEST(Phase, MotionsThatEndWhereTheFieldDoesHaveABound) {
+  const Shell shell;
+  write_text(shell / "own.toml",
+             "[equations]\nx = \"(sqrt(x)-1)*(2-x)\"\nv = \"-v\"\n[initial]\nx = 1\nv = 0\n");
+  const Json ended = phase(shell, "own.toml --window 0.001,3,-1,1 --basins --cells 10");
+  EXPECT_EQ(ended.at("unbounded"), 0);
+  EXPECT_NEAR(ended.at("undecided").get<double>(), 0.3, 1e-9);
+}
+
+/// A jump of the damping is small beside the stiffness, and bends beside a kink are none of its damping.
+TEST(Phase, WeakKinksOfTheDampingAreJudged) {
+  const Shell shell;
+  const auto rest = [&](const std::string& force, const std::string& window) {
+    write_oscillator(shell, force);
+    return phase(shell, "own.toml --window=" + window).at("equilibria").at(0);
+  };
+  const auto rate = [](const Json& e) { return e.at("eigenvalues")[0][0].get<double>(); };
+  const Json weak = rest("-x + 3e-7*v - 4e-7*max(v,0)", "-1,1,-1,1");
+  EXPECT_EQ(weak.at("type"), "unstable_focus");
+  EXPECT_NEAR(rate(weak), 5e-8, 1e-9);
+  EXPECT_NEAR(rate(rest("-1e12*x + 0.1*v - 0.4*max(v,0)", "-1,1,-1,1")), -0.05, 1e-3);
+  EXPECT_EQ(rest("-(x-0.7) - 0.5*abs(x-0.7) + 10*(x-0.7)*v", "-1,2,-1,1").at("type"), "centre");
+  const Json bent = rest("-(x-0.7) - 0.5*abs(x-0.7) + 1000*(x-0.7)*v + 1e-7*v", "0.2,1.2,-1,1");
+  EXPECT_EQ(bent.at("type"), "unstable_focus");
+  EXPECT_NEAR(rate(bent), 5e-8, 5e-9);
+}
+
 /// Also where these are less than 1e-7 of the window apart.
 TEST(Phase, StepsRestWhereTheFieldDoes) {
   const Shell shell;
