@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,6 +48,26 @@ TEST(Kink, HasTheRatesOfTheLinearFieldsOnBothSides) {
       EXPECT_NEAR(rate, u(1) / u(0), 1e-6);
       EXPECT_NEAR(rate * rate + 0.3 * rate + k, 0, 1e-5);
     }
+  }
+}
+
+/// x' = -x - |v| sign(x), v' = -v - 2 v sign(x): on x = 0 motions slide with the mean of both sides, v' = -v;
+/// others follow v = 0 with rate -1 and |v| = 2 x with -3. Backwards they part there.
+TEST(Kink, MotionsThatSlideHaveTheMeanRateOfBothSides) {
+  const VectorField f = [](const Vector2d& y) {
+    const double sign = y(0) > 0 ? 1 : -1;
+    return Vector2d(-y(0) - std::abs(y(1)) * sign, -y(1) - 2 * y(1) * sign);
+  };
+  const VectorField backwards = [f](const Vector2d& y) -> Vector2d { return -f(y); };
+  const auto rates = [](const Kink& kink) {
+    std::vector<double> all;
+    for (const Kink::Ray& ray : kink.rays) all.push_back(std::round(1e6 * ray.rate) / 1e6);
+    std::ranges::sort(all);
+    return all;
+  };
+  for (const double angle : {0.0, 0.3, 1.1}) {
+    EXPECT_EQ(rates(at_zero(turned(f, angle))), (std::vector<double>{-3, -3, -1, -1, -1, -1})) << angle;
+    EXPECT_EQ(rates(at_zero(turned(backwards, angle))), (std::vector<double>{1, 1, 3, 3})) << angle;
   }
 }
 
