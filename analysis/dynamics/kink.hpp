@@ -9,8 +9,8 @@
 namespace hmax {
 
 /// The motions of a field that is piecewise linear around an equilibrium. If it has rays that motions follow,
-/// straight to the equilibrium or straight away from it, their rates are what eigenvalues are of a linear
-/// field. Otherwise motions turn around it.
+/// straight to the equilibrium or straight away from it, also where they slide along a jump of the field,
+/// their rates are what eigenvalues are of a linear field. Otherwise motions turn around it.
 struct Kink {
   struct Ray {
     Eigen::Vector2d direction;  ///< in the units of the state, of length 1
