@@ -288,7 +288,8 @@ void Equilibria::judge_kink(const Boxes& found, Equilibrium& e) {
   const double unit = ratio_of_units(e.state, r);
   Kink kink = kink_around(field_.rhs, e.state, r, unit);
   if (kink.rays.empty()) {  // terms of second order change the rate in proportion to the distance
-    const double change = kink_around(field_.rhs, e.state, r / 2, unit).rate - kink.rate;
+    const Kink nearer = kink_around(field_.rhs, e.state, r / 2, unit);
+    const double change = nearer.rays.empty() ? nearer.rate - kink.rate : 0;
     kink.rate += 2 * change;
     kink.rate_error += std::abs(change) / 10;
   }

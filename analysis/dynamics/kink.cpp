@@ -38,32 +38,26 @@ struct Rates {
   [[nodiscard]] bool is_on_ray(double rounding) const { return std::abs(angular) <= rounding * size; }
 };
 
-/// A direction that motions follow.
-struct Way {
-  Vector2d u;
-  double radial;  ///< [1/s]
-};
-
 /// The direction between two others, the second one ahead, where the angular rate changes its sign. Where it
 /// jumps motions slide along it, at the mean of both sides that does not turn [filippov1988differential], or
 /// part and none follows it.
 template <class Field>
-std::optional<Way> crossed_ray(const Field& field, Vector2d from, Vector2d to) {
+std::optional<Kink::Ray> crossed_ray(const Field& field, Vector2d from, Vector2d to) {
   const bool sign = field(from).angular > 0;
   for (int i = 0; i < 60; ++i) {
     const Vector2d middle = (from + to).normalized();
     ((field(middle).angular > 0) == sign ? from : to) = middle;
   }
   const Rates a = field(from), b = field(to);
-  if (a.is_on_ray(1e-9)) return Way{from, a.radial};
-  if (b.is_on_ray(1e-9)) return Way{to, b.radial};
+  if (a.is_on_ray(1e-9)) return Kink::Ray{from, a.radial};
+  if (b.is_on_ray(1e-9)) return Kink::Ray{to, b.radial};
   if (!sign) return std::nullopt;
-  return Way{from, (a.radial * -b.angular + b.radial * a.angular) / (a.angular - b.angular)};
+  return Kink::Ray{from, (a.radial * -b.angular + b.radial * a.angular) / (a.angular - b.angular)};
 }
 
 /// The direction between two others where the angular rate touches zero, as at critical damping.
 template <class Field>
-std::optional<Way> touched_ray(const Field& field, const Vector2d& from, const Vector2d& to) {
+std::optional<Kink::Ray> touched_ray(const Field& field, const Vector2d& from, const Vector2d& to) {
   const auto at = [&](double t) -> Vector2d { return ((1 - t) * from + t * to).normalized(); };
   double least = 0, most = 1;
   for (int i = 0; i < 60; ++i) {
@@ -74,15 +68,15 @@ std::optional<Way> touched_ray(const Field& field, const Vector2d& from, const V
   }
   const Vector2d found = at((least + most) / 2);
   const Rates rates = field(found);
-  return rates.is_on_ray(1e-9) ? std::optional(Way{found, rates.radial}) : std::nullopt;
+  return rates.is_on_ray(1e-9) ? std::optional(Kink::Ray{found, rates.radial}) : std::nullopt;
 }
 
 /// The ray in the middle one of three directions, or from there to the last one.
 template <class Field>
-std::optional<Way> ray_at(const Field& field, const std::array<Vector2d, 3>& u,
-                          const std::array<Rates, 3>& rates) {
+std::optional<Kink::Ray> ray_at(const Field& field, const std::array<Vector2d, 3>& u,
+                                const std::array<Rates, 3>& rates) {
   const auto& [before, here, after] = rates;
-  if (here.is_on_ray(1e-12)) return Way{u[1], here.radial};
+  if (here.is_on_ray(1e-12)) return Kink::Ray{u[1], here.radial};
   if ((here.angular > 0) != (after.angular > 0) && !after.is_on_ray(1e-12))
     return crossed_ray(field, u[1], u[2]);
   const double speed = std::abs(here.angular);
@@ -114,7 +108,7 @@ Kink kink_around(const std::function<Vector2d(const Vector2d&)>& f, const Vector
     const auto ray = ray_at(field, {direction(k + directions - 1).u, direction(k).u, direction(k + 1).u},
                             {at(k - 1), at(k), at(k + 1)});
     has_ray.push_back(ray.has_value());
-    if (ray) kink.rays.push_back({ray->u.cwiseProduct(scale).stableNormalized(), ray->radial});
+    if (ray) kink.rays.push_back({ray->direction.cwiseProduct(scale).stableNormalized(), ray->rate});
   }
   // Up to the next ray a motion grows by exp(rise); twice around, since a rise may begin late in a turn.
   double rise = 0, largest_rise = 0;
