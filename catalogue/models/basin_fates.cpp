@@ -29,7 +29,8 @@ struct Left {};
 
 /// Whether |f(y + z) - 2 f(y + z / 2)| <= slack |z| in each direction, with |z| = 1 in units of r, and both
 /// sides in units of `scale`: f is linear there, or piecewise linear with kinks in y, but for terms of at
-/// most four times the slack, as those of second order have twice and those of higher order less.
+/// most four times the slack. Those that grow as |z|^p have 1 / (1 - 2^(1 - p)) times: 3.4 of contacts with
+/// p = 1.5, 2 of p = 2.
 bool is_linear_at(const PlanarField& field, const Vector2d& y, const Vector2d& r, const Vector2d& scale,
                   double slack) {
   constexpr int directions = 64;
