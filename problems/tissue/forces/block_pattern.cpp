@@ -9,6 +9,7 @@
 #include "problems/mesh/at.hpp"
 
 namespace hmax {
+
 BlockPattern::BlockPattern(std::vector<Index> free, const MeshEdges& pairs)
     : free_(std::move(free)), stride_(free_.size(), 0) {
   const auto count = at(free_.empty() ? 0 : *std::max_element(free_.begin(), free_.end()) + 1);

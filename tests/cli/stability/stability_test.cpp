@@ -474,7 +474,7 @@ TEST(StabilityPredict, SaysWhatABodyWasTakenToBe) {
   EXPECT_EQ(body.at("unusual").size(), 1U);
 }
 
-// Limits at rest and along the motion are there within a second, runs from the start take a quarter of a
+// Limits at rest and along the motion are there within a second, runs from the start take one thread half a
 // minute.
 TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
 #ifdef __SANITIZE_ADDRESS__
