@@ -15,7 +15,7 @@ namespace hmax {
 template <class Real>
 struct RunEnd {
   Outcome outcome;  ///< why the run ended
-  Real t;           ///< where it ended or failed
+  Real t{};         ///< where it ended or failed
   Stats stats;      ///< steps, rejected and the work of implicit methods; Counted<System> counts evaluations
   std::string_view note{};  ///< why equations were not solved; a foreign engine's own words for a failure
   Real t_state = t;         ///< of the state that is kept: before t where the run diverged

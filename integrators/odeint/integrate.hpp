@@ -132,7 +132,7 @@ class Walk {
   State end_;
   Observer& observer_;
   /// Its counts grow with the run; finish() fills in the rest.
-  RunEnd<Real> run_{};
+  RunEnd<Real> run_;
 };
 
 /// Notes of failed runs.

@@ -17,7 +17,7 @@ using Euler = Rk<tableaux::ExplicitEuler, One>;
 const auto clock_system = system_of<One>([](double, const One&, One& dydt) { dydt[0] = 1; });
 
 struct Trace {
-  RunEnd<double> end{};
+  RunEnd<double> end;
   std::vector<double> times, steps;
   double elapsed;
 };

@@ -80,7 +80,7 @@ TEST(Observers, DoNotChangeTheRun) {
 
 struct Found {
   std::vector<Event<Plane>> events;
-  RunEnd<double> end{};
+  RunEnd<double> end;
   Plane y;
 };
 
@@ -144,7 +144,7 @@ struct Both {
   std::vector<Event<Plane>> half, turn;
   std::vector<double> times;
   int steps = 0;
-  RunEnd<double> end{};
+  RunEnd<double> end;
   Plane y = north;
 };
 

@@ -33,7 +33,7 @@ struct InUnits {
 };
 
 struct Steered {
-  RunEnd<double> end{};
+  RunEnd<double> end;
   Plane y;
 };
 template <class StepperT, class Control>
