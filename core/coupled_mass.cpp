@@ -12,6 +12,7 @@
 
 #include "core/dense_solvers.hpp"
 #include "core/parallel_for.hpp"
+#include "core/symmetry.hpp"
 
 namespace hmax {
 namespace {
@@ -40,10 +41,7 @@ void require_symmetric(const Sparse& M) {
   if (M.rows() != M.cols() || M.rows() == 0)
     throw std::invalid_argument("the mass matrix has " + std::to_string(M.rows()) + " rows and " +
                                 std::to_string(M.cols()) + " columns; give a square one");
-  const double largest = M.nonZeros() > 0 ? M.coeffs().cwiseAbs().maxCoeff() : 0;
-  const Sparse difference = M - Sparse(M.transpose());
-  const double apart = difference.nonZeros() > 0 ? difference.coeffs().cwiseAbs().maxCoeff() : 0;
-  if (!std::isfinite(M.sum()) || !(apart <= 1e-10 * largest))
+  if (!std::isfinite(M.sum()) || !is_symmetric(M))
     throw std::invalid_argument(
         "the mass matrix M is not symmetric; give a symmetric one, or a vector of masses");
 }

@@ -7,7 +7,7 @@
 #include <Eigen/SparseLU>
 
 #include "core/size_limits.hpp"
-#include "problems/matrices/symmetry.hpp"
+#include "core/symmetry.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {

@@ -7,13 +7,13 @@
 #include <random>
 #include <stdexcept>
 
+#include "core/symmetry.hpp"
 #include "problems/digits.hpp"
 #include "problems/linear_structure.hpp"
 #include "problems/matrices/condensation.hpp"
 #include "problems/matrices/linear_first_order.hpp"
 #include "problems/matrices/multipliers.hpp"
 #include "problems/matrices/read_matrix.hpp"
-#include "problems/matrices/symmetry.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {

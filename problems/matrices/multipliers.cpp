@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/symmetry.hpp"
 #include "problems/matrices/condensation.hpp"
-#include "problems/matrices/symmetry.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
@@ -128,9 +128,12 @@ void require_transposes(const Sparse& K, const std::vector<Eigen::Index>& multip
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Eigen::Index>(i);
   const Sparse B = block_of(K, multipliers, all);
   const Sparse difference = B - Sparse(block_of(K, all, multipliers).transpose());
-  const double allowed = rounding * (B.nonZeros() > 0 ? B.coeffs().cwiseAbs().maxCoeff() : 0.0);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(B.rows());
+  each_entry(B, [&](Eigen::Index i, Eigen::Index, double value) {
+    largest(i) = std::max(largest(i), std::abs(value));
+  });
   each_entry(difference, [&](Eigen::Index i, Eigen::Index, double value) {
-    if (std::abs(value) > allowed)
+    if (std::abs(value) > rounding * largest(i))
       throw std::invalid_argument(
           "the column of the Lagrange multiplier " + name_of(multipliers[static_cast<std::size_t>(i)]) +
           " is not the transpose of its row; export the stiffness again, or give it a mass");

@@ -1,9 +1,7 @@
-#include "problems/matrices/symmetry.hpp"
+#include "core/symmetry.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "problems/matrix_entries.hpp"
 
 namespace hmax {
 
@@ -18,18 +16,30 @@ bool same_pattern(const Sparse& A, const Sparse& B) {
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
 }
 
+template <class Visit>
+void for_each_entry(const Sparse& A, const Visit& visit) {
+  for (Eigen::Index j = 0; j < A.outerSize(); ++j)
+    for (Sparse::InnerIterator entry(A, j); entry; ++entry) visit(entry.row(), j, entry.value());
+}
+
 }  // namespace
 
 std::optional<std::pair<Eigen::Index, Eigen::Index>> first_asymmetry(const Sparse& A) {
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(A.rows());
+  for_each_entry(A, [&](Eigen::Index i, Eigen::Index j, double value) {
+    for (const Eigen::Index k : {i, j}) largest(k) = std::max(largest(k), std::abs(value));
+  });
   Sparse difference = A.transpose();
   if (same_pattern(A, difference))
     difference.coeffs() = A.coeffs() - difference.coeffs();
   else
     difference = A - Sparse(difference);
-  const double allowed = 1e-10 * (A.nonZeros() > 0 ? A.coeffs().cwiseAbs().maxCoeff() : 0.0);
   std::optional<std::pair<Eigen::Index, Eigen::Index>> found;
-  each_entry(difference, [&](Eigen::Index i, Eigen::Index j, double value) {
-    if (!found && std::abs(value) > allowed) found = {i, j};
+  for_each_entry(difference, [&](Eigen::Index i, Eigen::Index j, double value) {
+    if (found || value == 0) return;
+    const double a = largest(i), b = largest(j);
+    if (std::abs(value) > std::max(1e-10 * std::sqrt(a) * std::sqrt(b), 1e-14 * std::max(a, b)))
+      found = {i, j};
   });
   return found;
 }

@@ -9,9 +9,10 @@
 
 namespace hmax {
 
-/// The first place where A and its transpose differ by more than 1e-10 of the largest entry; nothing where
-/// none does. Assembly adds the two halves of a symmetric matrix in different orders, which rounds to 1e-16
-/// of the largest terms, and text of ten digits leaves 1e-10.
+/// The first place where a_ij and a_ji differ by more than 1e-10 sqrt(r_i r_j), r_i the largest entry of row
+/// and column i; nothing where none does. Assembly adds the two halves of a symmetric matrix in different
+/// orders, and text of ten digits leaves 1e-10. A penalty on one unknown says nothing of the others, hence
+/// r_i. Where all of a row is rounding, 1e-14 of the larger r is let pass.
 std::optional<std::pair<Eigen::Index, Eigen::Index>> first_asymmetry(const Eigen::SparseMatrix<double>& A);
 inline bool is_symmetric(const Eigen::SparseMatrix<double>& A) { return !first_asymmetry(A); }
 
