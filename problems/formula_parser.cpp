@@ -204,9 +204,14 @@ class Parser {
     static constexpr std::array joints{Joint{"<", Op::less},    Joint{"<=", Op::less_equal},
                                        Joint{">", Op::greater}, Joint{">=", Op::greater_equal},
                                        Joint{"==", Op::equal},  Joint{"!=", Op::not_equal}};
-    Id left = sum();
-    while (const auto op = takes_one_of(joints)) left = graph_.make(*op, left, sum());
-    return left;
+    const Id left = sum();
+    const auto op = takes_one_of(joints);
+    if (!op) return left;
+    const Id compared = graph_.make(*op, left, sum());
+    // 3 > x > 1 would ask whether a truth, 0 or 1, is above 1.
+    if (const std::size_t position = next().position; takes_one_of(joints))
+      throw FormulaError("comparisons do not chain; write a < b && b < c", position);
+    return compared;
   }
   Id sum() {
     static constexpr std::array joints{Joint{"+", Op::add}, Joint{"-", Op::subtract}};

@@ -154,6 +154,8 @@ TEST(FormulaSystem, SyntaxErrorsNameTheEquationTheColumnAndTheRemedy) {
   EXPECT_TRUE(says(refusal("x ? a"), "a ? b : c"));
   EXPECT_TRUE(says(refusal("1.2.3"), "column 1: this is no number"));
   EXPECT_TRUE(says(refusal("()"), "column 2: the parentheses are empty"));
+  EXPECT_TRUE(says(refusal("1 < x < 3 ? 1 : 0"), "column 7: comparisons do not chain; write a < b && b < c"));
+  EXPECT_TRUE(says(refusal("x == a == 0"), "column 8: comparisons do not chain"));
   EXPECT_TRUE(says(refusal("x & a"), "column 3: conditions are joined by &&"));
   EXPECT_TRUE(says(refusal(std::string(6000, '1')), "equation x'"));
   EXPECT_TRUE(says(refusal(std::string(100'000, '(') + "x"), "nested too deeply"));
@@ -225,10 +227,8 @@ TEST(FormulaSystem, OperatorsBindAsTheyAlwaysDid) {
   EXPECT_EQ(value("x--a"), 5);
   EXPECT_EQ(value("x-+a"), 1);
   EXPECT_EQ(value("+x"), 3);
-  EXPECT_EQ(value("1<2<3"), 1);
-  EXPECT_EQ(value("3>2>1"), 0);
-  EXPECT_EQ(value("1<2==1"), 1);
-  EXPECT_EQ(value("1==2<3"), 1);
+  EXPECT_EQ(value("(1<2)==1"), 1);
+  EXPECT_EQ(value("3>2&&2>1"), 1);
   EXPECT_EQ(value("1||0&&0"), 1);
   EXPECT_EQ(value("1 && 2 == 2"), 1);
   EXPECT_EQ(value("x<0?1:x<1?2:3"), 3);
