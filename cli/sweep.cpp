@@ -74,7 +74,7 @@ SweepRequest flags_of(const SweepOptions& options) {
     if (options.sampled) request.readings->emplace_back(reading_names[1]);
   }
   request.parameters = options.body.parameters(options.set, options.materials);
-  for (const auto& parameter : options.own.parameters()) request.parameters.push_back(parameter);
+  for (const auto& parameter : options.own.parameters(options.set)) request.parameters.push_back(parameter);
   for (const std::string& assignment : options.set)
     request.parameters.push_back(parse_assignment("--set", assignment));
   request.atol = options.atol;

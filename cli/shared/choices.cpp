@@ -22,6 +22,16 @@
 #include "problems/formula_parser.hpp"
 
 namespace hmax {
+namespace {
+
+/// @throws InputError  where --set names what `option` is short for
+void refuse_twice(const std::vector<std::string>& set, std::string_view name, std::string_view option) {
+  for (const std::string& assignment : set)
+    if (parse_assignment("--set", assignment).first == name)
+      throw InputError(fmt::format("{} and --set {} say the same; give one of them", option, assignment));
+}
+
+}  // namespace
 
 void add_support(CLI::App& command, std::vector<std::string>& sets, std::string_view otherwise) {
   add_repeated(
@@ -118,6 +128,7 @@ std::vector<std::pair<std::string, double>> MeshOptions::of_scene(const std::vec
     for (const std::string_view name : gravity_names) replace(std::string(name));
     for (const std::string_view name : nodal_force_names) replace(std::string(name));
   }
+  if (!supports.empty()) replace(std::string(support_name));
   require_in_range(read(), parameters);
   return parameters;
 }
@@ -128,6 +139,7 @@ std::vector<std::pair<std::string, double>> MeshOptions::parameters(const std::v
   const auto take = [&](const char* option, const std::string& text,
                         const std::array<std::string_view, 3>& names) {
     if (text.empty()) return;
+    for (const std::string_view name : names) refuse_twice(set, name, option);
     const std::vector<double> vector = parse_numbers(option, text);
     if (vector.size() != names.size())
       throw InputError(fmt::format("{} has {} numbers but is a vector of three; write it like 0,-1,0", option,
@@ -161,10 +173,14 @@ std::string MatrixOptions::problem_id() const {
   return matrices.empty() ? std::string() : matrices_id(matrices);
 }
 
-std::vector<std::pair<std::string, double>> MatrixOptions::parameters() const {
+std::vector<std::pair<std::string, double>> MatrixOptions::parameters(
+    const std::vector<std::string>& set) const {
   std::vector<std::pair<std::string, double>> parameters;
-  for (const auto& [name, value] : {std::pair("alpha", &alpha), {"beta", &beta}})
-    if (*value) parameters.emplace_back(name, **value);
+  for (const auto& [name, value] : {std::pair("alpha", &alpha), {"beta", &beta}}) {
+    if (!*value) continue;
+    refuse_twice(set, name, fmt::format("--{}", name));
+    parameters.emplace_back(name, **value);
+  }
   return parameters;
 }
 
@@ -249,7 +265,7 @@ ProblemSettings ProblemChoice::settings() const {
         named));
   for (const std::string& assignment : set)
     settings.parameters.push_back(parse_assignment("--set", assignment));
-  for (auto& parameter : own.parameters()) settings.parameters.push_back(std::move(parameter));
+  for (auto& parameter : own.parameters(set)) settings.parameters.push_back(std::move(parameter));
   if (timeout && plugin.empty()) throw InputError("--timeout applies to --plugin only; remove it");
   if (timeout) settings.parameters.emplace_back(patience_parameter, *timeout);
   if (!y0.empty()) settings.y0 = parse_numbers("--y0", y0);

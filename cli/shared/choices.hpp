@@ -59,8 +59,9 @@ struct MatrixOptions {
   void add_to(CLI::App& command);
   /// The id of the problem, empty without matrices.
   [[nodiscard]] std::string problem_id() const;
-  /// alpha and beta where they are given.
-  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters() const;
+  /// alpha and beta where they are given. @throws InputError  where --set gives them, too
+  [[nodiscard]] std::vector<std::pair<std::string, double>> parameters(
+      const std::vector<std::string>& set) const;
 };
 
 /// --timeout [s], of a call of a plugin; --patience is its old name, which works, too

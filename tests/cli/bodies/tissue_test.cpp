@@ -141,6 +141,10 @@ TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
   EXPECT_LT(fallen.at("y").at(1).get<double>(), -1e-5);
   EXPECT_NEAR(fallen.at("y").at(2).get<double>(), 0, 1e-12);
   expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,1", "a vector of three");
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,0,-1 --set gz=9.81",
+                 "--gravity and --set gz=9.81 say the same; give one of them");
+  expect_refusal("run --mesh cube --method rk4 --h 0.001 --alpha 0.1 --set alpha=0.2",
+                 "--alpha and --set alpha=0.2 say the same");
   expect_refusal("run --mesh cube --method rk4 --h 0.001 --load tool --tool-at 0,0,9", "meets nothing");
 }
 

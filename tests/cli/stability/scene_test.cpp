@@ -152,6 +152,11 @@ TEST(StabilityOfScenes, GiveWayToWhatIsSet) {
     return told.json()["rows"][0]["h_max"].get<double>();
   };
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
+  const auto fixed = [&](const std::string& support) {
+    return shell.hmax("stability predict --json" + two + support).json()["models"][0]["body"]["fixed"];
+  };
+  EXPECT_EQ(fixed(""), 3);
+  EXPECT_EQ(fixed("--support points:4"), 1) << "in place of those of the scene";
   const double known = h_max(two + "--set E=5500 --set nu=0.45 --set rho=1060");
   const double of_scene = h_max(two);
   EXPECT_NEAR(h_max(two + "--set E=4e4"), of_scene / 2, 1e-6 * of_scene);
