@@ -231,6 +231,16 @@ constexpr bool is_autonomous(const S& system) {
     return false;
 }
 
+/// True when f is known to be A y + b(t) with one A: one correction of Newton's method then solves the
+/// equations of a step.
+template <System S>
+constexpr bool is_linear(const S& system) {
+  if constexpr (requires { system.is_linear(); })
+    return system.is_linear();
+  else
+    return false;
+}
+
 /// A system whose dependence on time can be evaluated apart from the state, f(t, y) = f(g(t), y): driving
 /// forces, loads, prescribed motion. `at` returns g(t), a small value; `rhs_at` finishes the evaluation. A
 /// stepper then evaluates g once for all stages at the same time, which generic code that sees only f(t, y)

@@ -59,6 +59,7 @@ class BasicAnySystem {
   [[nodiscard]] bool admits(const State& y) const { return self_->admits(y); }
   /// How f depends on the state; unknown where the system does not say.
   [[nodiscard]] Linearity linearity() const { return self_->linearity(); }
+  [[nodiscard]] bool is_linear() const { return linearity() == Linearity::linear; }
   /// Times in the open interval (t0, t1) where f or its derivatives jump whatever the state, in increasing
   /// order; empty where the system knows none.
   [[nodiscard]] std::vector<double> breakpoints(double t0, double t1) const {

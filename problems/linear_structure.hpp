@@ -12,6 +12,7 @@
 #include "core/mass_matrix.hpp"
 #include "core/size_limits.hpp"
 #include "problems/any_system.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 
@@ -32,6 +33,7 @@ class LinearStructure {
   using DofMatrix = MatrixT;
   using Jacobian = MatrixT;
   static constexpr bool autonomous = true;
+  static constexpr Linearity linearity() { return Linearity::linear; }
 
   /// @param K     stiffness, shape (n, n) [N/m]
   /// @param mass  the diagonal of M, shape (n) [kg], all positive; or for a sparse K an M that couples

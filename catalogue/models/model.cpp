@@ -93,8 +93,6 @@ Linearity linearity_of(const Problem& problem) {
   switch (problem.kind()) {
     case ModelKind::oscillator:
       return parameters_of(problem).k3 == 0 ? Linearity::linear : Linearity::nonlinear;
-    case ModelKind::body:  // loads and moving supports are forces b(t)
-      return has_linear_forces(*problem.body) ? Linearity::linear : Linearity::nonlinear;
     case ModelKind::matrices:
       return times_of_matrices(problem).empty() ? Linearity::linear : Linearity::time_varying;
     default:

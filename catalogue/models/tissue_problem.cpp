@@ -13,6 +13,7 @@
 #include "catalogue/models/tissue_choice.hpp"
 #include "core/errors.hpp"
 #include "core/size_limits.hpp"
+#include "problems/linearity.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -35,6 +36,10 @@ struct SharedBody {
   [[nodiscard]] Eigen::Index dim() const { return body->dim(); }
   [[nodiscard]] Eigen::Index dofs() const { return body->dofs(); }
   [[nodiscard]] bool is_autonomous() const { return body->is_autonomous(); }
+  /// Loads and moving supports are forces b(t).
+  [[nodiscard]] Linearity linearity() const {
+    return has_linear_forces(*body) ? Linearity::linear : Linearity::nonlinear;
+  }
   [[nodiscard]] const Dofs& mass() const { return body->mass(); }
   void rhs(double t, const State& y, State& dydt) const { body->rhs(t, y, dydt); }
   void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { body->force(t, q, v, f); }

@@ -77,11 +77,13 @@ static_assert(order_of(newmark_parameters(0.25L, 0.6L)) == 1 && order_of(hht_par
 ///
 /// Simplified Newton iteration on a_new with the symmetric matrix of n rows
 ///   M + c C + k K,    c = r gamma h,    k = r beta h^2,    r = (1 - alpha_f) / (1 - alpha_m)
-/// from a_new = a until what is still to come, as the rate of convergence foretells it, is rounding. The rate
-/// is remembered from step to step, so that a linear problem takes one iteration and one force a step. A
-/// factorisation is kept while h, K and C stay. K and C are renewed as JacobianUpdate says; automatic: after
-/// a step that converged slowly. Where the iteration does not converge, automatic and exact go on to Newton's
-/// method from a motionless guess, with K and C at every iterate.
+/// from a_new = a until what is still to come, as the rate of convergence foretells it, is rounding. Of a
+/// linear problem the rate is remembered from step to step, so that it takes one iteration and one force a
+/// step; of another one the rate of a step says nothing of the next, in which a stop may be met; with beta =
+/// 0 it is remembered, which only damping that changes would make wrong. A factorisation is kept while h, K
+/// and C stay. K and C are renewed as JacobianUpdate says; automatic: after a step that converged slowly.
+/// Where the iteration does not converge, automatic and exact go on to Newton's method from a motionless
+/// guess, with K and C at every iterate.
 /// @tparam DofsT    Eigen column vector, shape (n)
 /// @tparam MatrixT  type of K and C, shape (n, n): dense, sparse, or structure_type of the system
 /// @cost   a force and a solution each iteration; no allocation after init() for dense matrices
@@ -309,15 +311,15 @@ class GeneralizedAlpha {
           y, [&](Eigen::Index i) { a_new_[i] = -(y[n + i] / h + (Real(0.5) - beta_) * a_[i]) / beta_; });
   }
 
-  /// Iterates on a_new_ and leaves the candidate in y_new. iterate_newton of newton.hpp trusts a remembered
-  /// rate less from step to step, as nonlinear problems need; a linear one would then take two corrections a
-  /// step.
+  /// Iterates on a_new_ and leaves the candidate in y_new.
   /// @param newton  K and C are taken, and A factored, at every iterate
   template <SecondOrderSystem Sys>
   bool iterate(const Sys& system, Real t, const State& y, Real h, State& y_new, int iterations, bool newton) {
     const Eigen::Index n = detail::dofs_of(y);
     const Real t_f = t + (1 - alpha_f_) * h, share = 1 / (1 - alpha_m_);
-    Real before = 0, rate = newton ? Real(1) : rate_;
+    // With beta = 0 positions do not depend on a_new, and damping is nearly always constant.
+    const bool remembers = !newton && (beta_ == 0 || is_linear(system));
+    Real before = 0, rate = remembers ? rate_ : Real(1);
     update_candidate(y, h, y_new);
     for (int k = 1; k <= iterations; ++k) {
       // x_f = (1 - alpha_f) x_new + alpha_f x

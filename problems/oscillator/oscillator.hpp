@@ -62,6 +62,7 @@ class BasicOscillator {
         forced_(P_m_ != Real(0)) {}
 
   static constexpr Eigen::Index dim() { return 2; }
+  [[nodiscard]] bool is_linear() const noexcept { return k3_m_ == Real(0); }
 
   const OscillatorParameters& parameters() const noexcept { return parameters_; }
 

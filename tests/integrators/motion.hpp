@@ -28,6 +28,7 @@ struct Chain {
   Eigen::Index n;
   Real k = 5, k3 = 2, c = 0, pull = 0;
 
+  [[nodiscard]] bool is_linear() const { return k3 == 0; }
   [[nodiscard]] Eigen::Index dim() const { return 2 * n; }
   [[nodiscard]] Eigen::Index dofs() const { return n; }
   [[nodiscard]] Dofs mass() const {

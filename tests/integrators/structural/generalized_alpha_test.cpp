@@ -349,6 +349,46 @@ TEST(GeneralizedAlpha, RestsWhereStiffSpringsRest) {
   EXPECT_NEAR(y[0], 1, 1e-9);
 }
 
+/// A mass on a spring that meets a stop: linear up to there.
+struct Stop {
+  using State = Plane;
+  using Dofs = Eigen::Vector<double, 1>;
+  using DofMatrix = Eigen::Matrix<double, 1, 1>;
+  static constexpr double m = 0.1, c = 0.02, k = 40, gap = 0.012, wall = 2000;
+
+  static constexpr Eigen::Index dim() { return 2; }
+  static constexpr Eigen::Index dofs() { return 1; }
+  static Dofs mass() { return Dofs(m); }
+  static void force(double, const Dofs& q, const Dofs& v, Dofs& f) {
+    f[0] = -c * v[0] - k * q[0] - wall * std::max(0.0, q[0] - gap);
+  }
+  static void rhs(double t, const State& y, State& dydt) {
+    Dofs f;
+    force(t, Dofs(y[0]), Dofs(y[1]), f);
+    dydt = {y[1], f[0] / m};
+  }
+  static void stiffness(double, const Dofs& q, const Dofs&, DofMatrix& K) {
+    K(0) = q[0] > gap ? k + wall : k;
+  }
+  static void damping(double, const Dofs&, const Dofs&, DofMatrix& C) { C(0) = c; }
+};
+
+TEST(Newmark, SolvesItsEquationAlsoWhereAMotionThatWasLinearMeetsAStop) {
+  for (const double h : {0.02, 0.01, 0.005}) {
+    AlphaStepper<Stop> stepper(newmark_parameters(0.25L, 0.5L));
+    Plane y(-0.02, 0), y_new = y;
+    stepper.init(Stop{}, 0, y);
+    for (int i = 0; i < 200; ++i) {
+      ASSERT_EQ(stepper.attempt(Stop{}, i * h, y, h, y_new), StepStatus::ok);
+      stepper.accept(y_new);
+      y = y_new;
+      Stop::Dofs f;
+      Stop::force(0, Stop::Dofs(y[0]), Stop::Dofs(y[1]), f);
+      ASSERT_NEAR(Stop::m * stepper.acceleration()[0], f[0], 1e-9) << "h " << h << ", step " << i;
+    }
+  }
+}
+
 TEST(GeneralizedAlpha, KeepsAKeplerOrbit) {
   const Kepler<double> kepler({.e = 0.3});
   const double pi = 3.14159265358979323846;
