@@ -1,7 +1,6 @@
 /// A mass matrix that couples unknowns, as that of finite elements does before it is lumped.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <vector>
 

@@ -1,10 +1,8 @@
 /// The mass matrix of M q'' = F: a mass for each unknown, or one that couples them.
 #pragma once
 
-#include <complex>
 #include <memory>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 #include <Eigen/Core>

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <limits>
 #include <ranges>
-#include <type_traits>
 #include <vector>
 
 #include "integrators/run_end.hpp"

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <type_traits>
-#include <utility>
 
 #include "integrators/breakpoints.hpp"
 #include "integrators/control.hpp"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <complex>
 #include <memory>
 #include <type_traits>
 #include <utility>

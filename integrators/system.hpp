@@ -7,7 +7,6 @@
 
 #include <concepts>
 #include <memory>
-#include <type_traits>
 
 #include <Eigen/Core>
 

@@ -1,7 +1,6 @@
 /// The operations of formulas one after the other: one source for the processor and for threads of devices.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "core/instructions/device_code.hpp"

@@ -1,6 +1,5 @@
 #include "problems/formula_program.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <type_traits>
-#include <utility>
 #include <variant>
 
 #include <Eigen/Core>

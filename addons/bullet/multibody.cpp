@@ -3,7 +3,6 @@
 #include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
 #include <BulletDynamics/Featherstone/btMultiBodyJointLimitConstraint.h>
 #include <algorithm>
-#include <array>
 #include <btBulletDynamicsCommon.h>
 #include <cmath>
 #include <memory>

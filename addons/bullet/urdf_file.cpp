@@ -3,7 +3,6 @@
 #include <LinearMath/btMatrix3x3.h>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>

@@ -1,9 +1,6 @@
 /// The engine petsc: matrices on PETSc, eigenvalues by SLEPc. A module of its own, opened when it is asked
 /// for.
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <stdexcept>
 #include <thread>
 #include <unistd.h>
 #include <utility>

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <complex>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>

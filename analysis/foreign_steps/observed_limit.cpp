@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "analysis/foreign_steps/probe.hpp"
 #include "core/numbers.hpp"

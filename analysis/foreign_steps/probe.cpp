@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <utility>
 
 #include "analysis/dynamics/growth.hpp"
 #include "analysis/foreign_steps/hidden_state.hpp"

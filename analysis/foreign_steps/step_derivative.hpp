@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <optional>
-#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>

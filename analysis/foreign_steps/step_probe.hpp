@@ -2,7 +2,6 @@
 /// running it.
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <limits>
 #include <optional>

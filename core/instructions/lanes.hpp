@@ -1,7 +1,6 @@
 /// Numbers side by side as one number: every operation is done to all of them at once.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <string>
 #include <thread>
 
 #include <fmt/format.h>

@@ -8,7 +8,6 @@
 #include <limits>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "core/instructions/device_code.hpp"
 #include "integrators/error_norm.hpp"

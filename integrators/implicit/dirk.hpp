@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 #include "integrators/explicit/tableau.hpp"

@@ -3,7 +3,6 @@
 /// order claimed here, coupling conditions included.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>

@@ -5,7 +5,6 @@
 #include <complex>
 #include <cstddef>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "integrators/explicit/tableau.hpp"

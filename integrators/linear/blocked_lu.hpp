@@ -1,7 +1,6 @@
 /// L U of dense matrices that are too large for plain loops.
 #pragma once
 
-#include <complex>
 #include <memory>
 
 #include <Eigen/Core>

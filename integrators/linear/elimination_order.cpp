@@ -1,6 +1,5 @@
 #include "integrators/linear/elimination_order.hpp"
 
-#include <cstdlib>
 #include <mutex>
 
 #include <Eigen/OrderingMethods>

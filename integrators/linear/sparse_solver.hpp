@@ -1,7 +1,6 @@
 /// Sparse linear equations: the solver that fits the matrix, its analysis made once.
 #pragma once
 
-#include <complex>
 #include <cstdint>
 #include <memory>
 #include <optional>

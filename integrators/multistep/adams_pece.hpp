@@ -1,11 +1,9 @@
 /// The Adams method of variable order and step of Shampine and Gordon, MATLAB's ode113.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 
 #include "integrators/multistep/adams_coefficients.hpp"

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 
 #include "integrators/implicit/jacobian.hpp"

@@ -2,7 +2,6 @@
 /// Euler, velocity Verlet, Stoermer-Verlet, central differences.
 #pragma once
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>

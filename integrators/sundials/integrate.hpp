@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <exception>
 #include <limits>
-#include <optional>
 #include <type_traits>
 #include <utility>
 #include <variant>

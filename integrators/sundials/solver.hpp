@@ -1,7 +1,6 @@
 /// CVODE and ARKODE behind one face: the parts that need no type of system, compiled once.
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string_view>

@@ -1,6 +1,5 @@
 #include "limits/rows/limit_rows.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>

@@ -10,7 +10,6 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <btBulletDynamicsCommon.h>
 #include <cstdlib>
-#include <memory>
 #include <random>
 #include <string>
 

@@ -2,7 +2,6 @@
 ///   suspension   a quarter of a car, co-simulation by semi-implicit Euler
 ///   drive        a motor with a soft shaft, co-simulation by Heun's method
 ///   rod          heat in a rod of thirty cells of two materials, model exchange
-#include <cmath>
 #include <string>
 #include <vector>
 

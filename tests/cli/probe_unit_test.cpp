@@ -1,6 +1,4 @@
 /// hmax probe and --plugin on units of FMI 2.0, where their module was built.
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>

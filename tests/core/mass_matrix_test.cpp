@@ -2,7 +2,6 @@
 #include "core/mass_matrix.hpp"
 
 #include <cmath>
-#include <complex>
 #include <stdexcept>
 
 #include <Eigen/Dense>

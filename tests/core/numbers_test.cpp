@@ -1,7 +1,6 @@
 #include "core/numbers.hpp"
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>

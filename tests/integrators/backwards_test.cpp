@@ -1,7 +1,6 @@
 /// Runs backwards in time: bit for bit the mirror image of runs forwards, at the order of their method.
 #include <cmath>
 #include <numbers>
-#include <tuple>
 #include <vector>
 
 #include "integrators/explicit/stabilized_rk.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <complex>
-#include <string>
 #include <string_view>
 
 #include <gtest/gtest.h>

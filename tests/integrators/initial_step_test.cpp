@@ -1,7 +1,5 @@
 #include "integrators/initial_step.hpp"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 #include "integrators/explicit/adaptive.hpp"

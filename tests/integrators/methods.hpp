@@ -1,7 +1,6 @@
 /// What the typed suites share: every explicit method as a test type, and small systems with known solutions.
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <string>
 #include <tuple>

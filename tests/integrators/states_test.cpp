@@ -1,6 +1,5 @@
 /// Every kind of state: real and complex numbers of any precision, fixed and dynamic size.
 #include <cmath>
-#include <complex>
 #include <limits>
 
 #include "integrators/integrate.hpp"

@@ -1,7 +1,6 @@
 /// Tetrahedra of Green's strain in blocks of eight: the fast form of TetElements<GreenStrain>.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 

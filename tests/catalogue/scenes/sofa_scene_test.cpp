@@ -1,6 +1,5 @@
 #include "problems/tissue/sofa_scene.hpp"
 
-#include <cmath>
 #include <map>
 
 #include <Eigen/Eigenvalues>

@@ -1,6 +1,5 @@
 #include "core/process/memory_share.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>

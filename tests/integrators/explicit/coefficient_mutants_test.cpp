@@ -4,7 +4,6 @@
 /// coefficients are published as decimals, so one unit in the last place of a double (1e-16) goes unseen.
 #include <array>
 #include <cstddef>
-#include <span>
 #include <string>
 #include <tuple>
 #include <utility>

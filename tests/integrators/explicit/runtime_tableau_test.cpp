@@ -1,7 +1,6 @@
 /// A tableau read at run time steps as the same tableau known to the compiler.
 #include "integrators/explicit/runtime_tableau.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "integrators/integrate.hpp"

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <set>
 #include <span>
-#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>

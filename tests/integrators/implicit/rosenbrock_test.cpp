@@ -2,7 +2,6 @@
 #include "integrators/implicit/rosenbrock.hpp"
 
 #include <random>
-#include <variant>
 
 #include <Eigen/LU>
 

@@ -1,7 +1,6 @@
 /// What the adaptive implicit methods do where equations cannot be solved.
 /// tests/catalogue/methods/stiff_problems_test.cpp compares them with published end points.
 #include <cmath>
-#include <limits>
 
 #include "integrators/stats.hpp"
 #include "tests/integrators/implicit_methods.hpp"

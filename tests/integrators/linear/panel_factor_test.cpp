@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <random>
-#include <type_traits>
 #include <vector>
 
 #include <Eigen/Dense>

@@ -1,7 +1,6 @@
 /// A hanging bar of springs for methods that move one point, or meet one constraint, at a time.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>

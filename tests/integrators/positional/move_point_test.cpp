@@ -1,9 +1,7 @@
 /// How a point is moved, beside the solvers of Eigen.
 #include "integrators/positional/move_point.hpp"
 
-#include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 #include <Eigen/Dense>

@@ -1,12 +1,10 @@
 /// Implicit Euler by a fixed number of iterations: what it shows of a material, and what it converges to.
 #include "integrators/positional/positional_euler.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstring>
 #include <memory>
-#include <string>
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <complex>
-#include <limits>
 #include <random>
 
 #include "integrators/explicit/explicit_rk.hpp"

@@ -1,7 +1,6 @@
 /// The mesh of a flexcomp of MuJoCo, with the points that it pins.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <set>
