@@ -112,11 +112,6 @@ EquilibriumType classify(const Eigen::Matrix2d& J);
 /// second component. A line of equilibria is represented by points of it, all `degenerate`.
 /// @throws std::invalid_argument when the window is empty or not finite
 std::vector<Equilibrium> find_equilibria(const PlanarField& field, const Window& window);
-/// The same of a system at the instant t [s].
-template <DifferentiableSystem S>
-std::vector<Equilibrium> find_equilibria(const S& system, double t, const Window& window) {
-  return find_equilibria(frozen_at(system, t), window);
-}
 
 /// Arrows of the direction field on a columns x rows grid of cell centres, all of one length on a square
 /// picture of the window: four columns, the two components of the point and of the arrow centred on it, in
