@@ -28,12 +28,12 @@ namespace {
 
 using namespace device_tests;
 
-void expect_same_on_bodies(Device& device) {
+TEST_P(EveryDevice, StepsBodiesWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.0202, .h = 1e-4};  // its last step is a sliver of rounding
   for (const char* mesh : {"liver", "beam", "ball", "phantom", "cube:n=6"})
-    expect_same(device, make_problem(std::string("fem_green@") + mesh, {.parameters = {{"g", 9.81}}}),
+    expect_same(device(), make_problem(std::string("fem_green@") + mesh, {.parameters = {{"g", 9.81}}}),
                 "symplectic_euler", spec);
-  expect_same(device, make_problem("fem_green/press@liver", {.parameters = {{"alpha", 3}}}),
+  expect_same(device(), make_problem("fem_green/press@liver", {.parameters = {{"alpha", 3}}}),
               "velocity_verlet", {.t_end = 0.01234, .h = 1e-4});
   for (const char* method : {"symplectic_euler", "velocity_verlet"})
     for (const Problem& body :
@@ -42,7 +42,7 @@ void expect_same_on_bodies(Device& device) {
           uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), uneven_body(2.5, "fem_cauchy"),
           uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_corotational"),
           uneven_body(2.5, "fem_corotational", SkinSettings::Kind::springs)})
-      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+      expect_same(device(), body, method, {.t_end = 0.0203, .h = 3e-4});
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"mass_spring@liver", {{"g", 9.81}}},
            {"mass_spring@cube:n=5", {{"g", 9.81}, {"alpha", 2}}},
@@ -57,30 +57,30 @@ void expect_same_on_bodies(Device& device) {
            {"fem_corotational@liver", {{"g", 9.81}, {"alpha", 1}}},
            {"fem_neo_hookean@liver", {{"g", 9.81}, {"alpha", 1}}}})
     for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference"})
-      expect_same(device, make_problem(mesh, {.parameters = parameters}), method, spec);
+      expect_same(device(), make_problem(mesh, {.parameters = parameters}), method, spec);
   for (const char* method : {"stormer_verlet", "central_difference"})
     for (const double alpha : {0.0, 2.5})
-      expect_same(device, uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
+      expect_same(device(), uneven_body(alpha), method, {.t_end = 0.0203, .h = 3e-4});
   for (const Eigen::Vector3d& F : pressed)
     for (const char* method : {"symplectic_euler", "rk4"})
-      expect_same(device, pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
+      expect_same(device(), pressed_body(F), method, {.t_end = 0.00103, .h = 1e-5});
 }
 
 /// Skins, dampers, supports that move, springs that hold.
-void expect_same_parts(Device& device) {
+TEST_P(EveryDevice, StepsTheirPartsWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.0202, .h = 1e-4};
   for (const char* id : {"fem_green@liver", "fem_green@beam", "fem_corotational@ball", "fem_cauchy@phantom",
                          "fem_neo_hookean@cube:n=6"})
-    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"skin", 30}}}), "symplectic_euler",
+    expect_same(device(), make_problem(id, {.parameters = {{"g", 9.81}, {"skin", 30}}}), "symplectic_euler",
                 spec);
   for (const char* id :
        {"fem_green/breathing@liver", "fem_neo_hookean/breathing@beam", "mass_spring/breathing@ball",
         "fem_cauchy/breathing@phantom", "fem_corotational/breathing@cube:n=6"})
     for (const double beta : {0.0, 1e-5})
-      expect_same(device, make_problem(id, {.parameters = {{"period", 0.05}, {"beta", beta}}}),
+      expect_same(device(), make_problem(id, {.parameters = {{"period", 0.05}, {"beta", beta}}}),
                   "velocity_verlet", spec);
   for (const char* id : {"fem_green@liver", "mass_spring@beam"})
-    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"support_stiffness", 1e5}}}),
+    expect_same(device(), make_problem(id, {.parameters = {{"g", 9.81}, {"support_stiffness", 1e5}}}),
                 "central_difference", spec);
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "dormand_prince_54"})
@@ -90,7 +90,7 @@ void expect_same_parts(Device& device) {
           moving_body(0, "fem_cauchy", SkinSettings::Kind::membrane),
           uneven_body(0, "mass_spring", SkinSettings::Kind::membrane),
           uneven_body(2.5, "fem_neo_hookean", SkinSettings::Kind::membrane)})
-      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+      expect_same(device(), body, method, {.t_end = 0.0203, .h = 3e-4});
 }
 
 /// Shared pressures of a body that is held at many points, some tetrahedra at all of theirs, of a material
@@ -104,24 +104,25 @@ Problem held_body() {
 }
 
 /// Elements whose forces are not those of tetrahedra alone: fibres in them, shared pressures, ten nodes.
-void expect_same_on_other_elements(Device& device) {
+TEST_P(EveryDevice, StepsOtherElementsWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.0042, .h = 1e-4}, uneven{.t_end = 0.0203, .h = 3e-4};
   for (const Parts& parts : {fibrous, of_pressures, of_ten_nodes}) {
     for (const char* mesh : {"@liver", "@beam", "@ball", "@phantom", "@cube:n=6"})
-      expect_same(device, parts.on(mesh), "symplectic_euler", spec);
-    expect_same(device, parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
+      expect_same(device(), parts.on(mesh), "symplectic_euler", spec);
+    expect_same(device(), parts.on("/press@liver", {{"alpha", 3}}), "velocity_verlet",
                 {.t_end = 0.00434, .h = 1e-4});
     for (const char* method :
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4"})
-      expect_same(device, parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
+      expect_same(device(), parts.on("@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}), method, spec);
   }
   for (const Eigen::Vector3d& F : pressed)
     for (const char* method : {"symplectic_euler", "rk4"})
-      expect_same(device, pressed_body(F, fibrous_body(uneven_body(2.5, "fem_corotational"))), method,
+      expect_same(device(), pressed_body(F, fibrous_body(uneven_body(2.5, "fem_corotational"))), method,
                   {.t_end = 0.00103, .h = 1e-5});
   // Fibres of no length have no direction.
   const Parts along_x{"fem_corotational", {{"fibre_E", 2e4}, {"fibre_x", 1}}};
-  expect_same(device, pressed_body({0, 1, 1}, along_x.on("@cube:n=2")), "rk4", {.t_end = 0.00103, .h = 1e-5});
+  expect_same(device(), pressed_body({0, 1, 1}, along_x.on("@cube:n=2")), "rk4",
+              {.t_end = 0.00103, .h = 1e-5});
   constexpr auto skin = SkinSettings::Kind::springs;
   for (const Problem& body :
        {fibrous_body(uneven_body(2.5), true), fibrous_body(uneven_body(2.5, "fem_green", skin)),
@@ -132,38 +133,38 @@ void expect_same_on_other_elements(Device& device) {
         uneven_body(0, "fem_quadratic", skin), fibrous_body(driven_body(uneven_body(2.5, "fem_quadratic")))})
     for (const char* method :
          {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
-      expect_same(device, body, method, uneven);
+      expect_same(device(), body, method, uneven);
 }
 
-void expect_same_under_driven_loads(Device& device) {
+TEST_P(EveryDevice, StepsUnderDrivenLoadsWithTheBitsOfTheProcessor) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "rk2_heun", "dormand_prince_54", "bogacki_shampine_32"})
     for (const Problem& body : {driven_body(), moving_body(1e-4)})
-      expect_same(device, body, method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
+      expect_same(device(), body, method, {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
   for (const char* method : {"symplectic_euler", "central_difference", "rk4"}) {
-    expect_same(device, make_problem("fem_nodal_pressure/breathing@liver"), method,
+    expect_same(device(), make_problem("fem_nodal_pressure/breathing@liver"), method,
                 {.t_end = 0.0603, .h = 3e-4}, 1000);
     for (const Problem& body : {moving_body(1e-4, "fem_nodal_pressure", SkinSettings::Kind::membrane),
                                 fibrous_body(moving_body(0, "fem_quadratic", SkinSettings::Kind::membrane))})
-      expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
+      expect_same(device(), body, method, {.t_end = 0.0203, .h = 3e-4});
   }
 }
 
 /// Every explicit Runge-Kutta method of the house.
-void expect_same_stages(Device& device) {
+TEST_P(EveryDevice, StepsStagesWithTheBitsOfTheProcessor) {
   const auto each = [&](const Problem& problem, const RunSpec& spec) {
     [&]<class... T>(std::type_identity<std::tuple<T...>>) {
-      (expect_same(device, problem, std::string(T::id), spec), ...);
+      (expect_same(device(), problem, std::string(T::id), spec), ...);
     }(std::type_identity<tableaux::All>{});
   };
   each(uneven_body(2.5, "fem_green", SkinSettings::Kind::springs), {.t_end = 0.0203, .h = 3e-4});
   each(make_problem("mass_spring@cube:n=2", {.parameters = {{"g", 9.81}, {"beta", 2e-5}}}),
        {.t_end = 0.0102, .h = 1e-4});
   for (const char* method : {"rk4", "explicit_euler", "dormand_prince_54"})
-    expect_same(device,
+    expect_same(device(),
                 make_problem("fem_green@liver", {.parameters = {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-4}}}),
                 method, {.t_end = 0.0051, .h = 1e-4});
-  expect_same(device, make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
+  expect_same(device(), make_problem("fem_green/press@liver"), "rk4", {.t_end = 0.00512, .h = 1e-4});
 }
 
 /// Runs of one body in the same memory, the second from the end of the first.
@@ -179,7 +180,7 @@ void expect_same_from_two_starts(Device& device, Problem body, const char* id) {
 }
 
 /// Truncated Newton: of several counts, models, damping and loads.
-void expect_same_newton(Device& device) {
+TEST_P(EveryDevice, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
   constexpr const char* few = "newton_truncated";
   constexpr const char* many = "newton_truncated:iterations=3,substeps=2,cg=4";
@@ -207,7 +208,7 @@ void expect_same_newton(Device& device) {
                                 moving_body(0, "fem_green", SkinSettings::Kind::membrane),
                                 uneven_body(2.5, "mass_spring", SkinSettings::Kind::membrane),
                                 uneven_body(2.5, "fem_cauchy", SkinSettings::Kind::membrane)})
-      expect_same(device, body, method, spec, 3);
+      expect_same(device(), body, method, spec, 3);
   for (const auto& [mesh, parameters] : std::vector<std::pair<const char*, Parameters>>{
            {"fem_green@liver", {{"g", 9.81}}},
            {"fem_green@cube:n=5", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
@@ -216,9 +217,9 @@ void expect_same_newton(Device& device) {
            {"fem_corotational@beam", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"fem_cauchy@phantom", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}},
            {"fem_quadratic@cube:n=2", {{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}}}})
-    expect_same(device, make_problem(mesh, {.parameters = parameters}), few, spec, 3);
+    expect_same(device(), make_problem(mesh, {.parameters = parameters}), few, spec, 3);
   for (const double h : {1e-3, 0.01})
-    expect_same(device, of_ten_nodes.on("@cube:n=3"), "newton_truncated:iterations=1,cg=20",
+    expect_same(device(), of_ten_nodes.on("@cube:n=3"), "newton_truncated:iterations=1,cg=20",
                 {.t_end = 8 * h, .h = h}, 3);
   // Frozen, the matrix is that of the processor, of all bodies that have patches.
   constexpr const char* frozen = "newton_truncated:iterations=2,substeps=2,cg=6,frozen=1";
@@ -227,19 +228,19 @@ void expect_same_newton(Device& device) {
         uneven_body(2.5, "fem_neo_hookean"), uneven_body(2.5, "fem_nodal_pressure"),
         uneven_body(2.5, "fem_quadratic"), fibrous_body(driven_body()), damped_body(2.5, 1e-4),
         moving_body(1e-3, "mass_spring", skin), moving_body(0, "fem_green", SkinSettings::Kind::membrane)})
-    expect_same(device, body, frozen, spec, 3);
+    expect_same(device(), body, frozen, spec, 3);
   for (const char* id : {"fem_green@liver", "fem_nodal_pressure@liver", "fem_quadratic@cube:n=2"})
-    expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}, {"beta", 1e-3}}}), frozen, spec, 3);
-  expect_same_from_two_starts(device, uneven_body(2.5), frozen);
+    expect_same(device(), make_problem(id, {.parameters = {{"g", 9.81}, {"beta", 1e-3}}}), frozen, spec, 3);
+  expect_same_from_two_starts(device(), uneven_body(2.5), frozen);
   // Conjugate gradients that end at the rounding of the residual.
-  const RunRecord solved = expect_same(device, uneven_body(2.5), "newton_truncated:iterations=2,cg=300",
+  const RunRecord solved = expect_same(device(), uneven_body(2.5), "newton_truncated:iterations=2,cg=300",
                                        {.t_end = 0.05, .h = 0.01}, 3);
   EXPECT_LT(solved.stats.linear_iterations, 300 * solved.stats.newton);
   EXPECT_GT(solved.stats.linear_iterations, 10 * solved.stats.newton);
 }
 
 /// Linearly implicit Euler at 100 and 1000 Hz, of bodies whose stiffness is not that of tetrahedra alone.
-void expect_same_linearly_implicit(Device& device) {
+TEST_P(EveryDevice, StepsLinearlyImplicitEulerWithTheBitsOfTheProcessor) {
   constexpr const char* one = "newton_truncated:iterations=1,cg=20";
   constexpr auto skin = SkinSettings::Kind::springs, membrane = SkinSettings::Kind::membrane;
   const std::vector<Problem> bodies{
@@ -258,21 +259,22 @@ void expect_same_linearly_implicit(Device& device) {
       pressed_body(pressed[0], fibrous_body(uneven_body(0, "fem_corotational")))};
   for (const double h : {0.01, 0.001}) {
     const RunSpec spec{.t_end = 10.01 * h, .h = h};
-    for (const Problem& body : bodies) expect_same(device, body, one, spec, 3);
+    for (const Problem& body : bodies) expect_same(device(), body, one, spec, 3);
     for (const Parts& parts : {fibrous, of_pressures})
       for (const char* mesh : {"@liver", "@phantom"})
-        expect_same(device, parts.on(mesh, {{"g", 9.81}, {"beta", 1e-3}}), one, spec, 3);
+        expect_same(device(), parts.on(mesh, {{"g", 9.81}, {"beta", 1e-3}}), one, spec, 3);
   }
   for (const Problem& body : bodies)
-    expect_same(device, body, "newton_truncated:iterations=3,substeps=2,cg=4", {.t_end = 0.03, .h = 0.01}, 3);
+    expect_same(device(), body, "newton_truncated:iterations=3,substeps=2,cg=4", {.t_end = 0.03, .h = 0.01},
+                3);
 }
 
 /// Chosen steps: of every method that estimates its error, tolerances and controllers; the liver has
 /// several pieces of 256 numbers.
-void expect_same_choices(Device& device) {
+TEST_P(EveryDevice, ChoosesStepsWithTheBitsOfTheProcessor) {
   std::int64_t rejected = 0;
   const auto each = [&](const Problem& problem, const char* id, const RunSpec& spec) {
-    const RunRecord run = expect_same_chosen(device, problem, id, spec);
+    const RunRecord run = expect_same_chosen(device(), problem, id, spec);
     EXPECT_EQ(run.outcome, Outcome::reached_end) << id;
     rejected += run.stats.rejected;
   };
@@ -308,11 +310,11 @@ void expect_same_choices(Device& device) {
 }
 
 /// Runs that do not reach their end.
-void expect_same_chosen_ends(Device& device) {
+TEST_P(EveryDevice, ChoosesEndsWithTheBitsOfTheProcessor) {
   const Problem beam = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}}});
   const auto expect_end = [&](const Problem& problem, Outcome outcome, const RunSpec& spec) {
     for (const char* method : {"ode45", "dop_853", "rkc_2"})
-      EXPECT_EQ(expect_same_chosen(device, problem, method, spec).outcome, outcome) << method;
+      EXPECT_EQ(expect_same_chosen(device(), problem, method, spec).outcome, outcome) << method;
   };
   // Tolerances that accept everything.
   expect_end(beam, Outcome::diverged,
@@ -334,25 +336,25 @@ Problem of_model(const Problem& body, const char* model, const SpringLaw& law, d
 }
 
 /// Compliant constraints: of several counts, both kinds of elements, damping and loads.
-void expect_same_constraints(Device& device) {
+TEST_P(EveryDevice, MeetsConstraintsWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
   for (const char* method :
        {"xpbd:iterations=1", "xpbd:iterations=4,substeps=3", "xpbd:iterations=3,substeps=2,reset=1"})
     for (const Problem& body : {uneven_body(0), uneven_body(2.5), driven_body()})
       for (const char* model : {"mass_spring", "fem_neo_hookean"})
         for (const double beta : {0.0, 1e-3})
-          expect_same(device, of_model(body, model, LinearSpring{}, beta), method, spec, 3);
+          expect_same(device(), of_model(body, model, LinearSpring{}, beta), method, spec, 3);
   for (const char* method : {"pbd", "pbd:iterations=3,substeps=2,stiffness=0.7"})
-    expect_same(device, of_model(driven_body(), "mass_spring", LinearSpring{}, 0), method, spec, 3);
+    expect_same(device(), of_model(driven_body(), "mass_spring", LinearSpring{}, 0), method, spec, 3);
   // Colours of more constraints than a block has threads.
   const Parameters heavy{{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}};
   for (const char* id : {"mass_spring@cube:n=8", "fem_neo_hookean@cube:n=8", "fem_neo_hookean@liver"})
-    expect_same(device, make_problem(id, {.parameters = heavy}), "xpbd:substeps=3",
+    expect_same(device(), make_problem(id, {.parameters = heavy}), "xpbd:substeps=3",
                 {.t_end = 0.02, .h = 0.01}, 3);
 }
 
 /// Vertex block descent: of several counts, with and without extrapolation, all laws, damping and loads.
-void expect_same_points(Device& device) {
+TEST_P(EveryDevice, MovesPointsWithTheBitsOfTheProcessor) {
   const RunSpec spec{.t_end = 0.1001, .h = 0.01};  // its last step is a sliver
   for (const char* method : {"vbd:iterations=1", "vbd:iterations=2,substeps=3,rho=0.5",
                              "vbd:iterations=5,substeps=2,rho=0.9", "vbd:iterations=4"})
@@ -360,16 +362,16 @@ void expect_same_points(Device& device) {
       for (const char* model :
            {"mass_spring", "fem_green", "fem_cauchy", "fem_corotational", "fem_neo_hookean"})
         for (const double beta : {0.0, 1e-3})
-          expect_same(device, of_model(body, model, CubicSpring{4}, beta), method, spec, 3);
+          expect_same(device(), of_model(body, model, CubicSpring{4}, beta), method, spec, 3);
   // Where the matrix of a point is not positive definite.
   for (const Eigen::Vector3d& F : pressed)
     for (const char* model : {"fem_green", "fem_corotational", "fem_neo_hookean", "mass_spring"})
-      expect_same(device, pressed_body(F, model), "vbd:iterations=3,substeps=2", spec, 3);
+      expect_same(device(), pressed_body(F, model), "vbd:iterations=3,substeps=2", spec, 3);
   const Parameters heavy{{"g", 9.81}, {"alpha", 1}, {"beta", 1e-3}};
   for (const char* id : {"mass_spring@liver", "fem_neo_hookean@ball", "fem_green@phantom", "fem_cauchy@beam",
                          "fem_corotational@liver"})
-    expect_same(device, make_problem(id, {.parameters = heavy}), "vbd:substeps=2", {.t_end = 0.02, .h = 0.01},
-                3);
+    expect_same(device(), make_problem(id, {.parameters = heavy}), "vbd:substeps=2",
+                {.t_end = 0.02, .h = 0.01}, 3);
   // Colours of more points than a block has, also after one that fits.
   for (const char* id : {"mass_spring@cube:n=9", "fem_green@cube:n=9", "fem_cauchy@cube:n=7"}) {
     const Problem large = make_problem(id, {.parameters = heavy});
@@ -379,38 +381,38 @@ void expect_same_points(Device& device) {
     if (id == std::string("fem_cauchy@cube:n=7")) {
       EXPECT_LE(colours[0].size(), most);
     }
-    expect_same(device, large, "vbd:iterations=2,rho=0.3", {.t_end = 0.02, .h = 0.01}, 3);
+    expect_same(device(), large, "vbd:iterations=2,rho=0.3", {.t_end = 0.02, .h = 0.01}, 3);
   }
 }
 
-void expect_same_divergence(Device& device) {
+TEST_P(EveryDevice, DivergesWhereTheProcessorDoes) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "explicit_euler", "ode45"}) {
     const Problem problem = make_problem("fem_green@beam", {.parameters = {{"g", 9.81}, {"alpha", 0.1}}});
     const RunSpec spec{.t_end = 40, .h = 0.02};
     ASSERT_EQ(find_method(method).bind(problem).run(spec, {}).outcome, Outcome::diverged);
-    expect_same(device, problem, method, spec);
+    expect_same(device(), problem, method, spec);
     for (const Problem& body : {moving_body(1e-4), damped_body(2.5, 0),
                                 uneven_body(0, "fem_green", SkinSettings::Kind::membrane)}) {
       ASSERT_EQ(find_method(method).bind(body).run({.t_end = 40, .h = 0.02}, {}).outcome, Outcome::diverged);
-      expect_same(device, body, method, {.t_end = 40, .h = 0.02});
+      expect_same(device(), body, method, {.t_end = 40, .h = 0.02});
     }
   }
   for (const Parts& parts : {Parts{"fem_neo_hookean"}, fibrous, of_pressures, of_ten_nodes}) {
     const RunRecord run =
-        expect_same(device, parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
+        expect_same(device(), parts.on("@beam"), "symplectic_euler", {.t_end = 40, .h = 0.02});
     EXPECT_EQ(run.outcome, Outcome::diverged) << parts.model;
   }
   const RunRecord flat =
-      expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
+      expect_same(device(), make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 300}}}),
                   "newton_truncated:iterations=2,cg=8", {.t_end = 40, .h = 0.3});
   EXPECT_EQ(flat.outcome, Outcome::diverged);
   const RunRecord stiffer =
-      expect_same(device, make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 1e6}}}),
+      expect_same(device(), make_problem("fem_neo_hookean@cube:n=3", {.parameters = {{"g", 1e6}}}),
                   "xpbd:iterations=3,substeps=2", {.t_end = 40, .h = 0.01});
   EXPECT_EQ(stiffer.outcome, Outcome::diverged);
   for (const char* id : {"mass_spring@cube:n=3", "fem_cauchy@cube:n=3"}) {
-    const RunRecord extrapolated = expect_same(device, make_problem(id, {.parameters = {{"g", 9.81}}}),
+    const RunRecord extrapolated = expect_same(device(), make_problem(id, {.parameters = {{"g", 9.81}}}),
                                                "vbd:iterations=20,rho=0.999", {.t_end = 5, .h = 0.05});
     EXPECT_EQ(extrapolated.outcome, Outcome::diverged);
     EXPECT_GT(extrapolated.stats.steps, 1);
@@ -418,54 +420,7 @@ void expect_same_divergence(Device& device) {
   EXPECT_LT(flat.stats.linear_iterations, 8 * flat.stats.newton) << "there was curvature everywhere";
 }
 
-TEST(HostDevice, StepsBodiesWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_under_driven_loads(device);
-    expect_same_on_bodies(device);
-    expect_same_parts(device);
-    expect_same_stages(device);
-  }
-}
-
-TEST(HostDevice, StepsOtherElementsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_on_other_elements(device);
-  }
-}
-
-TEST(HostDevice, ChoosesStepsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_choices(device);
-    expect_same_chosen_ends(device);
-  }
-}
-
-TEST(HostDevice, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_newton(device);
-    expect_same_linearly_implicit(device);
-  }
-}
-
-TEST(HostDevice, MeetsConstraintsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_constraints(device);
-  }
-}
-
-TEST(HostDevice, MovesPointsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_points(device);
-  }
-}
-
-void expect_each_as_alone(Device& device) {
+TEST_P(EveryDevice, StepsBodiesAtATimeAsEachAlone) {
   const Problem damped = make_problem("fem_green@cube:n=3", {.parameters = {{"g", 9.81}, {"beta", 1e-5}}});
   for (const char* method :
        {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference", "rk4", "ode45"})
@@ -473,13 +428,13 @@ void expect_each_as_alone(Device& device) {
          {driven_body(), damped, moving_body(1e-5, "mass_spring"), fibrous_body(driven_body()),
           driven_body(uneven_body(2.5, "fem_nodal_pressure")),
           driven_body(uneven_body(2.5, "fem_quadratic"))})
-      expect_same_at_a_time(device, body, method, 5);
+      expect_same_at_a_time(device(), body, method, 5);
   const Problem large = make_problem("fem_green@cube:n=10", {.parameters = {{"g", 9.81}}});  // some patches
   EXPECT_GT(large.body->free_points().size(), 1024U);
   for (const char* method : {"velocity_verlet", "rk4"})
     for (const Problem& body : {large, of_pressures.on("@cube:n=10")})
-      expect_same_at_a_time(device, body, method, 2);
-  expect_same_at_a_time<float>(device, driven_body(), "rk4", 3);
+      expect_same_at_a_time(device(), body, method, 2);
+  expect_same_at_a_time<float>(device(), driven_body(), "rk4", 3);
 }
 
 TEST(HostDevice, CountsTheWorkOfAllBodies) {
@@ -520,18 +475,6 @@ TEST(HostDevice, CountsTheWorkOfAllBodies) {
   EXPECT_DOUBLE_EQ(moved_thrice.flops, 3 * moved.flops);
   EXPECT_DOUBLE_EQ(moved_thrice.bytes, 3 * moved.bytes);
   EXPECT_LT(meet("vbd:iterations=3").flops, moved_thrice.flops);
-}
-
-TEST(HostDevice, StepsBodiesAtATimeAsEachAlone) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_each_as_alone(device);
-  }
-}
-
-TEST(HostDevice, DivergesWhereTheProcessorDoes) {
-  HostDevice device;
-  expect_same_divergence(device);
 }
 
 TEST(HostDevice, ErrsInSinglePrecisionByItsRounding) {
@@ -596,13 +539,6 @@ TEST(BodyPatches, BecomeSmallerUntilTheyFit) {
   EXPECT_THROW(static_cast<void>(body_patches(*problem.body, 128, 20)), InputError);
 }
 
-TEST_F(Gpu, StepsBodiesWithTheBitsOfTheProcessor) {
-  expect_same_under_driven_loads(*device);
-  expect_same_on_bodies(*device);
-  expect_same_parts(*device);
-  expect_same_on_other_elements(*device);
-  expect_same_stages(*device);
-}
 TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
   HostDevice host;
   const RunSpec spec{.t_end = 0.0203, .h = 3e-4};
@@ -618,18 +554,12 @@ TEST_F(Gpu, GivesInSinglePrecisionTheBitsOfItsProgramsOnTheProcessor) {
       EXPECT_EQ(unequal(on(*device), on(host)), 0U) << problem.body->settings().model.id << ", " << method;
     }
 }
-TEST_F(Gpu, ChoosesStepsWithTheBitsOfTheProcessor) {
-  expect_same_choices(*device);
-  expect_same_chosen_ends(*device);
-}
-TEST_F(Gpu, StepsTruncatedNewtonWithTheBitsOfTheProcessor) {
-  expect_same_newton(*device);
-  expect_same_linearly_implicit(*device);
-}
-TEST_F(Gpu, MeetsConstraintsWithTheBitsOfTheProcessor) { expect_same_constraints(*device); }
-TEST_F(Gpu, MovesPointsWithTheBitsOfTheProcessor) { expect_same_points(*device); }
-TEST_F(Gpu, StepsBodiesAtATimeAsEachAlone) { expect_each_as_alone(*device); }
-TEST_F(Gpu, DivergesWhereTheProcessorDoes) { expect_same_divergence(*device); }
+
+INSTANTIATE_TEST_SUITE_P(Host, EveryDevice, testing::Values(Where::forwards, Where::backwards),
+                         [](const auto& where) {
+                           return where.param == Where::forwards ? "forwards" : "backwards";
+                         });
+INSTANTIATE_TEST_SUITE_P(Gpu, EveryDevice, testing::Values(Where::gpu), [](const auto&) { return "card"; });
 
 }  // namespace
 }  // namespace hmax

@@ -17,11 +17,11 @@ namespace {
 using namespace device_tests;
 
 /// Fixed steps: of several models, damping and loads, of two stages and of many.
-void expect_same_stabilised(Device& device) {
+TEST_P(EveryDevice, StepsStabilisedMethodsWithTheBitsOfTheProcessor) {
   const auto skin = SkinSettings::Kind::springs;
   const auto each = [&](const Problem& problem, const RunSpec& spec, std::int64_t least_stages = 2) {
     for (const char* method : {"rkc_2", "rkl_2"}) {
-      const RunRecord run = expect_same(device, problem, method, spec, 3);
+      const RunRecord run = expect_same(device(), problem, method, spec, 3);
       EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
       EXPECT_GE(run.stats.rhs, least_stages * run.stats.steps) << problem.id << ", " << method;
     }
@@ -48,16 +48,16 @@ void expect_same_stabilised(Device& device) {
     each(make_problem(mesh, {.parameters = parameters}), {.t_end = 0.0503, .h = 5e-3}, 7);
   each(fibrous.on("@liver", {{"g", 9.81}, {"beta", 0.01}}), {.t_end = 0.0503, .h = 5e-3}, 7);
   const RunRecord stiffer =
-      expect_same(device, make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
+      expect_same(device(), make_problem("fem_green@cube:n=3", {.parameters = {{"g", 200}, {"beta", 1e-3}}}),
                   "rkc_2", {.t_end = 0.06, .h = 0.002});
   EXPECT_NE((stiffer.stats.rhs - 1) % stiffer.stats.steps, 0) << "all steps have the same number of stages";
 }
 
 /// The bound that they choose their stages by, which their longest step tells to the last bits.
-void expect_same_radius(Device& device) {
+TEST_P(EveryDevice, BoundsTheSpectralRadiusWithTheBitsOfTheProcessor) {
   const auto expect_it = [&](const Problem& problem) {
     const Eigen::VectorXd y = problem.y0 + 1e-3 * Eigen::VectorXd::LinSpaced(problem.y0.size(), -1, 1);
-    BodyOnDevice<double> there(device, *problem.body, *device_method(find_method("rkc_2")));
+    BodyOnDevice<double> there(device(), *problem.body, *device_method(find_method("rkc_2")));
     there.set({&y, 1});
     there.find_radius(there.step().q, 0);
     EXPECT_EQ(there.longest_step(), longest_stabilized_step<Rkc2>(problem.body->spectral_radius(0, y)));
@@ -77,11 +77,11 @@ void expect_same_radius(Device& device) {
 }
 
 /// Chosen steps: of several models, loads, tolerances and controllers.
-void expect_same_chosen_stabilised(Device& device) {
+TEST_P(EveryDevice, ChoosesStabilisedStepsWithTheBitsOfTheProcessor) {
   std::int64_t rejected = 0;
   const auto each = [&](const Problem& problem, const RunSpec& spec) {
     for (const char* method : {"rkc_2", "rkl_2"}) {
-      const RunRecord run = expect_same_chosen(device, problem, method, spec);
+      const RunRecord run = expect_same_chosen(device(), problem, method, spec);
       EXPECT_EQ(run.outcome, Outcome::reached_end) << problem.id << ", " << method;
       rejected += run.stats.rejected;
     }
@@ -104,15 +104,6 @@ void expect_same_chosen_stabilised(Device& device) {
        {.t_end = 1e4, .rtol = 1, .atol = 1});
 }
 
-TEST(HostDevice, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_radius(device);
-    expect_same_stabilised(device);
-    expect_same_chosen_stabilised(device);
-  }
-}
-
 TEST(HostDevice, FollowsTheSpectralRadiusUntilBothDiverge) {
   HostDevice device;
   for (const char* model : {"fem_green@beam", "fem_neo_hookean@beam", "fem_cauchy@beam"})
@@ -121,12 +112,6 @@ TEST(HostDevice, FollowsTheSpectralRadiusUntilBothDiverge) {
                                         {.t_end = 400, .h = h});
       EXPECT_EQ(run.outcome, Outcome::diverged) << model << ", " << h;
     }
-}
-
-TEST_F(Gpu, FollowsTheSpectralRadiusWithTheBitsOfTheProcessor) {
-  expect_same_radius(*device);
-  expect_same_stabilised(*device);
-  expect_same_chosen_stabilised(*device);
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 /// Bodies that meet tools: the bits of the processor.
-#include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -66,39 +64,39 @@ std::vector<Problem> bodies_with_tools() {
           with_tools(uneven_body(2.5, "fem_quadratic"), {dipping_tool(0.5), standing_tool()})};
 }
 
-void expect_same_steps_with_tools(Device& device) {
+TEST_P(EveryDevice, StepsBodiesWithToolsWithTheBitsOfTheProcessor) {
   std::vector<Problem> bodies = bodies_with_tools();
   bodies.push_back(with_tools(uneven_body(2.5, "fem_nodal_pressure"), {dipping_tool(0.5), pushing_tool()}));
   for (const char* method : {"symplectic_euler", "velocity_verlet", "stormer_verlet", "central_difference",
                              "rk4", "dormand_prince_54"})
-    for (const Problem& body : bodies) expect_same(device, body, method, {.t_end = 0.0203, .h = 3e-4});
-  expect_same(device, bodies[4], "rk4", {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
+    for (const Problem& body : bodies) expect_same(device(), body, method, {.t_end = 0.0203, .h = 3e-4});
+  expect_same(device(), bodies[4], "rk4", {.t_end = 0.0603, .h = 3e-4}, 1000);  // long enough for graphs
   for (const char* id : {"fem_green/tool@liver", "mass_spring/tool@phantom", "fem_neo_hookean/tool@ball"})
-    expect_same(device, make_problem(id, {.parameters = {{"tool_damping", 0.5}, {"alpha", 1}}}),
+    expect_same(device(), make_problem(id, {.parameters = {{"tool_damping", 0.5}, {"alpha", 1}}}),
                 "symplectic_euler", {.t_end = 0.0502, .h = 1e-4}, 100);
 }
 
-void expect_same_choices_with_tools(Device& device) {
+TEST_P(EveryDevice, ChoosesStepsWithToolsWithTheBitsOfTheProcessor) {
   for (const char* method : {"ode45", "bogacki_shampine_32"})
     for (const Problem& body : bodies_with_tools())
-      expect_same_chosen(device, body, method, {.t_end = 0.02, .rtol = 1e-4, .atol = 1e-7});
+      expect_same_chosen(device(), body, method, {.t_end = 0.02, .rtol = 1e-4, .atol = 1e-7});
   for (const char* method : {"rkc_2", "rkl_2"})
     for (const Problem& body : {with_tools(uneven_body(2.5), {dipping_tool(), pushing_tool()}),
                                 with_tools(uneven_body(2.5, "fem_cauchy"), {dipping_tool()}),
                                 with_tools(uneven_body(0, "mass_spring"), {standing_tool()})}) {
-      expect_same_chosen(device, body, method, {.t_end = 0.02, .rtol = 1e-3, .atol = 1e-6});
-      expect_same(device, body, method, {.t_end = 0.0203, .h = 1e-3}, 3);
+      expect_same_chosen(device(), body, method, {.t_end = 0.02, .rtol = 1e-3, .atol = 1e-6});
+      expect_same(device(), body, method, {.t_end = 0.0203, .h = 1e-3}, 3);
     }
 }
 
 /// The bound that stabilised methods choose their stages by, of a tool that outweighs the elements: where it
 /// is at that time.
-void expect_same_radius_with_tools(Device& device) {
+TEST_P(EveryDevice, FollowsTheSpectralRadiusWithToolsWithTheBitsOfTheProcessor) {
   SphereTool hard = dipping_tool();
   hard.stiffness = 1e10;
   for (const char* model : {"fem_cauchy", "fem_green"}) {
     const Problem problem = with_tools(uneven_body(2.5, model), {hard, pushing_tool()});
-    BodyOnDevice<double> there(device, *problem.body, *device_method(find_method("rkc_2")));
+    BodyOnDevice<double> there(device(), *problem.body, *device_method(find_method("rkc_2")));
     there.set({&problem.y0, 1});
     double last = 0;
     for (const double t : {0.0, 0.003, 0.005}) {
@@ -112,15 +110,15 @@ void expect_same_radius_with_tools(Device& device) {
   }
 }
 
-void expect_same_newton_with_tools(Device& device) {
+TEST_P(EveryDevice, StepsTruncatedNewtonWithToolsWithTheBitsOfTheProcessor) {
   for (const char* method : {"newton_truncated", "newton_truncated:iterations=1,cg=20",
                              "newton_truncated:iterations=3,substeps=2,cg=4",
                              "newton_truncated:iterations=2,substeps=2,cg=6,frozen=1"})
     for (const Problem& body : bodies_with_tools())
-      expect_same(device, body, method, {.t_end = 0.0201, .h = 0.001}, 3);
-  expect_same(device, make_problem("fem_green/tool@liver", {.parameters = {{"tool_damping", 0.5}}}),
+      expect_same(device(), body, method, {.t_end = 0.0201, .h = 0.001}, 3);
+  expect_same(device(), make_problem("fem_green/tool@liver", {.parameters = {{"tool_damping", 0.5}}}),
               "newton_truncated", {.t_end = 0.1, .h = 0.01}, 3);
-  expect_same(device, with_tools(uneven_body(0, "fem_nodal_pressure"), {dipping_tool(), standing_tool()}),
+  expect_same(device(), with_tools(uneven_body(0, "fem_nodal_pressure"), {dipping_tool(), standing_tool()}),
               "newton_truncated:frozen=1", {.t_end = 0.0201, .h = 0.001}, 3);
 }
 
@@ -142,41 +140,12 @@ TEST(Tools, OfTheseRunsTouchAndLeave) {
   EXPECT_GT(late[2], 1e-4);
 }
 
-TEST(HostDevice, StepsBodiesWithToolsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_steps_with_tools(device);
-  }
-}
-
-TEST(HostDevice, ChoosesStepsWithToolsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_choices_with_tools(device);
-    expect_same_radius_with_tools(device);
-  }
-}
-
-TEST(HostDevice, StepsTruncatedNewtonWithToolsWithTheBitsOfTheProcessor) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_same_newton_with_tools(device);
-  }
-}
-
-void expect_each_as_alone_with_tools(Device& device) {
+TEST_P(EveryDevice, StepsBodiesWithToolsAtATimeAsEachAlone) {
   for (const char* method : {"symplectic_euler", "velocity_verlet", "central_difference", "rk4"})
     for (const Problem& body : {with_tools(driven_body(), {dipping_tool(0.5), pushing_tool()}),
                                 with_tools(moving_body(1e-5, "mass_spring"), {standing_tool(1)})})
-      expect_same_at_a_time(device, body, method, 5);
-  expect_same_at_a_time<float>(device, with_tools(driven_body(), {dipping_tool(0.5)}), "rk4", 3);
-}
-
-TEST(HostDevice, StepsBodiesWithToolsAtATimeAsEachAlone) {
-  for (const bool backwards : {false, true}) {
-    HostDevice device(backwards);
-    expect_each_as_alone_with_tools(device);
-  }
+      expect_same_at_a_time(device(), body, method, 5);
+  expect_same_at_a_time<float>(device(), with_tools(driven_body(), {dipping_tool(0.5)}), "rk4", 3);
 }
 
 TEST(HostDevice, ErrsInSinglePrecisionByItsRoundingWithTools) {
@@ -201,14 +170,6 @@ TEST(HostDevice, CountsTheLooksAtTools) {
     EXPECT_DOUBLE_EQ(two.flops - one.flops, one.flops - none.flops);
     EXPECT_DOUBLE_EQ(two.bytes - one.bytes, one.bytes - none.bytes);
   }
-}
-
-TEST_F(Gpu, StepsBodiesWithToolsWithTheBitsOfTheProcessor) {
-  expect_same_steps_with_tools(*device);
-  expect_same_choices_with_tools(*device);
-  expect_same_radius_with_tools(*device);
-  expect_same_newton_with_tools(*device);
-  expect_each_as_alone_with_tools(*device);
 }
 
 }  // namespace
