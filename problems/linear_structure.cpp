@@ -162,9 +162,9 @@ template class LinearStructure<Sparse>;
 
 namespace detail {
 
-AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped) {
+AnySystem structure_system(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> damping) {
   const Eigen::Index n = rows_of(K);
-  if (!damped) C = Sparse(n, n);
+  StructureMatrix C = damping ? std::move(*damping) : Sparse(n, n);
   auto *const sparse_K = std::get_if<Sparse>(&K), *const sparse_C = std::get_if<Sparse>(&C);
   const bool sparse = sparse_K != nullptr && sparse_C != nullptr;
   VectorXd mass = lumped_masses(M);

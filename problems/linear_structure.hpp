@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <variant>
 
@@ -118,7 +119,8 @@ StructureMatrix mass_matrix(const T& given) {
     return structure_matrix(given);
 }
 
-AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix C, bool damped);
+/// @param C  none: no damping
+AnySystem structure_system(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C);
 }  // namespace detail
 
 /// The system M q'' + C q' + K q = 0, y = (q, v), of any Eigen matrices, dense or sparse.
@@ -132,12 +134,12 @@ AnySystem structure_system(StructureMatrix K, StructureMatrix M, StructureMatrix
 template <detail::RealMatrix KType, detail::RealMatrix MType, detail::RealMatrix CType>
 AnySystem linear_structure(const KType& K, const MType& M, const CType& C) {
   return detail::structure_system(detail::structure_matrix(K), detail::mass_matrix(M),
-                                  detail::structure_matrix(C), true);
+                                  detail::structure_matrix(C));
 }
 /// The same without damping.
 template <detail::RealMatrix KType, detail::RealMatrix MType>
 AnySystem linear_structure(const KType& K, const MType& M) {
-  return detail::structure_system(detail::structure_matrix(K), detail::mass_matrix(M), {}, false);
+  return detail::structure_system(detail::structure_matrix(K), detail::mass_matrix(M), std::nullopt);
 }
 
 }  // namespace hmax

@@ -41,15 +41,11 @@ py::dict to_dict(const StepAnswer& answer) {
 
 py::dict limit_of_structure(const std::string& method, StructureMatrix K, StructureMatrix M,
                             std::optional<StructureMatrix> C, bool verify) {
-  return to_dict(
-      in_background([=, K = std::move(K), M = std::move(M), C = std::move(C)](const Stop&) mutable {
-        const bool damped = C.has_value();
-        return hmax::detail::step_of_structure(
-            method,
-            hmax::detail::structure_system(std::move(K), std::move(M),
-                                           damped ? std::move(*C) : StructureMatrix(), damped),
-            {.verify = verify});
-      }));
+  return to_dict(in_background([=, K = std::move(K), M = std::move(M),
+                                C = std::move(C)](const Stop&) mutable {
+    return hmax::detail::step_of_structure(
+        method, hmax::detail::structure_system(std::move(K), std::move(M), std::move(C)), {.verify = verify});
+  }));
 }
 
 /// @throws std::invalid_argument  for a matrix that is not square or not finite
@@ -104,9 +100,7 @@ Modes modes_of(const AnySystem& structure, Index count, bool fastest) {
 py::tuple modes(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, Index count,
                 bool fastest) {
   Modes found = in_background([=, K = std::move(K), M = std::move(M), C = std::move(C)](const Stop&) mutable {
-    const bool damped = C.has_value();
-    const AnySystem structure = hmax::detail::structure_system(
-        std::move(K), std::move(M), damped ? std::move(*C) : StructureMatrix(), damped);
+    const AnySystem structure = hmax::detail::structure_system(std::move(K), std::move(M), std::move(C));
     return modes_of(structure, std::min(count, structure.dofs()), fastest);
   });
   return py::make_tuple(std::move(found.omega), std::move(found.zeta), std::move(found.shapes));

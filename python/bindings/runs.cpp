@@ -158,9 +158,7 @@ RunSpec spec_of(double t_end, std::optional<double> h, std::optional<double> rto
 
 Problem structure_problem(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, VectorXd y0,
                           double t_end) {
-  const bool damped = C.has_value();
-  AnySystem system = hmax::detail::structure_system(std::move(K), std::move(M),
-                                                    damped ? std::move(*C) : StructureMatrix(), damped);
+  AnySystem system = hmax::detail::structure_system(std::move(K), std::move(M), std::move(C));
   if (system.dim() != y0.size())
     throw std::invalid_argument(
         fmt::format("y0 has {} numbers but must have {}: the displacements, then the velocities", y0.size(),

@@ -35,41 +35,18 @@ def compare(step: Any, y0: Any, name: str, single: bool, h0: float, h: float, lo
 def settle(timestep: float, step: Any, speed: Any, damp: Any, begin_again: Any) -> str: ...
 def read_mesh(path: str, unit: Any) -> Tuple[str, Any, Any, Any, Any]: ...
 def unit_in_metres(unit: str) -> float: ...
-def advise(
-    id: str,
-    material: str,
-    parameters: Any,
-    y0: Any,
-    rate: float,
-    tolerance: float,
-    budget: Any,
-    least_error: bool,
-    methods: List[str],
-    frames: int,
-    within: float,
-) -> Dict[str, Any]: ...
-def advise_structure(
-    K: Any,
-    M: Any,
-    C: Any,
-    y0: Any,
-    t_end: float,
-    rate: float,
-    tolerance: float,
-    budget: Any,
-    least_error: bool,
-    methods: List[str],
-    frames: int,
-    within: float,
-) -> Dict[str, Any]: ...
-def fidelity(
-    id: str, material: str, parameters: Any, y0: Any, rate: float, methods: List[str], verify: bool, ceiling: bool, enter: Any
-) -> Dict[str, Any]: ...
-def predict(
-    id: str, material: str, parameters: Any, y0: Any, methods: List[str], at: str, along: str, verify: bool, t_end: Any
-) -> Dict[str, Any]: ...
 
-class Body:
+class Model:
+    def __init__(self, id: str, material: str, parameters: Any, y0: Any) -> None: ...
+    @staticmethod
+    def of_matrices(K: Any, M: Any, C: Any, y0: Any, t_end: float) -> Model: ...
+    def advise(
+        self, rate: float, tolerance: float, budget: Any, least_error: bool, methods: List[str], frames: int, within: float
+    ) -> Dict[str, Any]: ...
+    def fidelity(self, rate: float, methods: List[str], verify: bool, ceiling: bool, enter: Any) -> Dict[str, Any]: ...
+    def predict(self, methods: List[str], at: str, along: str, verify: bool, t_end: Any) -> Dict[str, Any]: ...
+
+class Body(Model):
     id: str
     dofs: int
     free_points: Any
@@ -81,8 +58,3 @@ class Body:
     def M(self) -> Any: ...
     def force(self, q: Any, v: Any, t: float) -> Any: ...
     def run(self, method: str, y0: Any, t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> Dict[str, Any]: ...
-    def advise(
-        self, rate: float, tolerance: float, budget: Any, least_error: bool, methods: List[str], frames: int, within: float
-    ) -> Dict[str, Any]: ...
-    def fidelity(self, rate: float, methods: List[str], verify: bool, ceiling: bool, enter: Any) -> Dict[str, Any]: ...
-    def predict(self, methods: List[str], at: str, along: str, verify: bool, t_end: Any) -> Dict[str, Any]: ...

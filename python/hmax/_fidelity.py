@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Callable, Optional, Sequence, Union
 
-from . import _core
 from ._answer import Answer, answer
-from ._arguments import number, vector
-from ._models import Body, _values, between
+from ._arguments import number
+from ._models import Body, between, core_model
 from ._probe import steps_fidelity
 from ._runs import method_name
 
@@ -80,7 +79,4 @@ def fidelity(
     wanted = None if enter is None else between("enter", number("enter", enter), 1e-3, 1e15)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
     question = (hertz, names, bool(verify), bool(ceiling), wanted)
-    if isinstance(model, Body):
-        return answer(model._core.fidelity(*question))
-    start = [] if y0 is None else vector("y0", y0).tolist()
-    return answer(_core.fidelity(model, str(material), _values(parameters), start, *question))
+    return answer(core_model(model, material, y0, parameters).fidelity(*question))

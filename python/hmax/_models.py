@@ -202,17 +202,13 @@ def advise(
     seconds = float("inf") if within is None else between("within", within, 1e-3, 1e9)
     question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6), seconds)
     if model is None:
-        return _advise_matrices(structure(K, M, C), y0, between("t_end", t_end, 1e-9, 1e9), question)
+        matrices, end = structure(K, M, C), between("t_end", t_end, 1e-9, 1e9)
+        if y0 is None:
+            raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
+        return answer(_core.Model.of_matrices(*matrices, vector("y0", y0), end).advise(*question))
     if K is not None or M is not None or C is not None:
         raise ValueError("a model and matrices are both given; give one of them")
-    if isinstance(model, Body):
-        if material or y0 is not None or parameters:
-            raise ValueError("a Body has its material and parameters already; give them to Body")
-        return answer(model._core.advise(*question))
-    if not isinstance(model, str):
-        raise ValueError(f"the model is {model!r} but must be a Body or the id of a problem, such as 'liver_forced'")
-    start = [] if y0 is None else vector("y0", y0).tolist()
-    return answer(_core.advise(model, str(material), _values(parameters), start, *question))
+    return answer(core_model(model, material, y0, parameters).advise(*question))
 
 
 def predict(
@@ -254,25 +250,19 @@ def predict(
         if given not in known:
             raise ValueError(f"{name} is {given!r} but must be one of {', '.join(repr(each) for each in known if each)}")
     question = (names, at, along, bool(verify), None if t_end is None else number("t_end", t_end))
+    return answer(core_model(model, material, y0, parameters).predict(*question))
+
+
+def core_model(model: Any, material: str, y0: Any, parameters: Mapping[str, Any]) -> _core.Model:
+    """A Body, or a problem by id, as the extension module takes it."""
     if isinstance(model, Body):
         if material or y0 is not None or parameters:
             raise ValueError("a Body has its material and parameters already; give them to Body")
-        return answer(model._core.predict(*question))
+        return model._core
     if not isinstance(model, str):
         raise ValueError(f"the model is {model!r} but must be a Body or the id of a problem, such as 'liver_forced'")
     start = [] if y0 is None else vector("y0", y0).tolist()
-    return answer(_core.predict(model, str(material), _values(parameters), start, *question))
-
-
-def _advise_matrices(matrices: Any, y0: Any, t_end: float, question: Any) -> Answer:
-    K, M, C = matrices
-    if y0 is None:
-        raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
-    start = vector("y0", y0)
-    n = K.shape[0]
-    if len(start) != 2 * n:
-        raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")
-    return answer(_core.advise_structure(K, M, C, start, t_end, *question))
+    return _core.Model(model, str(material), _values(parameters), start)
 
 
 def _state(given: Any, name: str) -> Any:

@@ -71,11 +71,7 @@ def integrate(
         if K is not None or M is not None or C is not None:
             raise ValueError("rhs and matrices are both given; give one of them")
         return Run(**_core.run_function(method_name(method), function("rhs", rhs), _as_matrices(function("jacobian", jacobian)), start, *settings))
-    K, M, C = structure(K, M, C)
-    n = K.shape[0]
-    if len(start) != 2 * n:
-        raise ValueError(f"y0 has {len(start)} numbers but must have {2 * n}: the displacements, then the velocities")
-    return Run(**_core.run_structure(method_name(method), K, M, C, start, *settings))
+    return Run(**_core.run_structure(method_name(method), *structure(K, M, C), start, *settings))
 
 
 def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[Optional[float]]:

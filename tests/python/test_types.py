@@ -40,15 +40,16 @@ def test_a_call_has_types_and_a_docstring_with_an_example(function):
 def test_the_stubs_name_what_the_module_has():
     stub = ast.parse((PACKAGE / "_core.pyi").read_text())
     functions = {node.name: len(node.args.args) for node in stub.body if isinstance(node, ast.FunctionDef)}
-    assert set(functions) == {name for name in vars(_core) if not name.startswith("_")} - {"Body"}
+    assert set(functions) == {name for name in vars(_core) if not name.startswith("_")} - {"Model", "Body"}
     for name, count in functions.items():
         assert arguments_of(getattr(_core, name)) == count, name
-    (body,) = [node for node in stub.body if isinstance(node, ast.ClassDef)]
-    methods = {node.name: len(node.args.args) for node in body.body if isinstance(node, ast.FunctionDef)}
-    attributes = {node.target.id for node in body.body if isinstance(node, ast.AnnAssign)}
-    assert set(methods) - {"__init__"} | attributes == {name for name in vars(_core.Body) if not name.startswith("_")}
-    for name, count in methods.items():
-        assert arguments_of(getattr(_core.Body, name)) == count, name
+    for node in (node for node in stub.body if isinstance(node, ast.ClassDef)):
+        held = getattr(_core, node.name)
+        methods = {inner.name: len(inner.args.args) for inner in node.body if isinstance(inner, ast.FunctionDef)}
+        attributes = {inner.target.id for inner in node.body if isinstance(inner, ast.AnnAssign)}
+        assert set(methods) - {"__init__"} | attributes == {name for name in vars(held) if not name.startswith("_")}
+        for name, count in methods.items():
+            assert arguments_of(getattr(held, name)) == count, name
 
 
 def arguments_of(function):
