@@ -2,6 +2,7 @@
 
 #include "results/store.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/results/made_rows.hpp"
 
 namespace hmax {
 namespace {
@@ -13,19 +14,7 @@ void make_store(const std::filesystem::path& file, double slowdown, int slow_row
   machine.cpu = "a test";
   store.begin_session(machine);
   for (int i = 0; i < 10; ++i) {
-    Row row;
-    row.key = {.problem = "liver_forced",
-               .parameters = "m=1",
-               .y0 = "0.5,1",
-               .method = "rk4",
-               .mode = "fixed",
-               .control = "none",
-               .h = 0.01 * (i + 1),
-               .t_end = 100};
-    row.outcome = "reached_end";
-    row.t_reached = 100;
-    row.steps = 100;
-    row.rhs = 400;
+    Row row = made_row("rk4", 0.01 * (i + 1));
     row.reference = "a test";
     for (int sample = 0; sample < 11; ++sample)
       row.cpu_s.push_back(1e-3 * slowdown * (i == slow_row ? 3 : 1) * (1 + 0.001 * sample));

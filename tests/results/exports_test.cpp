@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/results/made_rows.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -17,19 +18,7 @@ namespace {
 using nlohmann::json;
 
 Row measured() {
-  Row r;
-  r.key = {.problem = "liver_forced",
-           .parameters = "m=1.45 c=2",
-           .y0 = "0.5,1",
-           .method = "rk4",
-           .mode = "fixed",
-           .control = "none",
-           .h = 0.1,
-           .t_end = 100};
-  r.outcome = "reached_end";
-  r.t_reached = 100;
-  r.steps = 1000;
-  r.rhs = 4000;
+  Row r = made_row("rk4", 0.1);
   r.cpu_s = {4e-3, 1e-3, 2e-3, 3e-3};
   r.runs_per_sample = 8;
   r.error_end = 1e-6;

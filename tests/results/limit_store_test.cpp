@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -7,6 +6,7 @@
 
 #include "core/text/digest.hpp"
 #include "results/store.hpp"
+#include "tests/results/made_rows.hpp"
 #include "tests/results/scratch.hpp"
 
 namespace hmax {
@@ -43,14 +43,6 @@ LimitRow a_limit(const std::string& method) {
   return row;
 }
 
-bool same_bits(double a, double b) {
-  return (std::isnan(a) && std::isnan(b)) || std::memcmp(&a, &b, sizeof a) == 0;
-}
-template <class T>
-bool same_bits(const T& a, const T& b) {
-  return a == b;
-}
-
 TEST(LimitStore, KeepsEveryColumnBitForBit) {
   const Scratch scratch;
   const LimitRow limit = a_limit("rk4");
@@ -64,12 +56,7 @@ TEST(LimitStore, KeepsEveryColumnBitForBit) {
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].point, a_point().key);
   EXPECT_EQ(rows[0].session, 1);
-  for (const auto& field : limit_fields)
-    std::visit(
-        [&]<class T>(T LimitRow::*member) {
-          EXPECT_TRUE(same_bits(rows[0].*member, limit.*member)) << field.name;
-        },
-        field.member);
+  expect_same_fields(rows[0], limit, limit_fields);
   const auto point = store.operating_point(a_point().key);
   ASSERT_TRUE(point);
   EXPECT_EQ(point->document, a_point().document);

@@ -10,6 +10,7 @@
 #include "core/errors.hpp"
 #include "results/exports.hpp"
 #include "results/store.hpp"
+#include "tests/results/made_rows.hpp"
 #include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
@@ -29,18 +30,8 @@ void make_store(const std::filesystem::path& file) {
     machine.cpu = cpu;
     store.begin_session(machine);
     for (const char* method : {"rk4", "newmark", "explicit_euler"}) {
-      Row row;
-      row.key = {.problem = "liver_forced",
-                 .material = cpu,
-                 .parameters = "m=1.45 c=2",
-                 .y0 = "0.5,1",
-                 .method = method,
-                 .mode = "fixed",
-                 .control = "none",
-                 .h = 0.125,
-                 .t_end = 100};
-      row.outcome = "reached_end";
-      row.t_reached = 100;
+      Row row = made_row(method, 0.125);
+      row.key.material = cpu;
       row.cpu_s = {1e-4, 2e-4};
       row.error_end = 1.0 / 3;
       row.error_l2 = std::nan("");
@@ -181,32 +172,24 @@ TEST(StoreDamage, TheRowAndItsMethodAreNamedAndTheRestIsReadWithoutIt) {
   EXPECT_EQ(Store::open_existing(file).size(), 5);
 }
 
-TEST(StoreDamage, AnotherTypeOfTheSameValueIsRefused) {
-  const Scratch scratch;
-  make_store(scratch / "whole");
-  const std::string bytes = read_text(scratch / "whole");
-  for (const char* change :
-       {"rows SET t_reached = CAST(t_reached AS INTEGER)", "rows SET outcome = CAST(outcome AS BLOB)",
-        "rows SET steps = 1e300", "limits SET h_max = CAST(h_max AS TEXT)", "rows SET error_global = 0.0"}) {
-    put_alone(scratch / "changed", bytes);
-    damage_by_sql(scratch / "changed", std::string("UPDATE ") + change);
-    EXPECT_TRUE(says(error_of_reading(scratch / "changed"), "is damaged")) << change;
-  }
-}
-
-TEST(StoreDamage, RowsThatAreGoneOrReferToNothingAreRefused) {
+TEST(StoreDamage, OtherTypesAndRowsThatAreGoneOrReferToNothingAreRefused) {
   const Scratch scratch;
   make_store(scratch / "whole");
   const std::string bytes = read_text(scratch / "whole");
   for (const auto& [change, words] :
-       {std::pair{"DELETE FROM operating_points WHERE id = 1",
-                  "row 1 of its table limits: refers to a row of operating_points that is not there"},
+       {std::pair{"UPDATE rows SET t_reached = CAST(t_reached AS INTEGER)", "is damaged"},
+        {"UPDATE rows SET outcome = CAST(outcome AS BLOB)", "is damaged"},
+        {"UPDATE rows SET steps = 1e300", "is damaged"},
+        {"UPDATE limits SET h_max = CAST(h_max AS TEXT)", "is damaged"},
+        {"UPDATE rows SET error_global = 0.0", "is damaged"},
+        {"DELETE FROM operating_points WHERE id = 1",
+         "row 1 of its table limits: refers to a row of operating_points that is not there"},
         {"UPDATE sessions SET id = 7 WHERE id = 2", "refers to a row of sessions that is not there"},
         {"DROP TABLE advice", "it has no table 'advice'"},
         {"ALTER TABLE rows RENAME COLUMN rhs TO evaluations", "is damaged"}}) {
     put_alone(scratch / "changed", bytes);
     damage_by_sql(scratch / "changed", change);
-    EXPECT_TRUE(says(error_of_reading(scratch / "changed"), words));
+    EXPECT_TRUE(says(error_of_reading(scratch / "changed"), words)) << change;
   }
 }
 

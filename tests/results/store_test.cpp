@@ -1,8 +1,6 @@
 #include "results/store.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <random>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.hpp"
+#include "tests/results/made_rows.hpp"
 #include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
@@ -21,19 +20,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
 
 Row row(const std::string& method, double h) {
-  Row r;
-  r.key = {.problem = "liver_forced",
-           .parameters = "m=1.45 c=2",
-           .y0 = "0.5,1",
-           .method = method,
-           .mode = "fixed",
-           .control = "none",
-           .h = h,
-           .t_end = 100};
-  r.outcome = "reached_end";
-  r.t_reached = 100;
-  r.steps = 1000;
-  r.rhs = 4000;
+  Row r = made_row(method, h);
   r.cpu_s = {1e-4, 2e-4, 1.5e-4};
   r.error_end = 1e-6;
   r.error_global = 2e-6;
@@ -43,36 +30,9 @@ Row row(const std::string& method, double h) {
   return r;
 }
 
-/// Equality of bits, except that every NaN is one NaN.
-void expect_same_number(double a, double b) {
-  if (std::isnan(a) || std::isnan(b)) {
-    EXPECT_TRUE(std::isnan(a) && std::isnan(b)) << a << " " << b;
-  } else {
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << a << " " << b;
-  }
-}
-
 void expect_same_row(const Row& a, const Row& b) {
   EXPECT_EQ(a.key, b.key);
-  EXPECT_EQ(a.outcome, b.outcome);
-  expect_same_number(a.t_reached, b.t_reached);
-  EXPECT_EQ(a.steps, b.steps);
-  EXPECT_EQ(a.rejected, b.rejected);
-  EXPECT_EQ(a.rhs, b.rhs);
-  ASSERT_EQ(a.cpu_s.size(), b.cpu_s.size());
-  for (std::size_t i = 0; i < a.cpu_s.size(); ++i) expect_same_number(a.cpu_s[i], b.cpu_s[i]);
-  EXPECT_EQ(a.device_s, b.device_s);
-  EXPECT_EQ(a.clock_mhz, b.clock_mhz);
-  EXPECT_EQ(a.driver, b.driver);
-  EXPECT_EQ(a.runs_per_sample, b.runs_per_sample);
-  expect_same_number(a.error_end, b.error_end);
-  expect_same_number(a.error_global, b.error_global);
-  expect_same_number(a.error_l2, b.error_l2);
-  expect_same_number(a.reference_error, b.reference_error);
-  EXPECT_EQ(a.reference, b.reference);
-  EXPECT_EQ(a.subnormals, b.subnormals);
-  EXPECT_EQ(a.explored, b.explored);
-  EXPECT_EQ(a.status, b.status);
+  expect_same_fields(a, b, row_fields);
 }
 
 TEST(Store, EveryFieldComesBackBitForBit) {

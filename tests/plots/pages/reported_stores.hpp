@@ -7,23 +7,13 @@
 #include <vector>
 
 #include "plots/pages/reported_store.hpp"
+#include "tests/results/made_rows.hpp"
 
 namespace hmax {
 
 /// Of `method` at `h`; its time and its error follow from the step.
 inline Row made_run(const std::string& method, double h) {
-  Row row;
-  row.key = {.problem = "liver_forced",
-             .parameters = "m=1",
-             .y0 = "0.5,1",
-             .method = method,
-             .mode = "fixed",
-             .control = "none",
-             .h = h,
-             .t_end = 10};
-  row.outcome = "reached_end";
-  row.t_reached = 10;
-  row.steps = std::lround(10 / h);
+  Row row = made_row(method, h, 10);
   row.rhs = row.steps;
   row.cpu_s = {1e-6 / h, 1e-6 / h, 1e-6 / h};
   row.error_end = row.error_global = h * h;
