@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <complex>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -260,24 +259,8 @@ constexpr int order_of_interpolant(const RosenbrockTableau<S>& tableau,
   return order;
 }
 
-/// The stability function with the exact Jacobian, R(z) = 1 + z b^T (I - z (alpha_ij + gamma_ij))^-1 1
-/// [hairer1996solving, IV.7 (7.14)], by forward substitution, since alpha_ij + gamma_ij is lower
-/// triangular.
-template <std::size_t S>
-std::complex<long double> stability_function(const RosenbrockForm<S>& form, std::complex<long double> z) {
-  // x = (I - z beta)^-1 1 row by row; R = 1 + z b . x
-  std::array<std::complex<long double>, S> x{};
-  std::complex<long double> sum = 0;
-  for (std::size_t i = 0; i < S; ++i) {
-    x[i] = 1;
-    for (std::size_t j = 0; j < i; ++j) x[i] += z * (form.alpha[i][j] + form.gamma[i][j]) * x[j];
-    x[i] /= 1.0L - z * form.gamma[i][i];
-    sum += form.b[i] * x[i];
-  }
-  return 1.0L + z * sum;
-}
-
-/// R(infinity) = 1 - b^T (alpha_ij + gamma_ij)^-1 1; zero for L-stable methods.
+/// R(infinity) = 1 - b^T (alpha_ij + gamma_ij)^-1 1 with the exact Jacobian; zero for L-stable methods.
+/// [hairer1996solving, IV.7 (7.14)]
 template <std::size_t S>
 constexpr long double stability_at_infinity(const RosenbrockForm<S>& form) {
   detail::Square<S> beta{};

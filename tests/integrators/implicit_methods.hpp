@@ -41,25 +41,6 @@ using EveryImplicitMethod =
     testing::Types<ImplicitEuler, Trapezoidal, ImplicitMidpoint, TrBdf2, Sdirk4, RadauMethod>;
 using EveryAdaptiveImplicitMethod = testing::Types<ImplicitEuler, Trapezoidal, TrBdf2, Sdirk4, RadauMethod>;
 
-/// R(z) = 1 + z b^T (I - z A)^-1 (1, ..., 1)^T from the coefficients. [hairer1996solving, IV.3 (3.2)]
-template <class Method>
-std::complex<double> stability_function(std::complex<double> z) {
-  using Complex = std::complex<long double>;
-  constexpr int s = static_cast<int>(Method::tableau.stages);
-  const Complex wide(z.real(), z.imag());
-  Eigen::Matrix<Complex, s, s> A;
-  Eigen::Matrix<Complex, s, 1> b, one = Eigen::Matrix<Complex, s, 1>::Ones();
-  for (std::size_t i = 0; i < s; ++i) {
-    b[static_cast<int>(i)] = Method::tableau.b[i];
-    for (std::size_t j = 0; j < s; ++j)
-      A(static_cast<int>(i), static_cast<int>(j)) =
-          Complex(i == j ? 1 : 0) - wide * Complex(Method::tableau.a[i][j]);
-  }
-  const Eigen::Matrix<Complex, s, 1> k = A.partialPivLu().solve(one);
-  const Complex R = Complex(1) + wide * (b.transpose() * k)(0);
-  return {static_cast<double>(R.real()), static_cast<double>(R.imag())};
-}
-
 /// y' = lambda y in its real form, y = (Re, Im).
 struct RotatingDecay {
   using State = Eigen::Vector2d;

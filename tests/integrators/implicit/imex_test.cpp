@@ -13,6 +13,7 @@
 #include "problems/oscillator/oscillator_reference.hpp"
 #include "tests/integrators/methods.hpp"
 #include "tests/integrators/rejected_attempts.hpp"
+#include "tests/integrators/stability_function.hpp"
 
 namespace hmax {
 namespace {
@@ -121,20 +122,17 @@ auto two_rates(Complex nonstiff, Complex stiff) {
                            [=](double, const OneComplex&, auto& J) { J(0, 0) = stiff; }};
 }
 
-/// R(zE, zI) = 1 + (zE bE + zI bI) . (1 - zE AE - zI AI)^-1 1, by substitution from stage to stage.
+/// R(zE, zI) = 1 + (zE bE + zI bI) . (1 - zE AE - zI AI)^-1 1.
 template <class Method>
 std::complex<long double> additive_stability_function(std::complex<long double> zE,
                                                       std::complex<long double> zI) {
   const auto& [nonstiff, stiff] = Method::tableau;
-  std::vector<std::complex<long double>> Y;
-  std::complex<long double> R = 1;
-  for (std::size_t i = 0; i < Method::tableau.stages; ++i) {
-    std::complex<long double> sum = 1;
-    for (std::size_t j = 0; j < i; ++j) sum += (zE * nonstiff.a[i][j] + zI * stiff.a[i][j]) * Y[j];
-    Y.push_back(sum / (1.0L - zI * stiff.a[i][i]));
-    R += (zE * nonstiff.b[i] + zI * stiff.b[i]) * Y[i];
-  }
-  return R;
+  return stability_function(
+      Method::tableau.stages,
+      [&, &E = nonstiff.a, &I = stiff.a](std::size_t i, std::size_t j) {
+        return zE * E[i][j] + zI * I[i][j];
+      },
+      [&, &E = nonstiff.b, &I = stiff.b](std::size_t i) { return zE * E[i] + zI * I[i]; });
 }
 
 template <class Method>
