@@ -1,4 +1,5 @@
 #include <cmath>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -99,19 +100,19 @@ TEST(ProbeCommand, WhatAPluginSaysIsNoPartOfTheDocument) {
 }
 
 TEST(ProbeCommand, InterruptedItLeavesNoProcess) {
-  const Shell shell;
+  const std::string of_this_test = "crash:hang --h0 1e-3 --h1 1.0" + std::to_string(getpid());
   const Told told =
-      shell.line("timeout -s INT 1 '" HMAX_PROGRAM "' probe --plugin " + tested +
-                 ":crash:hang --h0 1e-3 --h1 1.0625; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM
-                 " probe .*crash:hang --h0 1e-3 --h1 1.0625' | wc -l");
+      Shell().line("timeout -s INT 1 '" HMAX_PROGRAM "' probe --plugin " + tested + ":" + of_this_test +
+                   "; echo $?; sleep 0.2; pgrep -f '^" HMAX_PROGRAM " probe .*" + of_this_test + "' | wc -l");
   EXPECT_EQ(told.out.substr(told.out.size() - 2), "0\n") << told.out << told.err;
 }
 
 /// A pipe at which somebody waits for the end of the command, and what is left of the plugin then.
 Told told_by_pipe(const std::string& arguments) {
-  return Shell().line(
-      "timeout 30 sh -c \"('" HMAX_PROGRAM "' " + arguments +
-      "; echo code \\$?) 2>&1 | cat\"; echo ended with $?; sleep 0.1; pgrep -fc '^sleep 61.25'");
+  const std::string seconds = "61." + std::to_string(getpid());
+  return Shell().line("TESTED_SLEEP=" + seconds + " timeout 30 sh -c \"('" HMAX_PROGRAM "' " + arguments +
+                      "; echo code \\$?) 2>&1 | cat\"; echo ended with $?; sleep 0.1; pgrep -fc '^sleep " +
+                      seconds + "$'");
 }
 
 TEST(ProbeCommand, ProcessesOfAPluginEndWithIt) {

@@ -4,31 +4,24 @@
 #include <csignal>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
 namespace {
 
-/// A folder that is removed with its files.
 struct CheckpointFile : testing::Test {
-  std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / ("checkpoint_" + std::to_string(getpid()));
+  const Scratch folder;
   std::filesystem::path file = folder / "run.checkpoint";
-  void SetUp() override { std::filesystem::create_directory(folder); }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 
-  [[nodiscard]] std::string bytes() const {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  }
-  void put(const std::string& text) const { std::ofstream(file, std::ios::binary) << text; }
+  [[nodiscard]] std::string bytes() const { return read_text(file); }
+  void put(const std::string& text) const { write_text(file, text); }
   [[nodiscard]] std::string refusal() const {
     return error_of<std::runtime_error>([&] { read_checkpoint(file); });
   }

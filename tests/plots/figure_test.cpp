@@ -16,6 +16,7 @@
 #include "plots/alt_text.hpp"
 #include "plots/draw.hpp"
 #include "plots/gnuplot.hpp"
+#include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
@@ -25,19 +26,8 @@ namespace fs = std::filesystem;
 /// An empty folder of its own for each test, gone afterwards.
 class FigureTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "hmax_figure_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder); }
-
-  static std::string contents(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-
-  fs::path folder;
+  const Scratch scratch;
+  const fs::path folder = scratch.folder();
 };
 
 Figure small_figure() {
@@ -102,10 +92,10 @@ TEST_F(FigureTest, GnuplotDrawsThreePicturesTwiceTheSame) {
   ASSERT_TRUE(first.drawn()) << first.problem;
   ASSERT_EQ(first.made.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i)
-    EXPECT_EQ(contents(first.made[i]), contents(second.made[i])) << first.made[i];
-  EXPECT_EQ(contents(folder / "a/steps.png").substr(1, 3), "PNG");
-  EXPECT_EQ(contents(folder / "a/steps.pdf").substr(0, 4), "%PDF");
-  EXPECT_NE(contents(folder / "a/steps.svg").find("rk2_heun"), std::string::npos);  // no subscript
+    EXPECT_EQ(read_text(first.made[i]), read_text(second.made[i])) << first.made[i];
+  EXPECT_EQ(read_text(folder / "a/steps.png").substr(1, 3), "PNG");
+  EXPECT_EQ(read_text(folder / "a/steps.pdf").substr(0, 4), "%PDF");
+  EXPECT_NE(read_text(folder / "a/steps.svg").find("rk2_heun"), std::string::npos);  // no subscript
 }
 
 TEST_F(FigureTest, TheScriptDrawsAgainInItsOwnFolder) {
@@ -113,14 +103,14 @@ TEST_F(FigureTest, TheScriptDrawsAgainInItsOwnFolder) {
   draw(small_figure(), folder, "steps");
   // Behind the words for those who cannot see it, which gnuplot knows nothing of.
   const auto drawn = [&] {
-    const std::string svg = contents(folder / "steps.svg");
+    const std::string svg = read_text(folder / "steps.svg");
     return svg.substr(svg.find("</desc>"));
   };
-  const std::string before = drawn(), png = contents(folder / "steps.png");
+  const std::string before = drawn(), png = read_text(folder / "steps.png");
   fs::remove(folder / "steps.svg");
   EXPECT_EQ(run_gnuplot(folder, "steps.gp"), "");
   EXPECT_EQ(drawn(), before);
-  EXPECT_EQ(contents(folder / "steps.png"), png);
+  EXPECT_EQ(read_text(folder / "steps.png"), png);
 }
 
 TEST_F(FigureTest, SaysInWordsWhatIsSeen) {
@@ -132,7 +122,7 @@ TEST_F(FigureTest, SaysInWordsWhatIsSeen) {
   const FigureFiles files = draw(figure, folder, "steps");
   EXPECT_EQ(files.alt, alt_text(figure));
   if (!files.drawn()) GTEST_SKIP() << files.problem;
-  const std::string svg = contents(folder / "steps.svg");
+  const std::string svg = read_text(folder / "steps.svg");
   EXPECT_NE(svg.find("<svg role=\"img\""), std::string::npos);
   EXPECT_NE(svg.find("<title>Error &lt; step &amp; more</title>"), std::string::npos);
   EXPECT_NE(svg.find("Shown: rk2_heun, rk4.</desc>"), std::string::npos);
@@ -177,7 +167,7 @@ TEST_F(FigureTest, GnuplotDrawsNames) {
   figure.panels[0].marks = {{.x = 0.1, .y = 1, .style = {.marker = 7}, .name = "hht_alpha"}};
   const FigureFiles files = draw(figure, folder, "names");
   ASSERT_TRUE(files.drawn()) << files.problem;
-  const std::string svg = contents(folder / "names.svg");
+  const std::string svg = read_text(folder / "names.svg");
   for (const char* name : {"one", "two", "hht_alpha"}) EXPECT_NE(svg.find(name), std::string::npos) << name;
 }
 
@@ -234,7 +224,7 @@ TEST_F(FigureTest, RefusesFilesOfOthersBeforehand) {
 TEST_F(FigureTest, ScriptsNameNoFolder) {
   const FigureFiles files = draw(small_figure(), folder, "steps");
   for (const char* name : {"steps.gp", "steps.dat"})
-    EXPECT_EQ(contents(folder / name).find(folder.filename().string()), std::string::npos) << name;
+    EXPECT_EQ(read_text(folder / name).find(folder.filename().string()), std::string::npos) << name;
 }
 
 TEST_F(FigureTest, HostileNamesRunNoCommand) {
@@ -256,14 +246,14 @@ TEST_F(FigureTest, HostileNamesRunNoCommand) {
     EXPECT_TRUE(files.drawn() || !gnuplot_available()) << payload << ": " << files.problem;
     EXPECT_FALSE(fs::exists(folder / "injected")) << payload;
     // Every line of the data is a comment, a row of numbers or empty.
-    std::istringstream data(contents(folder / "steps.dat"));
+    std::istringstream data(read_text(folder / "steps.dat"));
     for (std::string line; std::getline(data, line);)
       EXPECT_TRUE(std::regex_match(line, std::regex(R"(#.*|[-+.e0-9 ]*)"))) << line;
   }
   if (gnuplot_available()) {
     figure.title = "a < b & c";
     draw(figure, folder, "steps");
-    EXPECT_NE(contents(folder / "steps.svg").find("a &lt; b &amp; c"), std::string::npos);
+    EXPECT_NE(read_text(folder / "steps.svg").find("a &lt; b &amp; c"), std::string::npos);
   }
 }
 
@@ -360,7 +350,7 @@ TEST_F(FigureTest, TheFirstPowerOfTenIsLabelled) {
   Figure figure{.panels = {{.x = {"k [N/m]", true, Range{100, 1e6}}}}};
   figure.panels[0].curves.push_back({.x = {100, 1e6}, .y = {0, 1}});
   ASSERT_TRUE(draw(figure, folder, "powers").drawn());
-  const std::string svg = contents(folder / "powers.svg");
+  const std::string svg = read_text(folder / "powers.svg");
   for (const char* power : {">2<", ">3<", ">6<"}) EXPECT_NE(svg.find(power), std::string::npos) << power;
 }
 
@@ -371,7 +361,7 @@ TEST_F(FigureTest, EverySampleOfTheKeyHasItsDash) {
     figure.panels[0].curves.push_back(
         {.label = std::to_string(dash), .x = {0, 1}, .y = {0, 1.0 + dash}, .style = {.dash = dash}});
   ASSERT_TRUE(draw(figure, folder, "dashes").drawn());
-  const std::string svg = contents(folder / "dashes.svg");
+  const std::string svg = read_text(folder / "dashes.svg");
   // Once in the panel and once in the key, each with a path of its own.
   std::map<std::string, int> paths;
   const std::regex dashed("stroke='rgb\\(  0, 114, 178\\)'( stroke-dasharray='[^']*')?");
@@ -426,7 +416,7 @@ TEST_F(FigureTest, ThePdfHasNoTimeOfDay) {
     setenv("PATH", folder.c_str(), 1);
     draw(small_figure(), folder, "steps");
     setenv("PATH", kept.c_str(), 1);
-    return contents(folder / "steps.pdf");
+    return read_text(folder / "steps.pdf");
   };
   EXPECT_EQ(pdf_of("%PDF-1.5 /CreationDate (D:20261126143301Z) end"),
             "%PDF-1.5 /CreationDate (D:19700101000000Z) end");

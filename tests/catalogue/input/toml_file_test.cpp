@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.hpp"
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -152,10 +152,9 @@ TEST(TomlFile, ComplainsAboutAFileThatIsNotThereOrIsAFolder) {
 }
 
 TEST(TomlFile, ReadsAFileFromDisk) {
-  const auto path = std::filesystem::temp_directory_path() / "hmax_toml_file_test.toml";
-  std::ofstream(path) << "a = 1\n";
-  EXPECT_EQ(read_toml(path).root["a"], 1);
-  std::filesystem::remove(path);
+  const Scratch scratch;
+  write_text(scratch / "a.toml", "a = 1\n");
+  EXPECT_EQ(read_toml(scratch / "a.toml").root["a"], 1);
 }
 
 TEST(RejectUnknownKeys, NamesLineTableAndTheNearestKey) {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "core/errors.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -25,21 +25,14 @@ namespace {
 /// A file for the time of one test.
 class File {
  public:
-  explicit File(const std::string& text)
-      : path_(std::filesystem::temp_directory_path() /
-              ("hmax_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
-               ".toml")) {
-    std::ofstream(path_) << text;
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  ~File() { std::filesystem::remove(path_); }
+  explicit File(const std::string& text) { write_text(path(), text); }
   [[nodiscard]] Problem problem(const ProblemSettings& settings = {}) const {
-    return make_problem(path_.string(), settings);
+    return make_problem(path().string(), settings);
   }
 
  private:
-  std::filesystem::path path_;
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / "model.toml"; }
+  Scratch folder_;
 };
 
 std::string refusal_of_problem(const std::string& problem_lines) {

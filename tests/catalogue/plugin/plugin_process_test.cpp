@@ -4,7 +4,6 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <pthread.h>
 #include <string>
 #include <sys/time.h>
@@ -20,6 +19,7 @@
 #include "catalogue/plugin/plugin_stepper.hpp"
 #include "core/errors.hpp"
 #include "limits/predict.hpp"
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -170,12 +170,11 @@ TEST(Plugin, WhatCannotBeLoadedSaysWhy) {
 }
 
 TEST(Plugin, AFolderMayHaveAColonInItsName) {
-  const auto folder = std::filesystem::temp_directory_path() / "hmax_build:2";
-  std::filesystem::create_directories(folder);
-  const std::string file = folder / "model.so";
-  std::ofstream{file};
+  const Scratch scratch;
+  std::filesystem::create_directory(scratch / "build:2");
+  const std::string file = scratch / "build:2/model.so";
+  write_text(file, "");
   const PluginName plugin = parse_plugin(file + ":pendulum:a:b");
-  std::filesystem::remove_all(folder);
   EXPECT_EQ(plugin.file, file);
   EXPECT_EQ(plugin.name, "pendulum");
   EXPECT_EQ(plugin.argument, "a:b");

@@ -257,11 +257,12 @@ struct Crash : Engine {
   }
 };
 
-/// A process that outlives what made it, and holds its files open.
+/// A process that outlives what made it, and holds its files open. How long it sleeps is its name for a test.
 void leave_a_process(bool as_daemon) {
   if (fork() != 0) return;
   if (as_daemon) setsid();
-  execlp("sleep", "sleep", "61.25", nullptr);
+  const char* seconds = std::getenv("TESTED_SLEEP");
+  execlp("sleep", "sleep", seconds != nullptr ? seconds : "60", nullptr);
   _exit(1);
 }
 
