@@ -27,15 +27,7 @@ const std::string two_parts =
 
 class FebioScenes : public SceneFiles {
  protected:
-  FebioScenes() : SceneFiles("a.feb", "m,kg,s") {}
-
-  /// What of the text is replaced by what: the error that reading tells.
-  std::string error(const std::string& what, const std::string& by) {
-    return SceneFiles::error(changed(what, by));
-  }
-  static std::string changed(const std::string& what, const std::string& by) {
-    return replaced(two_parts, what, by);
-  }
+  FebioScenes() : SceneFiles("a.feb", "m,kg,s", two_parts) {}
 };
 
 /// V (lambda + 2 mu) / m of a corner that is free, along z: 1200 / 6 / (1 / 24) of the soft one.
@@ -111,12 +103,7 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
       {"Control is given twice", {"<Globals>", "<Control/><Globals>"}},
       {"'rigid' of a Boundary", {"<Boundary>", "<Boundary><rigid/>"}},
       {"'febio_spec' has no end", {"</febio_spec>", ""}}};
-  for (const auto& [named, change] : cases) {
-    const std::string told = error(change[0], change[1]) + " ";
-    EXPECT_TRUE(says(told, named));
-    EXPECT_TRUE(says(told, "a.feb"));
-    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
-  }
+  for (const auto& [named, change] : cases) expect_refused(change[0], change[1], named);
   EXPECT_EQ(read(changed("<solver type=\"solid\">",
                          "<solver type=\"solid\"><max_refs>25</max_refs><qn_method "
                          "type=\"BFGS\"><max_ups>10</max_ups></qn_method>"))
@@ -141,11 +128,7 @@ TEST_F(FebioScenes, NameLoadsThatTheyDoNotUnderstand) {
        "<nodal_load type=\"nodal_force\" node_set=\"middle\"><value>1,0,0</value><relative>1</relative></nodal_load>"},
       {"dof of a nodal_load is not x, y or z",
        "<nodal_load type=\"nodal_load\" node_set=\"middle\"><dof>p</dof><scale>1</scale></nodal_load>"}};
-  for (const auto& [named, load] : cases) {
-    const std::string told = error("<Boundary>", loaded(load));
-    EXPECT_TRUE(says(told, named));
-    EXPECT_TRUE(says(told, "a.feb, line "));
-  }
+  for (const auto& [named, load] : cases) expect_refused("<Boundary>", loaded(load), named, ", line ");
 }
 
 TEST_F(FebioScenes, JudgeTheStepThatATimeStepperBeginsWith) {
@@ -174,10 +157,10 @@ TEST_F(FebioScenes, HaveForcesOnPointsAndBodyLoads) {
   EXPECT_EQ(value(scene, "gz"), -9.81);
   EXPECT_EQ(value(scene, "gx"), -2);
   const std::string ramp = replaced(text, "<pt>0,2</pt>", "<pt>0,0</pt>");
-  EXPECT_TRUE(says(SceneFiles::error(ramp), "scale follows the load controller 1"));
+  EXPECT_TRUE(says(error(ramp), "scale follows the load controller 1"));
   EXPECT_EQ(value(read(ramp, "lc"), "force_z:points:14"), 2);
-  EXPECT_TRUE(says(SceneFiles::error(replaced(text, "controller id=\"1\"", "controller id=\"2\"")),
-                   "no load_controller '1'"));
+  EXPECT_TRUE(
+      says(error(replaced(text, "controller id=\"1\"", "controller id=\"2\"")), "no load_controller '1'"));
 }
 
 /// Wherever a file is cut off or damaged, it is refused in one sentence or is a scene.

@@ -29,14 +29,7 @@ std::string grid(const std::string& attributes, const std::string& parts = "") {
 
 class MujocoScenes : public SceneFiles {
  protected:
-  MujocoScenes() : SceneFiles("a.xml", "m,kg,s") {}
-
-  std::string error(const std::string& what, const std::string& by) {
-    return SceneFiles::error(changed(what, by));
-  }
-  static std::string changed(const std::string& what, const std::string& by) {
-    return replaced(corner, what, by);
-  }
+  MujocoScenes() : SceneFiles("a.xml", "m,kg,s", corner) {}
 };
 
 TEST_F(MujocoScenes, AreBodiesWithTheirElasticityAndPins) {
@@ -131,8 +124,8 @@ TEST_F(MujocoScenes, LoadMeshesOfGmsh) {
                                     "<worldbody>", "<compiler meshdir=\"meshes\"/><worldbody>"));
   EXPECT_EQ(body(scene)->dofs(), 3 * 24);
   for (const std::string& name : {std::string("b"), std::string(300, 'b')})
-    EXPECT_TRUE(says(SceneFiles::error(grid("type=\"gmsh\" file=\"" + name + ".msh\"")), "there is no file"));
-  EXPECT_TRUE(says(SceneFiles::error(grid("type=\"gmsh\" file=\"a.xml\"")), "takes a .msh"));
+    EXPECT_TRUE(says(error(grid("type=\"gmsh\" file=\"" + name + ".msh\"")), "there is no file"));
+  EXPECT_TRUE(says(error(grid("type=\"gmsh\" file=\"a.xml\"")), "takes a .msh"));
 }
 
 TEST_F(MujocoScenes, NameWhatTheyDoNotUnderstand) {
@@ -167,26 +160,19 @@ TEST_F(MujocoScenes, NameWhatTheyDoNotUnderstand) {
        {"point=\"0 0 0 1 0 0 0 1 0 0 0 1\"", "point=\"0 0 0 1 0 0 0 1 0 1\""}},
       {"'skin' is not understood", {"<worldbody", "<skin/><worldbody"}},
       {"'colour' of flexcomp", {"dim=\"3\"", "dim=\"3\" colour=\"1\""}}};
-  for (const auto& [named, change] : cases) {
-    const std::string told = error(change[0], change[1]) + " ";
-    EXPECT_TRUE(says(told, named)) << told;
-    EXPECT_TRUE(says(told, "a.xml, line ")) << told;
-    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
-  }
-  EXPECT_TRUE(says(SceneFiles::error("<mujoco/>"), "there is no flexcomp"));
+  for (const auto& [named, change] : cases) expect_refused(change[0], change[1], named, ", line ");
+  EXPECT_TRUE(says(error("<mujoco/>"), "there is no flexcomp"));
   EXPECT_TRUE(says(
       read(changed("<light", "<geom type=\"plane\" size=\"1 1 1\"/><light"), "geom").notes.back(), "geom"));
-  EXPECT_EQ(error("<light", "<geom contype=\"0\" conaffinity=\"0\" size=\"1\"/><light"), "");
+  EXPECT_EQ(error(changed("<light", "<geom contype=\"0\" conaffinity=\"0\" size=\"1\"/><light")), "");
 }
 
 TEST_F(MujocoScenes, RefuseEndlessGrids) {
   for (const char* count :
        {"1000000000 1000000000 1000000000", "9223372036854775807 2 2", "1 4 4", "-3 4 4", "3 4"})
-    EXPECT_TRUE(says(SceneFiles::error(grid(fmt::format("count=\"{}\"", count))), "count")) << count;
-  EXPECT_TRUE(
-      says(SceneFiles::error(grid("count=\"3 3 3\"", "<pin range=\"0 9223372036854775807\"/>")), "no point"));
-  EXPECT_TRUE(says(SceneFiles::error(grid("count=\"3 3 3\"", "<pin gridrange=\"0 0 0 3 1 1\"/>")),
-                   "outside of count"));
+    EXPECT_TRUE(says(error(grid(fmt::format("count=\"{}\"", count))), "count")) << count;
+  EXPECT_TRUE(says(error(grid("count=\"3 3 3\"", "<pin range=\"0 9223372036854775807\"/>")), "no point"));
+  EXPECT_TRUE(says(error(grid("count=\"3 3 3\"", "<pin gridrange=\"0 0 0 3 1 1\"/>")), "outside of count"));
 }
 
 TEST_F(MujocoScenes, AreRefusedInOneSentenceWhereverTheyAreDamaged) {

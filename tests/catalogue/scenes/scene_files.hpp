@@ -21,7 +21,13 @@ namespace hmax {
 class SceneFiles : public ::testing::Test {
  protected:
   /// @param name  of the file, with the ending of its format
-  SceneFiles(std::string name, std::string units) : name_(std::move(name)), units_(std::move(units)) {}
+  /// @param text  of a scene that tests change
+  SceneFiles(std::string name, std::string units, std::string text)
+      : whole(std::move(text)), name_(std::move(name)), units_(std::move(units)) {}
+
+  [[nodiscard]] std::string changed(const std::string& what, const std::string& by) const {
+    return replaced(whole, what, by);
+  }
 
   Scene read(const std::string& text, const std::string& ignored = "") {
     return read_in(units_, text, ignored);
@@ -32,6 +38,15 @@ class SceneFiles : public ::testing::Test {
   }
   std::string error(const std::string& text, const std::string& ignored = "") {
     return error_of<InputError>([&] { read(text, ignored); });
+  }
+  /// In one sentence that says what is `named` and where it stands.
+  /// @param place  in the file
+  void expect_refused(const std::string& what, const std::string& by, const std::string& named,
+                      const std::string& place = "") {
+    const std::string told = error(changed(what, by)) + " ";
+    EXPECT_TRUE(says(told, named));
+    EXPECT_TRUE(says(told, name_ + place));
+    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
   }
   std::shared_ptr<const TissueBody> body(const Scene& scene) {
     return make_problem(tissue_id(scene.model, (folder / name_).string(), ""), scene.settings).body;
@@ -58,6 +73,7 @@ class SceneFiles : public ::testing::Test {
   }
 
   Scratch folder;
+  const std::string whole;
 
  private:
   std::string name_, units_;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/problems/mesh/files/mesh_damage.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
 #include "tests/says.hpp"
 
@@ -48,26 +49,8 @@ TEST(InpFiles, HaveRegionsOfElementSetsWithoutSections) {
 
 /// Whatever a damaged file says, it is refused in one sentence or is a mesh.
 TEST(InpFiles, SurviveDamage) {
-  std::size_t refused = 0;
-  const auto attempt = [&](const std::string& text) {
-    const std::string told =
-        error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.inp", text)); });
-    if (told.empty()) return;
-    ++refused;
-    EXPECT_TRUE(told.starts_with("a.inp")) << told;
-    EXPECT_EQ(told.find('\n'), std::string::npos) << told;
-  };
-  for (std::size_t i = 0; i < one_inp.size(); ++i) {
-    attempt(one_inp.substr(0, i));
-    attempt(one_inp.substr(i));
-    attempt(std::string(one_inp).erase(i, 1));
-    for (const char c : {',', '*', '-', '=', '9', '\n', '\0', '\xff'}) {
-      std::string damaged = one_inp;
-      damaged[i] = c;
-      attempt(damaged);
-    }
-  }
-  EXPECT_GT(refused, 2 * one_inp.size());
+  EXPECT_GT(refused_damages("a.inp", one_inp, {',', '*', '-', '=', '9', '\n', '\0', '\xff'}),
+            2 * one_inp.size());
   for (const char* huge :
        {"10, 9223372036854775807, 2\n", "9223372036854775806, 9223372036854775807, 9223372036854775807\n",
         "10, 1000000000\n"})
