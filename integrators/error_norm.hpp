@@ -14,7 +14,7 @@ namespace hmax {
 /// What a norm makes of the weighted squares of all components: it takes up those of each piece one after the
 /// other, and then what the pieces come to, so that devices, which have all pieces at once, have the same
 /// bits.
-/// @tparam Norm   WeightedRms or WeightedMaximum
+/// @tparam Norm   WeightedRms or MatlabNorm
 /// @param error   callable, error(i) = component i of the local error
 template <class Norm, class State, class Error>
 HMAX_DEVICE auto squared_by_pieces(const Norm& norm, const State& y, const State& y_new, const Error& error) {
@@ -56,14 +56,14 @@ struct WeightedRms {
   HMAX_DEVICE static Real of_all(Real sum, Eigen::Index n) { return sum / static_cast<Real>(n); }
 };
 
-/// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol_i / rtol), accepted when at most
+/// The norm of MATLAB's ODE suite: max_i |e_i| / max(|y_i|, |y_new,i|, atol / rtol), accepted when at most
 /// rtol [shampine1997matlab]; here divided by rtol, squared.
-template <class Real, class Atol>
-struct WeightedMaximum {
+template <class Real>
+struct MatlabNorm {
   Real rtol;  ///< relative tolerance
-  Atol atol;  ///< one number, or a vector of shape (n), in the units of the state
+  Real atol;  ///< in the units of the state
 
-  /// max_i (e_i / max(rtol |y_i|, rtol |y_new,i|, atol_i))^2; NaN where an e_i is NaN.
+  /// max_i (e_i / max(rtol |y_i|, rtol |y_new,i|, atol))^2; NaN where an e_i is NaN.
   template <class State, class Error>
   Real squared(const State& y, const State& y_new, const Error& error) const {
     return squared_by_pieces(*this, y, y_new, error);
@@ -71,9 +71,8 @@ struct WeightedMaximum {
 
   /// The square of component i; the larger of them; the norm of the largest.
   template <class Scalar, class Error>
-  HMAX_DEVICE Real square(Eigen::Index i, const Scalar& y, const Scalar& y_new, const Error& error) const {
-    const Real absolute = detail::atol_of(atol, i);
-    const Real weight = std::max(std::max(rtol * std::abs(y), rtol * std::abs(y_new)), absolute);
+  HMAX_DEVICE Real square(Eigen::Index, const Scalar& y, const Scalar& y_new, const Error& error) const {
+    const Real weight = std::max(std::max(rtol * std::abs(y), rtol * std::abs(y_new)), atol);
     return Eigen::numext::abs2(error / weight);
   }
   HMAX_DEVICE static void take(Real square, Real& largest) {
@@ -87,13 +86,9 @@ struct WeightedMaximum {
 template <class Real>
 using RmsNorm = WeightedRms<Real, Real>;
 template <class Real>
-using MatlabNorm = WeightedMaximum<Real, Real>;
-template <class Real>
 using ComponentRmsNorm = WeightedRms<Real, Eigen::Vector<Real, Eigen::Dynamic>>;
-template <class Real>
-using ComponentMatlabNorm = WeightedMaximum<Real, Eigen::Vector<Real, Eigen::Dynamic>>;
 
-/// One of the first two, chosen at run time.
+/// RmsNorm or MatlabNorm, chosen at run time.
 template <class Real>
 struct AnyNorm {
   Real rtol, atol;

@@ -69,10 +69,7 @@ StiffnessBounds stiffness_bounds(const ElementSum& elements, const VectorXd& mas
     // No eigenvalue is larger than its norms, which say it of nearly all elements.
     const bool smaller =
         std::min(scaled.norm(), scaled.cwiseAbs().rowwise().sum().maxCoeff()) <= bounds.element;
-    if (const double kappa = smaller ? 0 : largest_eigenvalue_of(scaled); kappa > bounds.element) {
-      bounds.element = kappa;
-      bounds.fastest_element = static_cast<Index>(e);
-    }
+    if (!smaller) bounds.element = std::max(bounds.element, largest_eigenvalue_of(scaled));
     ++e;
   });
 

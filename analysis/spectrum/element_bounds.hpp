@@ -27,7 +27,6 @@ struct StiffnessBounds {
   /// max_e of the largest eigenvalue of M_e^-1 K_e, where sum_e M_e = M: by the quotient of Rayleigh, u^T
   /// K u = sum_e u_e^T K_e u_e <= max_e kappa_e sum_e u_e^T M_e u_e.
   double element = 0;
-  Eigen::Index fastest_element = 0;  ///< number of the element that sets `element`
   /// max over points of the largest eigenvalue of sum_e p_e K_e(a, a) / m_a, with p_e the number of points of
   /// e: a matrix of p x p blocks without negative eigenvalues is at most p times its diagonal blocks.
   double nodal = 0;

@@ -357,7 +357,6 @@ class JacobianSource {
   State f0_ = blank_state<State>(), f1_ = f0_, moved_ = f0_;
   /// q and v of a packed state, shape (n / 2).
   Eigen::Vector<Real, Eigen::Dynamic> positions_, velocities_;
-  bool writes_parts_ = true;           ///< a system with sparse K and C: until it shows dense ones
   Eigen::SparseMatrix<Real> pattern_;  ///< empty: unknown, so every entry
   /// Columns that are moved together.
   ColumnGroups groups_;

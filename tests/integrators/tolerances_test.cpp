@@ -55,8 +55,6 @@ const Vector equal = Vector::Constant(2, 1e-7);
 TEST(ComponentTolerances, OfOneSizeAreTheScalar) {
   expect_same(run(Explicit{}, adaptive<Method>({1e-5, 1e-7})),
               run(Explicit{}, adaptive<Method>({1e-5, equal})));
-  expect_same(run(Explicit{}, Adaptive<double, MatlabController, MatlabNorm>({1e-5, 1e-7}, 5)),
-              run(Explicit{}, Adaptive<double, MatlabController, ComponentMatlabNorm>({1e-5, equal}, 5)));
   expect_same(run(AdamsPece<Plane>{}, ShampineGordonControl<double>({1e-5, 1e-7})),
               run(AdamsPece<Plane>{}, ComponentAdams({1e-5, equal})));
 }
@@ -81,9 +79,6 @@ TEST(ComponentTolerances, AreInTheUnitsOfTheirComponent) {
   const Plane scaled(1e-7 * unit, 1e-7);
   expect_same_in_units(run(Explicit{}, adaptive<Method>({1e-5, 1e-7})),
                        run(Explicit{}, adaptive<Method>({1e-5, scaled}), unit));
-  expect_same_in_units(
-      run(Explicit{}, Adaptive<double, MatlabController, MatlabNorm>({1e-5, 1e-7}, 5)),
-      run(Explicit{}, Adaptive<double, MatlabController, ComponentMatlabNorm>({1e-5, scaled}, 5), unit));
   const Steered scalar = run(Explicit{}, adaptive<Method>({1e-5, 1e-7}), unit);
   EXPECT_NE(scalar.end.stats.steps, run(Explicit{}, adaptive<Method>({1e-5, 1e-7})).end.stats.steps);
 }

@@ -109,8 +109,6 @@ TEST(ElementBounds, AnElementBesideAPressedPointOwnsTheFastestMode) {
   EXPECT_GT(owner.share, 0.4);
   EXPECT_LT(owner.elements, 10);
   EXPECT_LT(owner.moving_points, 6);
-  const StiffnessBounds bounds = stiffness_bounds(structure.elements, structure.mass, {}, structure.K);
-  EXPECT_TRUE(has_the_point(bounds.fastest_element));
 }
 
 }  // namespace
