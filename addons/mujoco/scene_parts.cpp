@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace hmax::mujoco {
 namespace {
@@ -184,65 +183,6 @@ double rate_of_filter(const mjModel* m, int i) {
   return filters && constant > 0 ? 1 / constant : 0;
 }
 
-class Parts {
- public:
-  Parts(const mjModel* m, std::size_t most) : m_(m), most_(most) {}
-
-  void add(Kind kind, int id, Numbers numbers) {
-    if (parts_.size() == most_ || (numbers.stiffness == 0 && numbers.damping == 0)) return;
-    parts_.push_back({.kind = kind,
-                      .id = id,
-                      .name = name_of(m_, kind, id),
-                      .stiffness = numbers.stiffness,
-                      .damping = numbers.damping});
-  }
-  void add_joints();
-  void add_tendons();
-  void add_actuators();
-  void add_constraints();
-  [[nodiscard]] std::vector<Part> take() { return std::move(parts_); }
-
- private:
-  const mjModel* m_;
-  std::size_t most_;
-  std::vector<Part> parts_;
-};
-
-void Parts::add_joints() {
-  for (int i = 0; i < m_->njnt; ++i) {
-    const int dof = m_->jnt_dofadr[i];
-    add(Kind::joint, i, {m_->jnt_stiffness[i], m_->dof_damping[dof]});
-    if (m_->jnt_limited[i]) add(Kind::joint_limit, i, numbers_of(m_->jnt_solref + i * mjNREF));
-    if (m_->dof_frictionloss[dof] > 0)
-      add(Kind::joint_friction, i, numbers_of(m_->dof_solref + dof * mjNREF));
-  }
-}
-
-void Parts::add_tendons() {
-  for (int i = 0; i < m_->ntendon; ++i) {
-    add(Kind::tendon, i, {m_->tendon_stiffness[i], m_->tendon_damping[i]});
-    if (m_->tendon_limited[i]) add(Kind::tendon_limit, i, numbers_of(m_->tendon_solref_lim + i * mjNREF));
-    if (m_->tendon_frictionloss[i] > 0)
-      add(Kind::tendon_friction, i, numbers_of(m_->tendon_solref_fri + i * mjNREF));
-  }
-}
-
-void Parts::add_actuators() {
-  for (int i = 0; i < m_->nu; ++i) {
-    add(Kind::actuator, i, numbers_of_actuator(m_, i));
-    add(Kind::filter, i, {0, rate_of_filter(m_, i)});
-  }
-}
-
-void Parts::add_constraints() {
-  for (int i = 0; i < m_->neq; ++i)
-    if (m_->eq_active[i]) add(Kind::equality, i, numbers_of(m_->eq_solref + i * mjNREF));
-  for (int i = 0; i < m_->npair; ++i) add(Kind::pair, i, numbers_of(m_->pair_solref + i * mjNREF));
-  for (int i = 0; i < m_->ngeom; ++i)
-    if (m_->geom_contype[i] || m_->geom_conaffinity[i])
-      add(Kind::contact, i, numbers_of(m_->geom_solref + i * mjNREF));
-}
-
 }  // namespace
 
 const char* text_of(Kind kind) {
@@ -253,15 +193,42 @@ const char* text_of(Kind kind) {
   return texts[static_cast<std::size_t>(kind)];
 }
 
-std::vector<Part> parts_of(const mjModel* model, std::size_t most) {
-  Parts parts(model, most);
-  parts.add(Kind::gravity, 0, {mju_norm3(model->opt.gravity), 0});
-  parts.add(Kind::viscosity, 0, {0, model->opt.viscosity});
-  parts.add_joints();
-  parts.add_tendons();
-  parts.add_actuators();
-  parts.add_constraints();
-  return parts.take();
+std::vector<Part> parts_of(const mjModel* m, std::size_t most) {
+  std::vector<Part> parts;
+  const auto add = [&](Kind kind, int id, Numbers numbers) {
+    if (parts.size() == most || (numbers.stiffness == 0 && numbers.damping == 0)) return;
+    parts.push_back({.kind = kind,
+                     .id = id,
+                     .name = name_of(m, kind, id),
+                     .stiffness = numbers.stiffness,
+                     .damping = numbers.damping});
+  };
+  const auto add_constraint = [&](Kind kind, int id, const mjtNum* references, int k) {
+    add(kind, id, numbers_of(references + k * mjNREF));
+  };
+  add(Kind::gravity, 0, {mju_norm3(m->opt.gravity), 0});
+  add(Kind::viscosity, 0, {0, m->opt.viscosity});
+  for (int i = 0; i < m->njnt; ++i) {
+    const int dof = m->jnt_dofadr[i];
+    add(Kind::joint, i, {m->jnt_stiffness[i], m->dof_damping[dof]});
+    if (m->jnt_limited[i]) add_constraint(Kind::joint_limit, i, m->jnt_solref, i);
+    if (m->dof_frictionloss[dof] > 0) add_constraint(Kind::joint_friction, i, m->dof_solref, dof);
+  }
+  for (int i = 0; i < m->ntendon; ++i) {
+    add(Kind::tendon, i, {m->tendon_stiffness[i], m->tendon_damping[i]});
+    if (m->tendon_limited[i]) add_constraint(Kind::tendon_limit, i, m->tendon_solref_lim, i);
+    if (m->tendon_frictionloss[i] > 0) add_constraint(Kind::tendon_friction, i, m->tendon_solref_fri, i);
+  }
+  for (int i = 0; i < m->nu; ++i) {
+    add(Kind::actuator, i, numbers_of_actuator(m, i));
+    add(Kind::filter, i, {0, rate_of_filter(m, i)});
+  }
+  for (int i = 0; i < m->neq; ++i)
+    if (m->eq_active[i]) add_constraint(Kind::equality, i, m->eq_solref, i);
+  for (int i = 0; i < m->npair; ++i) add_constraint(Kind::pair, i, m->pair_solref, i);
+  for (int i = 0; i < m->ngeom; ++i)
+    if (m->geom_contype[i] || m->geom_conaffinity[i]) add_constraint(Kind::contact, i, m->geom_solref, i);
+  return parts;
 }
 
 void scale(mjModel* m, const mjModel* from, const Part& part, double stiffness, double damping) {
