@@ -9,6 +9,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <gtest/gtest.h>
+
+#include "integrators/observers.hpp"
 
 namespace hmax::peers {
 
@@ -22,6 +25,22 @@ struct Circle {
   void jacobian(double, const State&, Jacobian& J) const { J << 0, 1, -1, 0; }
   static State exact(double t) { return {std::cos(t), -std::sin(t)}; }
 };
+
+/// The largest error of points inside the steps of a run of the circle to t = 10.
+/// @param run  called with the state at the start and an observer
+template <class Run>
+double worst_inside_steps(const Run& run) {
+  Eigen::Vector2d y(1, 0);
+  double worst = 0;
+  int samples = 0;
+  SampleEvery sample(Span<double>{0, 10}, 0.01, y, [&](double t, const Eigen::Vector2d& at) {
+    worst = std::max(worst, (at - Circle::exact(t)).norm());
+    ++samples;
+  });
+  run(y, sample);
+  EXPECT_EQ(samples, 1001);
+  return worst;
+}
 
 /// y' = -1000 (y - cos t) - sin t, y(t) = cos t from 1: stiff, and it depends on time. `wrong` replaces the
 /// Jacobian by one of the other sign.

@@ -11,7 +11,6 @@
 #include <string>
 #include <sys/time.h>
 #include <sys/wait.h>
-#include <tuple>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -57,11 +56,6 @@ const Row& row(const std::vector<Row>& rows, const std::string& method, const st
 
 std::string refusal(const SweepSpec& spec) {
   return error_of<InputError>([&] { plan_sweep(spec); });
-}
-
-auto identity(const RowKey& k) {
-  return std::make_tuple(k.problem, k.material, k.parameters, k.y0, k.method, k.mode, k.control, k.h, k.rtol,
-                         k.atol, k.t_end);
 }
 
 TEST(Sweep, TheDefaultsAreTheStudysStepsInBothReadingsWithEveryMethod) {
@@ -353,10 +347,10 @@ TEST(Sweep, KilledAtRandomMomentsAndResumedItLosesNoRowAndDoublesNone) {
 
   Store store = open_sweep_store(plan, file, true);
   run_sweep(plan, store);
-  std::set<decltype(identity(RowKey{}))> expected, found;
+  std::set<RowKey> expected, found;
   for (const SweepBlock& block : plan.blocks)
-    for (const std::size_t m : block.methods) expected.insert(identity(row_key(plan, block, m)));
-  for (const Row& r : store.rows()) EXPECT_TRUE(found.insert(identity(r.key)).second);
+    for (const std::size_t m : block.methods) expected.insert(row_key(plan, block, m));
+  for (const Row& r : store.rows()) EXPECT_TRUE(found.insert(r.key).second);
   EXPECT_EQ(found, expected);
 }
 

@@ -400,20 +400,16 @@ int scale_part(void* handle, size_t part, double stiffness, double damping) {
 template <class E>
 constexpr hmax_stepper table(uint32_t flags = 0, int (*quaternions)(void*, size_t*, size_t*) = nullptr,
                              decltype(hmax_stepper::couplings) couplings = nullptr) {
-  return {{create<E>, destroy, error_text, dimension},
-          flags,
-          get,
-          set,
-          step,
-          saved_size,
-          save,
-          restore,
-          quaternions,
-          nullptr,
-          couplings,
-          nullptr,
-          nullptr,
-          nullptr};
+  return {.object = {create<E>, destroy, error_text, dimension},
+          .flags = flags,
+          .get_state = get,
+          .set_state = set,
+          .step = step,
+          .saved_size = saved_size,
+          .save = save,
+          .restore = restore,
+          .quaternions = quaternions,
+          .couplings = couplings};
 }
 
 constexpr hmax_stepper with_parts(hmax_stepper stepper, decltype(scale_part)* scales) {
@@ -478,15 +474,8 @@ int rhs_faulty(void* handle, double, const double* y, double* dydt) {
   while (faulty.way == "hang") usleep(1000);
   return HMAX_OK;
 }
-const hmax_model faulty{{create_faulty, destroy_faulty, nullptr, one},
-                        start_faulty,
-                        rhs_faulty,
-                        nullptr,
-                        nullptr,
-                        nullptr,
-                        nullptr,
-                        nullptr,
-                        nullptr};
+const hmax_model faulty{
+    .object = {create_faulty, destroy_faulty, nullptr, one}, .start = start_faulty, .rhs = rhs_faulty};
 
 /// Three pendulums q'' = -sin q - 0.1 v |v|, which refuse arrays that are not aligned as plugin.h promises.
 bool aligned(const double* numbers) { return reinterpret_cast<std::uintptr_t>(numbers) % 64 == 0; }
@@ -500,15 +489,10 @@ int force_of_pendulums(void*, double, const double* q, const double* v, double* 
   for (int i = 0; i < 3; ++i) f[i] = -std::sin(q[i]) - 0.1 * v[i] * std::abs(v[i]);
   return aligned(q) && aligned(v) && aligned(f) ? HMAX_OK : 9;
 }
-const hmax_model pendulums{{create_faulty, destroy_faulty, nullptr, six},
-                           start_pendulums,
-                           nullptr,
-                           nullptr,
-                           mass_of_pendulums,
-                           force_of_pendulums,
-                           nullptr,
-                           nullptr,
-                           nullptr};
+constexpr hmax_model pendulums{.object = {create_faulty, destroy_faulty, nullptr, six},
+                               .start = start_pendulums,
+                               .mass = mass_of_pendulums,
+                               .force = force_of_pendulums};
 
 /// The same with a stiffness, right or of the other sign by the argument.
 int stiffness_of_pendulums(void* handle, double, const double* q, const double*, double* K) {
@@ -517,15 +501,11 @@ int stiffness_of_pendulums(void* handle, double, const double* q, const double*,
   for (int i = 0; i < 3; ++i) K[4 * i] = sign * std::cos(q[i]);
   return HMAX_OK;
 }
-const hmax_model stiff_pendulums{{create_faulty, destroy_faulty, nullptr, six},
-                                 start_pendulums,
-                                 nullptr,
-                                 nullptr,
-                                 mass_of_pendulums,
-                                 force_of_pendulums,
-                                 stiffness_of_pendulums,
-                                 nullptr,
-                                 nullptr};
+constexpr hmax_model stiff_pendulums = [] {
+  hmax_model model = pendulums;
+  model.stiffness = stiffness_of_pendulums;
+  return model;
+}();
 
 const hmax_stepper chain = table<Chain<double>>(), float_chain = table<Chain<float>>(HMAX_SINGLE_PRECISION),
                    explicit_euler = table<ExplicitEuler>(), unstable = table<Unstable>(),
