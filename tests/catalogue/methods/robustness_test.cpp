@@ -1,5 +1,7 @@
-/// Every adaptive method of the catalogue on problems that break assumptions: whatever happens, a run ends
-/// soon, with a clear outcome and a state that is finite.
+/// Every adaptive method of the catalogue, also those of Boost.Odeint and SUNDIALS, on problems that break
+/// assumptions: whatever happens, a run ends soon, with a clear outcome and a state that is finite. And from
+/// a start at rest, and over right-hand sides that jump.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,6 +12,7 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/problems.hpp"
+#include "tests/integrators/forced.hpp"
 
 namespace hmax {
 namespace {
@@ -87,9 +90,10 @@ TEST(StepsFarBeyondTheModel, EndAtTheRootOfTheirEquationsOrSayThatTheyDoNot) {
 class EveryAdaptiveMethod : public testing::TestWithParam<std::string> {
  protected:
   Method method = find_method(GetParam());
+  bool own = method.engine == own_engine;
 
-  RunRecord run(const Problem& problem, const RunSpec& spec) const {
-    return method.bind(problem).run(spec, {});
+  RunRecord run(const Problem& problem, const RunSpec& spec, const Sink& sink = {}) const {
+    return method.bind(problem).run(spec, sink);
   }
 };
 
@@ -110,7 +114,7 @@ TEST_P(EveryAdaptiveMethod, EndsBeforeARegionWhereFIsNotANumber) {
   const RunRecord record = run(after_half, adaptive(1, tolerance_for(method)));
   EXPECT_NE(record.outcome, Outcome::reached_end);
   EXPECT_NE(record.outcome, Outcome::too_many_steps);
-  if (method.engine == own_engine) {
+  if (own) {
     EXPECT_NE(record.outcome, Outcome::diverged);
     EXPECT_GT(record.t, 0.5 - 1e-6);
   }
@@ -124,7 +128,6 @@ TEST_P(EveryAdaptiveMethod, EndsBeforeAStateWhereFIsNotANumber) {
       0, [](auto, auto y) { return y < 2 ? decltype(y)(1) : static_cast<decltype(y)>(nan); },
       [](auto, auto y) { return y * 0; });
   const RunRecord record = run(wall, adaptive(3, tolerance_for(method)));
-  const bool own = method.engine == own_engine;
   EXPECT_TRUE(!own || record.outcome == Outcome::newton_failed || record.outcome == Outcome::step_too_small);
   EXPECT_NE(record.outcome, Outcome::reached_end);
   EXPECT_NEAR(record.t, 2, own ? 1e-6 : 0.2);
@@ -200,6 +203,64 @@ TEST_P(EveryAdaptiveMethod, IsNotSilentlyWrongWithAWrongJacobian) {
     EXPECT_NEAR(record.y[0], std::exp(-1), 100 * tolerance);
   else
     EXPECT_NE(record.outcome, Outcome::diverged);
+}
+
+template <class System>
+Problem at_rest(const System& system) {
+  return {.id = "forced", .states = {"y"}, .y0 = Eigen::VectorXd::Zero(1), .system = AnySystem(system)};
+}
+RunSpec with(Controllers control, double t_end) {
+  return {.t_end = t_end,
+          .adaptive = true,
+          .rtol = 1e-5,
+          .atol = 1e-7,
+          .control = control,
+          .max_steps = 5'000'000};
+}
+
+TEST_P(EveryAdaptiveMethod, SeesForcesThatBeginAtZeroInEveryUnitOfTime) {
+  // Stages of SUNDIALS are solved loosely.
+  const double share = own ? 3e-3 : 1e-2, size = own ? 1e-4 : 2e-4;
+  for (const double unit : {1e-9, 1e-3, 1.0, 1e3, 1e9})
+    for (const forced::Forcing& forcing : forced::forcings())
+      for (const Controllers control : {Controllers::deadband, Controllers::matlab}) {
+        if (!own && control == Controllers::matlab) continue;
+        const RunRecord record = run(at_rest(forced::Forced{forcing.g, unit}), with(control, 10 * unit));
+        EXPECT_EQ(record.outcome, Outcome::reached_end) << forcing.name << " " << unit;
+        // Motions are of the size one; the least that is left of one is 0.006.
+        EXPECT_NEAR(record.y[0], forcing.end, share * std::abs(forcing.end) + size)
+            << forcing.name << " " << unit;
+      }
+}
+
+TEST_P(EveryAdaptiveMethod, GoesOverJumpsThatTheModelNames) {
+  for (const double height : {1.0, 1e6})
+    for (const bool at_once : {true, false})
+      for (const Controllers control : {Controllers::deadband, Controllers::matlab}) {
+        if (!own && control == Controllers::matlab) continue;
+        const forced::Switched system{.height = height, .at_once = at_once};
+        std::vector<double> ends;
+        const RunRecord record =
+            run(at_rest(system), with(control, 10), [&](double t, const auto&) { ends.push_back(t); });
+        EXPECT_EQ(record.outcome, Outcome::reached_end) << height << at_once << record.note;
+        EXPECT_NEAR(record.y[0] / height, system.end() / height, 5e-4) << height << at_once;
+        for (const double jump : {3.0, 7.0})
+          EXPECT_TRUE(std::ranges::any_of(ends, [&](double t) { return std::abs(t - jump) < 1e-13 * jump; }))
+              << jump;
+        // Up to the jump nothing acts: no step is rejected for the sake of it.
+        EXPECT_LT(std::ranges::count_if(ends, [](double t) { return t <= 3; }), 25);
+      }
+}
+
+TEST_P(EveryAdaptiveMethod, KeepsToTheFirstAndTheLongestStepOfTheUser) {
+  std::vector<double> times;
+  const RunSpec spec{
+      .t_end = 10, .adaptive = true, .rtol = 1e-3, .atol = 1e-3, .h_first = 0.01, .h_max = 0.25};
+  run(at_rest(forced::Forced{forced::forcings()[1].g}), spec,
+      [&](double t, const auto&) { times.push_back(t); });
+  ASSERT_GT(times.size(), 10U);
+  EXPECT_LE(times[1], 0.01 * (1 + 1e-12));
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_LE(times[i] - times[i - 1], 0.25 * 1.0101) << i;
 }
 
 }  // namespace
