@@ -1,6 +1,7 @@
 /// Dense output: what lies between the ends of a step.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/integrators/methods.hpp"
 
@@ -23,15 +24,12 @@ constexpr int interpolant_order() {
 template <class Method>
 Real error_between(Real h) {
   const Real t = 0.3L;
-  Rk<Method, LongPlane> stepper;
-  LongPlane y(std::sin(t), std::cos(t)), y_new, between;
-  stepper.init(rotation<LongPlane>, t, y);
-  stepper.attempt(rotation<LongPlane>, t, y, h, y_new);
+  auto step =
+      first_step<Rk<Method, LongPlane>>(rotation<LongPlane>, t, LongPlane(std::sin(t), std::cos(t)), h);
   Real worst = 0;
   for (const Real theta : {0.1L, 0.25L, 0.5L, 0.6L, 0.75L, 0.9L}) {
-    stepper.interpolate(rotation<LongPlane>, t, h, y, y_new, theta, between);
     const LongPlane exact(std::sin(t + theta * h), std::cos(t + theta * h));
-    worst = std::max(worst, (between - exact).norm());
+    worst = std::max(worst, (step.at(theta) - exact).norm());
   }
   return worst;
 }
@@ -42,15 +40,9 @@ TYPED_TEST_SUITE(DenseOutput, EveryMethod, MethodId);
 
 TYPED_TEST(DenseOutput, MeetsBothEnds) {
   const Pendulum<LongPlane> system;
-  Rk<TypeParam, LongPlane> stepper;
-  const LongPlane y(0.3L, 0.5L);
-  LongPlane y_new, left, right;
-  stepper.init(system, 0.2L, y);
-  stepper.attempt(system, 0.2L, y, 0.4L, y_new);
-  stepper.interpolate(system, 0.2L, 0.4L, y, y_new, 0, left);
-  stepper.interpolate(system, 0.2L, 0.4L, y, y_new, 1, right);
-  EXPECT_EQ(left, y);
-  EXPECT_LT((right - y_new).norm(), 1e-14L);
+  auto step = first_step<Rk<TypeParam, LongPlane>>(system, 0.2L, LongPlane(0.3L, 0.5L), 0.4L);
+  EXPECT_EQ(step.at(0), step.y);
+  EXPECT_LT((step.at(1) - step.y_new).norm(), 1e-14L);
 }
 
 TYPED_TEST(DenseOutput, HasItsLocalOrder) {
@@ -66,15 +58,9 @@ TYPED_TEST(DenseOutput, ReproducesPolynomialsOfItsOrder) {
   const int degree = std::min(TypeParam::order, interpolant_order<TypeParam>());
   const auto system = system_of<LongPlane>(
       [=](Real t, const LongPlane&, LongPlane& dydt) { dydt << degree * std::pow(t, degree - 1), 0; });
-  Rk<TypeParam, LongPlane> stepper;
-  const LongPlane y(0, 0);
-  LongPlane y_new, between;
-  stepper.init(system, 0, y);
-  stepper.attempt(system, 0, y, 1, y_new);
-  for (const Real theta : {0.2L, 0.5L, 0.7L}) {
-    stepper.interpolate(system, 0, 1, y, y_new, theta, between);
-    EXPECT_LT(std::abs(between[0] - std::pow(theta, degree)), 1e-13L);
-  }
+  auto step = first_step<Rk<TypeParam, LongPlane>>(system, 0, LongPlane(0, 0), 1);
+  for (const Real theta : {0.2L, 0.5L, 0.7L})
+    EXPECT_LT(std::abs(step.at(theta)[0] - std::pow(theta, degree)), 1e-13L);
 }
 
 template <class Method>
@@ -82,22 +68,12 @@ struct DynamicDenseOutput : testing::Test {};
 TYPED_TEST_SUITE(DynamicDenseOutput, OneOfEachKind, MethodId);
 
 TYPED_TEST(DynamicDenseOutput, IsThatOfASmallState) {
-  const Eigen::Vector2d y(0.3, 0.5);
-  Eigen::Vector2d y_new, between;
-  const Pendulum<Eigen::Vector2d> small;
-  Rk<TypeParam, Eigen::Vector2d> stepper;
-  stepper.init(small, 0.2, y);
-  stepper.attempt(small, 0.2, y, 0.4, y_new);
-  stepper.interpolate(small, 0.2, 0.4, y, y_new, 0.3, between);
-  const Eigen::VectorXd dynamic_y = y;
-  Eigen::VectorXd dynamic_y_new = y, dynamic_between = y;
-  const Pendulum<Eigen::VectorXd> dynamic;
-  Rk<TypeParam, Eigen::VectorXd> dynamic_stepper;
-  dynamic_stepper.init(dynamic, 0.2, dynamic_y);
-  dynamic_stepper.attempt(dynamic, 0.2, dynamic_y, 0.4, dynamic_y_new);
-  dynamic_stepper.interpolate(dynamic, 0.2, 0.4, dynamic_y, dynamic_y_new, 0.3, dynamic_between);
-  EXPECT_EQ(dynamic_y_new, y_new);
-  EXPECT_EQ(dynamic_between, between);
+  const auto step_of = []<class State>(const State& y) {
+    const Pendulum<State> system;
+    auto step = first_step<Rk<TypeParam, State>>(system, 0.2, y, 0.4);
+    return std::pair<Eigen::VectorXd, Eigen::VectorXd>(step.y_new, step.at(0.3));
+  };
+  EXPECT_EQ(step_of(Eigen::VectorXd(Eigen::Vector2d(0.3, 0.5))), step_of(Eigen::Vector2d(0.3, 0.5)));
 }
 
 }  // namespace

@@ -128,4 +128,42 @@ struct Component {
   }
 };
 
+/// One step of a run that begins at t with y, and what its stepper tells of it.
+template <class StepperT, class System>
+class FirstStep {
+ public:
+  using State = typename StepperT::State;
+  using Real = real_of<State>;
+
+  FirstStep(const System& system, Real t, const State& start, Real h)
+      : y(start), y_new(start), system_(system), t_(t), h_(h) {
+    stepper.init(system, t, y);
+    status = stepper.attempt(system, t, y, h, y_new);
+  }
+  /// y(t + theta h)
+  State at(Real theta) {
+    State out = y;
+    stepper.interpolate(system_, t_, h_, y, y_new, theta, out);
+    return out;
+  }
+  template <class Norm>
+  [[nodiscard]] Real error(const Norm& norm) const {
+    return std::sqrt(stepper.error_squared(h_, y, y_new, norm));
+  }
+
+  StepperT stepper;
+  State y, y_new;
+  StepStatus status;
+
+ private:
+  const System& system_;
+  Real t_, h_;
+};
+/// @param system  outlives the step
+template <class StepperT, class System, class State>
+FirstStep<StepperT, System> first_step(const System& system, real_of<State> t, const State& y,
+                                       real_of<State> h) {
+  return {system, t, y, h};
+}
+
 }  // namespace hmax

@@ -173,26 +173,18 @@ TYPED_TEST(Stabilised, IsExactOnQuadratics) {
   // y' = 3 t - 1 with more stages than it needs.
   const auto system =
       claiming(system_of<One>([](double t, const One&, One& dydt) { dydt[0] = 3 * t - 1; }), 90);
-  StabilizedRk<TypeParam, One> stepper;
-  const One y(0.25);
-  One y_new;
-  stepper.init(system, 0.5, y);
-  stepper.attempt(system, 0.5, y, 0.8, y_new);
-  EXPECT_GT(stepper.stages(), 5);
-  EXPECT_NEAR(y_new[0], 0.25 + 1.5 * (1.69 - 0.25) - 0.8, 1e-14);
-  EXPECT_NEAR(stepper.error_squared(0.8, y, y_new, Component{0}), 0, 1e-28);
+  const auto step = first_step<StabilizedRk<TypeParam, One>>(system, 0.5, One(0.25), 0.8);
+  EXPECT_GT(step.stepper.stages(), 5);
+  EXPECT_NEAR(step.y_new[0], 0.25 + 1.5 * (1.69 - 0.25) - 0.8, 1e-14);
+  EXPECT_NEAR(step.error(Component{0}), 0, 1e-14);
 }
 
 TYPED_TEST(Stabilised, ErrorEstimateFallsWithTheThirdPower) {
   const auto estimate = [](long double h) {
     using State = Eigen::Matrix<long double, 1, 1>;
     const auto system = claiming(driven<long double>(), static_cast<double>(40 / h));
-    StabilizedRk<TypeParam, State> stepper;
     const State y(std::exp(std::sin(0.3L)));
-    State y_new;
-    stepper.init(system, 0.3L, y);
-    stepper.attempt(system, 0.3L, y, h, y_new);
-    return std::sqrt(stepper.error_squared(h, y, y_new, Component{0}));
+    return first_step<StabilizedRk<TypeParam, State>>(system, 0.3L, y, h).error(Component{0});
   };
   EXPECT_NEAR(static_cast<double>(std::log2(estimate(2e-3L) / estimate(1e-3L))), 3, 0.03);
 }
@@ -206,15 +198,12 @@ TYPED_TEST(Stabilised, InterpolantMeetsBothEndsAndHasOrderThree) {
   const auto between = [](long double h, long double theta) {
     using State = Eigen::Matrix<long double, 1, 1>;
     const auto system = driven<long double>();
-    StabilizedRk<TypeParam, State> stepper;
     const State y(std::exp(std::sin(0.3L)));
-    State y_new, out;
-    stepper.init(system, 0.3L, y);
-    stepper.attempt(system, 0.3L, y, h, y_new);
-    stepper.interpolate(system, 0.3L, h, y, y_new, theta, out);
-    if (theta == 0) return std::abs(out[0] - y[0]);
-    if (theta == 1) return std::abs(out[0] - y_new[0]);
-    return std::abs(out[0] - std::exp(std::sin(0.3L + theta * h)));
+    auto step = first_step<StabilizedRk<TypeParam, State>>(system, 0.3L, y, h);
+    const long double found = step.at(theta)[0];
+    if (theta == 0) return std::abs(found - y[0]);
+    if (theta == 1) return std::abs(found - step.y_new[0]);
+    return std::abs(found - std::exp(std::sin(0.3L + theta * h)));
   };
   EXPECT_LT(between(0.1L, 0), 1e-18L);
   EXPECT_LT(between(0.1L, 1), 1e-18L);

@@ -238,15 +238,12 @@ TYPED_TEST(Imex, InterpolantMeetsBothEndsAndKeepsTheOrderOfTheMethod) {
   using State = Eigen::Matrix<long double, 1, 1>;
   const auto system = coupled<long double>();
   const auto between = [&](long double h, long double theta) {
-    ImexStepper<TypeParam, std::remove_const_t<decltype(system)>> stepper;
-    const State y(std::exp(std::sin(0.3L)));
-    State y_new, out;
-    stepper.init(system, 0.3L, y);
-    stepper.attempt(system, 0.3L, y, h, y_new);
-    stepper.interpolate(system, 0.3L, h, y, y_new, theta, out);
-    if (theta == 0) return std::abs(out[0] - y[0]);
-    if (theta == 1) return std::abs(out[0] - y_new[0]);
-    return std::abs(out[0] - std::exp(std::sin(0.3L + theta * h)));
+    using StepperT = ImexStepper<TypeParam, std::remove_const_t<decltype(system)>>;
+    auto step = first_step<StepperT>(system, 0.3L, State(std::exp(std::sin(0.3L))), h);
+    const long double found = step.at(theta)[0];
+    if (theta == 0) return std::abs(found - step.y[0]);
+    if (theta == 1) return std::abs(found - step.y_new[0]);
+    return std::abs(found - std::exp(std::sin(0.3L + theta * h)));
   };
   EXPECT_LT(between(0.1L, 0), 1e-18L);
   EXPECT_LT(between(0.1L, 1), 1e-18L);
@@ -259,12 +256,8 @@ TYPED_TEST(Imex, ErrorEstimateHasTheOrderItClaims) {
     const auto estimate = [](long double h) {
       using State = Eigen::Matrix<long double, 1, 1>;
       const auto system = coupled<long double>();
-      ImexStepper<TypeParam, std::remove_const_t<decltype(system)>> stepper;
-      const State y(std::exp(std::sin(0.9L)));
-      State y_new;
-      stepper.init(system, 0.9L, y);
-      stepper.attempt(system, 0.9L, y, h, y_new);
-      return std::sqrt(stepper.error_squared(h, y, y_new, Component{0}));
+      using StepperT = ImexStepper<TypeParam, std::remove_const_t<decltype(system)>>;
+      return first_step<StepperT>(system, 0.9L, State(std::exp(std::sin(0.9L))), h).error(Component{0});
     };
     EXPECT_NEAR(static_cast<double>(std::log2(estimate(2e-3L) / estimate(1e-3L))), TypeParam::error_order,
                 0.1);

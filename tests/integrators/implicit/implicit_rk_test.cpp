@@ -40,12 +40,10 @@ TYPED_TEST(ImplicitRk, StepsAsItsStabilityFunctionSays) {
     z *= std::pow(10, size(random));
     if (z.real() > 0) z = -z;
     const ErasedSystem system(RotatingDecay{z});
-    typename TypeParam::template Stepper<State> stepper;
-    State y(1, 0), y_new(0, 0);
-    stepper.init(system, 0, y);
-    ASSERT_EQ(stepper.attempt(system, 0, y, 1, y_new), StepStatus::ok);
+    const auto step = first_step<typename TypeParam::template Stepper<State>>(system, 0, State(1, 0), 1);
+    ASSERT_EQ(step.status, StepStatus::ok);
     const std::complex<double> R(stability_function(TypeParam::tableau, z));
-    EXPECT_LT(std::abs(R - std::complex<double>(y_new[0], y_new[1])), 1e-13) << z;
+    EXPECT_LT(std::abs(R - std::complex<double>(step.y_new[0], step.y_new[1])), 1e-13) << z;
   }
 }
 
@@ -80,12 +78,8 @@ double second_estimate(double h) {
 template <class Method>
 double first_estimate(double h) {
   const ErasedSystem system(Oscillator{});
-  typename Method::template Stepper<State> stepper;
-  State y(0.5, 1), y_new;
-  stepper.init(system, 0, y);
-  stepper.attempt(system, 0, y, h, y_new);
-  return std::sqrt(stepper.error_squared(h, y, y_new, Component{0}) +
-                   stepper.error_squared(h, y, y_new, Component{1}));
+  const auto step = first_step<typename Method::template Stepper<State>>(system, 0, State(0.5, 1), h);
+  return std::hypot(step.error(Component{0}), step.error(Component{1}));
 }
 
 TYPED_TEST(AdaptiveImplicitRk, ErrorEstimateHasItsOrderFromTheFirstStepOn) {
@@ -123,21 +117,15 @@ TYPED_TEST(ImplicitRk, RejectedAttemptsLeaveNoTrace) {
 TYPED_TEST(ImplicitRk, InterpolantMeetsBothEndsAndTheSolutionBetween) {
   const ErasedSystem system(Oscillator{});
   const auto defect = [&](double h) {
-    typename TypeParam::template Stepper<State> stepper, fine;
-    State y(0.5, 1), y_new, out;
-    stepper.init(system, 0, y);
-    stepper.attempt(system, 0, y, h, y_new);
-    stepper.interpolate(system, 0, h, y, y_new, 0, out);
-    EXPECT_LT((out - y).norm(), 1e-15);
-    stepper.interpolate(system, 0, h, y, y_new, 1, out);
-    EXPECT_LT((out - y_new).norm(), 1e-15);
+    auto step = first_step<typename TypeParam::template Stepper<State>>(system, 0, State(0.5, 1), h);
+    EXPECT_LT((step.at(0) - step.y).norm(), 1e-15);
+    EXPECT_LT((step.at(1) - step.y_new).norm(), 1e-15);
     double worst = 0;
     for (const double theta : {0.2, 0.5, 0.9}) {
-      stepper.interpolate(system, 0, h, y, y_new, theta, out);
-      State exact = y;
+      State exact = step.y;
       integrate(RadauIIA5<State>{}, system, Span<double>{0, theta * h}, exact,
                 FixedStep<double>(theta * h / 16));
-      worst = std::max(worst, (out - exact).norm());
+      worst = std::max(worst, (step.at(theta) - exact).norm());
     }
     return worst;
   };
@@ -147,15 +135,9 @@ TYPED_TEST(ImplicitRk, InterpolantMeetsBothEndsAndTheSolutionBetween) {
 
 TEST(TrBdf2, InterpolantHasNoKinkAtItsInnerPoint) {
   const ErasedSystem system(Oscillator{});
-  TrBdf2::Stepper<State> stepper;
-  State y(0.5, 1), y_new, before, at, after;
-  stepper.init(system, 0, y);
-  stepper.attempt(system, 0, y, 0.5, y_new);
+  auto step = first_step<TrBdf2::Stepper<State>>(system, 0, State(0.5, 1), 0.5);
   const double c = static_cast<double>(tableaux::TrBdf2::tableau.c[1]), d = 1e-5;
-  stepper.interpolate(system, 0, 0.5, y, y_new, c - d, before);
-  stepper.interpolate(system, 0, 0.5, y, y_new, c, at);
-  stepper.interpolate(system, 0, 0.5, y, y_new, c + d, after);
-  EXPECT_LT((after - 2 * at + before).norm() / d, 1e-4);
+  EXPECT_LT((step.at(c + d) - 2 * step.at(c) + step.at(c - d)).norm() / d, 1e-4);
 }
 
 TEST(Midpoint, StartsItsIterationOnTheLineThroughTheLastMeanSlopes) {

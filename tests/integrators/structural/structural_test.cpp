@@ -8,6 +8,7 @@
 #include "integrators/explicit/explicit_rk.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "problems/test_set/kepler.hpp"
+#include "tests/integrators/methods.hpp"
 #include "tests/integrators/motion.hpp"
 #include "tests/integrators/rejected_attempts.hpp"
 
@@ -327,16 +328,10 @@ TYPED_TEST(Structural, InterpolantMeetsBothEndsAndHasTheOrderOfTheStep) {
   const ForcedLiver liver;
   using S = typename TypeParam::template Stepper<WidePlane>;
   const auto error = [&](Wide h) {
-    S stepper;
-    WidePlane y_new, left, right, between;
-    stepper.init(liver.system, 0, liver.start);
-    stepper.attempt(liver.system, 0, liver.start, h, y_new);
-    stepper.interpolate(liver.system, 0, h, liver.start, y_new, 0, left);
-    stepper.interpolate(liver.system, 0, h, liver.start, y_new, 1, right);
-    EXPECT_EQ(left, liver.start);
-    EXPECT_EQ(right, y_new);
-    stepper.interpolate(liver.system, 0, h, liver.start, y_new, 0.4L, between);
-    return (between -
+    auto step = first_step<S>(liver.system, 0, liver.start, h);
+    EXPECT_EQ(step.at(0), liver.start);
+    EXPECT_EQ(step.at(1), step.y_new);
+    return (step.at(0.4L) -
             after_steps(Rk<tableaux::Dop853, WidePlane>{}, liver.system, liver.start, 0.4L * h / 4, 4))
         .norm();
   };
