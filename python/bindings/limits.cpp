@@ -71,8 +71,8 @@ py::dict limit_of_jacobian(const std::string& method, const Sparse& J, bool veri
 }
 
 struct Modes {
-  VectorXd omega, zeta;    ///< shape (count) [rad/s], [1]
-  Eigen::MatrixXd shapes;  ///< shape (n, count), shapes^T M shapes = I
+  VectorXd kappa, omega, zeta;  ///< shape (count) [1/s^2], [rad/s], [1]
+  Eigen::MatrixXd shapes;       ///< shape (n, count), shapes^T M shapes = I
 };
 
 Modes modes_of(const AnySystem& structure, Index count, bool fastest) {
@@ -87,11 +87,12 @@ Modes modes_of(const AnySystem& structure, Index count, bool fastest) {
   if (!found.converged)
     throw InputError(
         fmt::format("the modes of {} unknowns did not converge; ask for fewer", structure.dofs()));
-  Modes modes{VectorXd(count), VectorXd::Zero(count), found.shapes};
+  Modes modes{VectorXd(count), VectorXd(count), VectorXd::Zero(count), found.shapes};
   for (Index i = 0; i < count; ++i) {
     const VectorXd u = found.shapes.col(i);
     const VectorXd Cu = std::visit([&](const auto& matrix) -> VectorXd { return matrix * u; }, part.C);
-    modes.omega[i] = std::sqrt(std::max(found.kappa[static_cast<std::size_t>(i)], 0.0));
+    modes.kappa[i] = found.kappa[static_cast<std::size_t>(i)];
+    modes.omega[i] = std::sqrt(std::max(modes.kappa[i], 0.0));
     if (modes.omega[i] > 0) modes.zeta[i] = u.dot(Cu) / (2 * modes.omega[i]);
   }
   return modes;
@@ -103,7 +104,8 @@ py::tuple modes(StructureMatrix K, StructureMatrix M, std::optional<StructureMat
     const AnySystem structure = hmax::detail::structure_system(std::move(K), std::move(M), std::move(C));
     return modes_of(structure, std::min(count, structure.dofs()), fastest);
   });
-  return py::make_tuple(std::move(found.omega), std::move(found.zeta), std::move(found.shapes));
+  return py::make_tuple(std::move(found.omega), std::move(found.zeta), std::move(found.shapes),
+                        std::move(found.kappa));
 }
 
 }  // namespace

@@ -115,19 +115,23 @@ py::dict run_body(const Body& body, const std::string& method, VectorXd y0, doub
   return run_problem(method, std::move(problem), spec_of(t_end, h, rtol, atol, every));
 }
 
+/// Points, one a row, shape (n, 3): Eigen's columns are the rows of a C array.
+py::array_t<double> points_of(const TetMesh& mesh) {
+  return py::array_t<double>({mesh.point_count(), Index{3}}, mesh.points.data());
+}
+
 /// A mesh as arrays: name, points (n, 3) [m], their numbers (n), tetrahedra (m, 4), regions (m).
 py::tuple read_mesh(const std::string& text, std::optional<double> unit) {
   const LoadedMesh loaded = in_background([=](const Stop&) { return load_mesh(text, unit); });
   const TetMesh& mesh = loaded.mesh;
   const Index count = mesh.tetrahedron_count();
   Eigen::VectorXi regions(count);
-  for (Index i = 0; i < count; ++i) regions[i] = mesh.region(i);
-  // Eigen's columns are the rows of a C array.
-  const auto points = py::array_t<double>({mesh.point_count(), Index{3}}, mesh.points.data());
+  for (Index i = 0; i < count; ++i)
+    regions[i] = loaded.origin->regions.at(static_cast<std::size_t>(mesh.region(i)));
   const auto tetrahedra = py::array_t<TetMesh::Index>({count, Index{4}}, mesh.tetrahedra.data());
   py::array_t<std::int64_t> numbers(mesh.point_count());
   for (Index i = 0; i < mesh.point_count(); ++i) numbers.mutable_at(i) = loaded.origin->point_number(i);
-  return py::make_tuple(loaded.name, points, numbers, tetrahedra, regions);
+  return py::make_tuple(loaded.name, points_of(mesh), numbers, tetrahedra, regions);
 }
 
 /// What `hmax advise` computes; remedies are sought where nothing is recommended.
@@ -224,6 +228,7 @@ void add_models(py::module_& module) {
       .def("run", &run_body)
       .def_property_readonly("id", [](const Body& body) { return body.problem.id; })
       .def_property_readonly("dofs", [](const Body& body) { return body.tissue().dofs(); })
+      .def_property_readonly("points", [](const Body& body) { return points_of(body.tissue().mesh()); })
       .def_property_readonly("free_points", [](const Body& body) {
         const auto& points = body.tissue().free_points();
         return py::array_t<TetMesh::Index>(static_cast<py::ssize_t>(points.size()), points.data());

@@ -31,7 +31,7 @@ class Mesh:
     tetrahedra: Any
     """Four points each, from 0, shape (tetrahedra, 4)."""
     regions: Any
-    """Of each tetrahedron the material that it is made of, shape (tetrahedra)."""
+    """Of each tetrahedron the region, by the number in the file; 0 where it has none; shape (tetrahedra)."""
 
 
 def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
@@ -43,7 +43,8 @@ def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
     unit : of a file, which does not say it: "m", "cm", "mm" or a number of metres
 
     The points of a file, and of a mesh by name from 5000 tetrahedra on, are renumbered for locality. Points of a file at exactly
-    the same place are merged, unless ":merge=off" stands behind it. Defects are refused.
+    the same place are merged, unless ":merge=off" stands behind it. Defects are refused. The arrays are read only: a Body reads the
+    mesh by its name again.
 
     Raises ValueError with file, line and remedy.
 
@@ -53,8 +54,10 @@ def read_mesh(path: Any, unit: Optional[Unit] = None) -> Mesh:
     ((299, 3), (1151, 4))
     """
     metres = _metres(unit)
-    name, points, numbers, tetrahedra, regions = _core.read_mesh(str(path), metres)
-    return Mesh(name, metres, points, numbers, tetrahedra, regions)
+    name, *arrays = _core.read_mesh(str(path), metres)
+    for array in arrays:
+        array.setflags(write=False)
+    return Mesh(name, metres, *arrays)
 
 
 class Body:
@@ -93,6 +96,8 @@ class Body:
         **parameters: float,
     ) -> None:
         name, metres = (mesh.name, mesh.unit) if isinstance(mesh, Mesh) else (str(mesh), _metres(unit))
+        if unit is not None and metres != _metres(unit):
+            raise ValueError(f"unit is {unit!r} but the mesh was read in units of {metres} m; leave it out")
         down = None if gravity is None else vector("gravity", gravity)
         if down is not None and len(down) != 3:
             raise ValueError(f"gravity has {len(down)} numbers but is a vector of three, such as (0, -9.81, 0)")
@@ -112,8 +117,13 @@ class Body:
         return int(self._core.dofs)
 
     @property
+    def points(self) -> Any:
+        """Positions at rest [m], shape (points, 3): those of its mesh, with the middles of edges of "fem_quadratic"."""
+        return self._core.points
+
+    @property
     def free_points(self) -> Any:
-        """The points of the mesh that q moves, three numbers each, in its order, shape (dofs / 3)."""
+        """Which of `points` q moves, three numbers each, in its order, shape (dofs / 3)."""
         return self._core.free_points
 
     def K(self, q: Any = None, v: Any = None, t: float = 0) -> Any:
@@ -164,7 +174,7 @@ def advise(
     K: Optional[Matrix] = None,
     M: Optional[Matrix] = None,
     C: Optional[Matrix] = None,
-    t_end: float = 1,
+    t_end: Optional[float] = None,
     within: Optional[float] = 60,
     **parameters: float,
 ) -> Answer:
@@ -183,8 +193,8 @@ def advise(
     frames : number of frames that the best methods are timed for
     within : elapsed time of the answer [s], which is what is known by then; None: no limit
     material, y0, parameters : of a problem by id, as of `hmax list problems`
-    K, M, C : as of largest_stable_step(), instead of a model; their motion is that from y0 to t_end [s]
-    t_end : as above
+    K, M, C : as of largest_stable_step(), instead of a model; their motion is that from y0 to t_end
+    t_end : of matrices [s]; 1 by default
 
     `recommended` is a row of `rows`, or None; then `remedies` says what would help.
 
@@ -202,12 +212,16 @@ def advise(
     seconds = float("inf") if within is None else between("within", within, 1e-3, 1e9)
     question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6), seconds)
     if model is None:
-        matrices, end = structure(K, M, C), between("t_end", t_end, 1e-9, 1e9)
+        for given in [*parameters, *(["material"] if material else [])]:
+            raise ValueError(f"{given} is of a model, and matrices are given; leave it out")
+        matrices, end = structure(K, M, C), between("t_end", 1 if t_end is None else t_end, 1e-9, 1e9)
         if y0 is None:
             raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
         return answer(_core.Model.of_matrices(*matrices, vector("y0", y0), end).advise(*question))
     if K is not None or M is not None or C is not None:
         raise ValueError("a model and matrices are both given; give one of them")
+    if t_end is not None:
+        raise ValueError("t_end is of matrices, and a model is given, which has its own; leave it out")
     return answer(core_model(model, material, y0, parameters).advise(*question))
 
 

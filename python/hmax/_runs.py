@@ -71,6 +71,8 @@ def integrate(
         if K is not None or M is not None or C is not None:
             raise ValueError("rhs and matrices are both given; give one of them")
         return Run(**_core.run_function(method_name(method), function("rhs", rhs), _as_matrices(function("jacobian", jacobian)), start, *settings))
+    if jacobian is not None:
+        raise ValueError("jacobian is of rhs, and matrices are given; leave it out")
     return Run(**_core.run_structure(method_name(method), *structure(K, M, C), start, *settings))
 
 
@@ -80,6 +82,8 @@ def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[O
         raise ValueError("t_end is missing; give the end of the run in seconds")
     if (h is None) == (rtol is None):
         raise ValueError("give either h, a fixed step size, or rtol, a tolerance of adaptive steps")
+    if h is not None and atol is not None:
+        raise ValueError("atol is of adaptive steps, and h is given; leave one of them out")
     given = (("t_end", t_end), ("h", h), ("rtol", rtol), ("atol", rtol if atol is None else atol), ("every", every))
     return [number(name, value) for name, value in given]
 

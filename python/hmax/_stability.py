@@ -129,11 +129,13 @@ class Modes:
     """Modes of free motion."""
 
     omega: Any
-    """Natural frequencies [rad/s], shape (count)."""
+    """Natural frequencies [rad/s], shape (count); 0 of modes that do not oscillate, see kappa."""
     zeta: Any
     """Damping ratios of the diagonal of the damping in these modes, shape (count)."""
     shapes: Any
     """Shapes u, one a column, with u^T M u = 1, shape (n, count)."""
+    kappa: Any
+    """u^T K u [1/s^2], shape (count): omega^2; negative of modes that grow."""
 
     @property
     def frequency(self) -> Any:

@@ -63,6 +63,30 @@ def test_a_mesh_file_is_read_in_the_unit_that_is_told(tmp_path):
         hmax.read_mesh(file, unit="mm")
 
 
+def test_regions_have_the_numbers_of_the_file(tmp_path):
+    file = tmp_path / "two.msh"
+    file.write_text(GMSH.replace("1 4 2 1 1 1 2 3 4", "1 4 2 30 1 1 2 3 4").replace("2 4 2 1 1 2 3 4 5", "2 4 2 20 1 2 3 4 5"))
+    mesh = hmax.read_mesh(file, unit="mm")
+    corners = np.sort(mesh.point_numbers[mesh.tetrahedra], axis=1).tolist()
+    assert dict(zip(map(tuple, corners), mesh.regions)) == {(1, 2, 3, 4): 30, (2, 3, 4, 5): 20}
+
+
+def test_a_mesh_is_not_written_to():
+    mesh = hmax.read_mesh("cube:n=2")
+    for array in (mesh.points, mesh.point_numbers, mesh.tetrahedra, mesh.regions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+def test_free_points_are_places_in_the_points_of_the_body():
+    # The lowest tenth is fixed, of a quadratic body also the middles of edges there.
+    for model in ("fem_green", "fem_quadratic"):
+        body = hmax.Body("cube:n=2", model)
+        z = body.points[:, 2]
+        assert (np.sort(body.free_points) == np.flatnonzero(z > z.min() + 0.1 * np.ptp(z))).all()
+    assert len(body.points) == 125
+
+
 def test_forces_are_those_of_the_stiffness_and_the_damping():
     body = hmax.Body("phantom", "fem_neo_hookean", E=5500, nu=0.4, alpha=0.1, beta=0.01)
     generator = np.random.default_rng(1)
@@ -168,6 +192,12 @@ def test_advice_takes_matrices():
         (lambda: hmax.advise(K=[[1.0]], M=[1.0], rate=100), "y0 is missing"),
         (lambda: hmax.advise(K=[[1.0]], M=[1.0], y0=[1.0], rate=100), "1 numbers but must have 2"),
         (lambda: hmax.advise("liver_forced", K=[[1.0]], rate=100), "both given"),
+        (lambda: hmax.advise("liver_forced", rate=100, t_end=3), "t_end is of matrices"),
+        (lambda: hmax.advise(K=[[1.0]], M=[1.0], y0=[1.0, 0], rate=100, alpha=5), "alpha is of a model"),
+        (lambda: hmax.advise(K=[[1.0]], M=[1.0], y0=[1.0, 0], rate=100, material="x"), "material is of a model"),
+        (lambda: hmax.integrate("newmark", K=[[1.0]], M=[1.0], y0=[1, 0], t_end=1, h=0.1, atol=1), "atol is of adaptive"),
+        (lambda: hmax.integrate("newmark", K=[[1.0]], M=[1.0], y0=[1, 0], t_end=1, h=0.1, jacobian=len), "is of rhs"),
+        (lambda: hmax.Body(hmax.read_mesh("liver"), unit="mm"), "unit is 'mm'"),
         (lambda: hmax.advise("liver_forced", rate=100, k9=3), "k9"),
         (lambda: hmax.advise("liver_forced", rate=100, frames=0), "frames"),
     ],

@@ -119,6 +119,12 @@ def test_modes_solve_the_generalised_eigenvalue_problem(form, coupled, fastest):
     assert np.abs(residual).max() <= 1e-7 * kappa[-1] * m[0] * np.abs(found.shapes).max()
 
 
+def test_modes_that_grow_are_told_from_those_of_rigid_motion():
+    found = hmax.modes(np.diag([-100.0, 0.0, 100.0]), np.ones(3), count=3)
+    np.testing.assert_allclose(np.sort(found.kappa), [-100, 0, 100], atol=1e-9)
+    np.testing.assert_allclose(found.omega, np.sqrt(np.maximum(found.kappa, 0)))
+
+
 def test_more_modes_than_unknowns_are_all_of_them():
     K, m, omega = spring_chain(3)
     np.testing.assert_allclose(hmax.modes(K, m, count=100).omega, omega, rtol=1e-9)
