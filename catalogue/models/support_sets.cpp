@@ -14,6 +14,7 @@
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
 #include "core/text/split.hpp"
+#include "core/text/utf8.hpp"
 #include "problems/tissue/loads.hpp"
 
 namespace hmax {
@@ -86,9 +87,11 @@ std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mes
   const NumberedPoints points(mesh);
   std::vector<Index> found;
   std::string line;
-  for (int number = 1; std::getline(in, line); ++number)
-    for (const std::string_view word : split(std::string_view(line).substr(0, line.find('#')), " \t\r,"))
+  for (int number = 1; std::getline(in, line); ++number) {
+    const std::string_view text = number == 1 ? without_byte_order_mark(line) : line;
+    for (const std::string_view word : split(text.substr(0, text.find('#')), " \t\r,"))
       if (!word.empty()) found.push_back(points.find(word, fmt::format("{}, line {}", file, number)));
+  }
   return found;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/own_files.hpp"
+#include "core/text/utf8.hpp"
 
 namespace hmax {
 
@@ -29,6 +30,7 @@ std::string read_whole(const fs::path& file, std::string_view what) {
   if (error || in.bad() || !in.is_open())
     throw std::invalid_argument(
         fmt::format("the file '{}' cannot be read; check its permissions", file.string()));
+  text.erase(0, text.size() - without_byte_order_mark(text).size());
   return text;
 }
 

@@ -9,7 +9,7 @@
 
 namespace hmax {
 
-/// The bytes of a file, which is noted as an input.
+/// The bytes of a file, which is noted as an input, without the mark by which Windows tells UTF-8.
 /// @param what  it should be, for errors: "a mesh file"
 /// @throws std::invalid_argument  naming the file, where it does not exist, is a folder or a device, cannot
 /// be read, or needs more memory than there is

@@ -114,6 +114,10 @@ TEST_F(SupportSets, ArePointsByTheirNumbersBoxesAndFiles) {
     EXPECT_TRUE(says(refusal(wrong), "hold a box, z<0.01,")) << wrong;
   write_text(folder / "held.txt", "# the left side\n2 8\n\n 6,10 # and one more\n");
   EXPECT_EQ(held("@" + (folder / "held.txt").string()), (Numbers{2, 6, 8, 10}));
+  write_text(folder / "held.txt",
+             "\xEF\xBB\xBF"
+             "2 8\n6 10\n");
+  EXPECT_EQ(held("@" + (folder / "held.txt").string()), (Numbers{2, 6, 8, 10}));
 }
 
 TEST_F(SupportSets, WhatTheMeshDoesNotHaveIsRefused) {

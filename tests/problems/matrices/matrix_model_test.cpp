@@ -135,6 +135,10 @@ TEST_F(Matrices, OfCalculixHaveTheShapeOfTheLargestIndexAndTheNamesOfItsUnknowns
   const MatrixModel model = read_matrix_model(given);
   EXPECT_EQ(MatrixXd(model.K), chain(2));
   EXPECT_EQ(model.name_of(1), "unknown 2 (4.2)");
+  write("job.dof",
+        "\xEF\xBB\xBF"
+        "4.1\n4.2\n");
+  EXPECT_EQ(read_matrix_model(given).name_of(0), "unknown 1 (4.1)");
 }
 
 TEST_F(Matrices, OfCalculixHaveEachEntryOnce) {

@@ -102,7 +102,9 @@ TEST_F(MatricesInTime, MayHaveAMassThatCouplesUnknowns) {
   write("K0.mtx", chain(n));
   write("K1.mtx", 3 * chain(n));
   MatrixFiles given = files(chain(n), M);
-  given.stiffness = write("K.txt", "0 K0.mtx\n2 K1.mtx\n");
+  given.stiffness = write("K.txt",
+                          "\xEF\xBB\xBF"
+                          "0 K0.mtx\n2 K1.mtx\n");
   given.stiffness_series = true;
   const double alpha = 0.1, beta = 0.2, t = 0.5;
   const AnySystem system = system_of(read_matrix_model(given), alpha, beta);

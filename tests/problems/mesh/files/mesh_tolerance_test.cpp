@@ -88,6 +88,14 @@ TEST(MeshTolerance, TheMarkOfWindowsStandsBeforeAnyFormat) {
     mesh.text.insert(0, "\xEF\xBB\xBF");
     EXPECT_EQ(mesh.read().mesh.points, golden_mesh().points);
   }
+  const std::string mark = "\xEF\xBB\xBF";
+  const Scratch folder;
+  const GoldenMesh pair = golden("zero.node");
+  write_text(folder / pair.name, mark + pair.text);
+  write_text(folder / pair.ele_name, mark + pair.ele_text);
+  EXPECT_EQ(read_mesh_file(folder / pair.name).mesh.points, golden_mesh().points);
+  write_text(folder / "a.veg", mark + "*VERTICES\n*INCLUDE zero.node\n*ELEMENTS\nTET\n*INCLUDE zero.ele\n");
+  EXPECT_EQ(read_mesh_file(folder / "a.veg").mesh.points, golden_mesh().points);
 }
 
 TEST(MeshTolerance, ANumberTooSmallForADoubleIsZero) {
