@@ -89,8 +89,8 @@ OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident, Eleme
   });
 }
 
-std::vector<std::string> remarks_on_points(const MeshFile& file) {
-  std::vector<std::string> remarks;
+std::vector<std::string> remarks_on_mesh(const MeshFile& file) {
+  std::vector<std::string> remarks = file.remarks;
   if (!file.merged.empty())
     remarks.push_back(
         fmt::format("merged {} coincident points of {}; :merge=off behind the mesh keeps them apart",

@@ -31,8 +31,9 @@ enum class CoincidentPoints { merged, kept };
 OpenedMesh open_mesh(const std::string& text, CoincidentPoints coincident = CoincidentPoints::merged,
                      ElementNodes nodes = ElementNodes::four);
 
-/// What is to be said of points that were merged, and of those that nearly coincide and were not. Sentences.
-std::vector<std::string> remarks_on_points(const MeshFile& file);
+/// What is to be said of what was not read, of points that were merged, and of those that nearly coincide and
+/// were not. Sentences.
+std::vector<std::string> remarks_on_mesh(const MeshFile& file);
 
 /// The same mesh with about an eighth of its tetrahedra: refined once less, or with half as many points along
 /// its edges; empty where it has no such parameter. As many of them are mended.

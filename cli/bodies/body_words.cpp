@@ -23,7 +23,7 @@ void remark_unusual(Console& console, const Problem& problem) {
   for (const std::string& sentence : matrix_remarks(problem)) console.remark(sentence);
   if (!problem.body) return;
   if (const MeshOrigin* origin = problem.body->origin().get())
-    for (const std::string& sentence : remarks_on_points(origin->file)) console.remark(sentence);
+    for (const std::string& sentence : remarks_on_mesh(origin->file)) console.remark(sentence);
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
   // Who holds nothing at all knows that.
   if (!settings_of(problem).supports.empty())

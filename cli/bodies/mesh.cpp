@@ -241,6 +241,7 @@ std::string in_words(const MeshReport& report, const MeshCommand& options, const
   if (!opened.file.merged.empty()) line("merged", fmt::format("{} points", opened.file.merged.size()));
   if (opened.mending) line("smoothed", in_words(*opened.mending));
   if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
+  for (const std::string& remark : opened.file.remarks) text += remark + "\n";
   text += regions_in_words(opened.file, regions, console);
   if (!defects.none())
     text += console.alarming("\nModels cannot use it: `hmax mesh check` names what is wrong.") + "\n";
@@ -441,6 +442,7 @@ std::string in_words(const MeshFindings& found, const OpenedMesh& opened) {
                         file.second_order > 0 ? "no corner of a tetrahedron, as middles of second order are"
                                               : "in no tetrahedron");
   if (file.second_order > 0) text += second_order_in_words(file) + "\n";
+  for (const std::string& remark : file.remarks) text += remark + "\n";
   if (topology.components > 1) text += fmt::format("the mesh has {} separate parts\n", topology.components);
   // The largest part is the body, from which the others hang.
   for (std::size_t p = 1; p < found.parts.size(); ++p)

@@ -121,6 +121,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
   write_file(output, text);
   if (!remark.empty()) console.remark(remark);
   if (file.second_order > 0) console.remark(second_order_in_words(file));
+  for (const std::string& sentence : file.remarks) console.remark(sentence);
   if (console.json) {
     Json document{{"mesh", options.mesh},
                   {"output", options.output},

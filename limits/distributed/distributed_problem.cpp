@@ -51,7 +51,7 @@ DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings
   if (!made.tools.empty())
     throw InputError(
         "--engine petsc does not take --load tool: it has no contact; leave out --load, or --engine");
-  std::vector<std::string> remarks = remarks_on_points(loaded.origin->file);
+  std::vector<std::string> remarks = remarks_on_mesh(loaded.origin->file);
   loaded.origin = nullptr;
   DistributedProblem body{.parameters = named_values(parameters),
                           .body = summary_of(loaded.mesh, made),

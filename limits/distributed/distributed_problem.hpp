@@ -17,7 +17,7 @@ struct DistributedProblem {
   DistributedStructure structure{};
   std::vector<std::pair<std::string, double>> parameters{};  ///< of a body, as Problem has them
   std::optional<BodySummary> body{};
-  std::vector<std::string> remarks{};  ///< remarks_on_points (catalogue/models/mesh_choice.hpp)
+  std::vector<std::string> remarks{};  ///< remarks_on_mesh (catalogue/models/mesh_choice.hpp)
 };
 
 /// Each process reads or makes the mesh of a body, which is small beside the matrices.

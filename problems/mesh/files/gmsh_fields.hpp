@@ -130,6 +130,7 @@ void add_gmsh_element(MeshBuilder& builder, const GmshType& type, std::int64_t n
   if (type.kind == CellKind::triangle) builder.add_triangles(1);
   if (tetrahedron) {
     builder.add_tetrahedron(corners, number, place, groups.empty() ? 0 : groups.front(), text);
+    for (std::size_t i = 1; i < groups.size(); ++i) builder.note_second_region(groups[0], groups[i]);
     if (type.nodes > count) builder.add_middles(middles, middles_of_gmsh);
     return;
   }

@@ -120,9 +120,14 @@ void require_valid(const MeshFile& file) {
                                 all(defects.degenerate.size()) + "; remove it or mesh the body again");
   if (!defects.duplicates.empty()) {
     const auto [again, first] = defects.duplicates[0];
-    throw std::invalid_argument(file.where(again) + " has the same corners as tetrahedron " +
-                                std::to_string(file.numbers[static_cast<std::size_t>(first)]) +
-                                all(defects.duplicates.size()) + "; remove one of them");
+    const TetMesh::Index one = file.mesh.region(first), other = file.mesh.region(again);
+    throw std::invalid_argument(
+        file.where(again) + " has the same corners as tetrahedron " +
+        std::to_string(file.numbers[static_cast<std::size_t>(first)]) + all(defects.duplicates.size()) +
+        (one == other
+             ? ""
+             : ", in the regions " + file.region_in_words(other) + " and " + file.region_in_words(one)) +
+        "; remove one of them");
   }
   if (!defects.crowded.empty())
     throw std::invalid_argument(file.where(defects.crowded[0]) + " shares a face with more than one other" +

@@ -244,6 +244,13 @@ MeshFile MeshBuilder::finish(const MeshText& text, std::string format) {
   for (const Index region : used)
     if (const auto named = names_.find({3, region}); named != names_.end())
       file.names[region] = named->second;
+  const auto in_words = [&](std::int64_t region) {
+    const auto named = names_.find({3, region});
+    return std::to_string(region) + (named == names_.end() ? "" : " " + in_quotes(named->second));
+  };
+  for (const auto& [region, second] : second_regions_)
+    file.remarks.push_back(file.name + ": tetrahedra of region " + in_words(region) + " are in " +
+                           in_words(second) + " too, which is left out: each has one");
   for (auto& [key, corners] : groups_) {
     const auto named = names_.find(key);
     file.groups.push_back({.dimension = key.first,

@@ -49,6 +49,7 @@ struct MeshFile {
   std::vector<std::pair<std::int64_t, TetMesh::Index>> merged{};
   /// Points that no file has, each halfway between two others (ten_nodes.hpp): point, one, other.
   std::vector<std::array<TetMesh::Index, 3>> inserted{};
+  std::vector<std::string> remarks{};  ///< sentences: what of the file is not in the mesh
 
   /// "NAME, line 12: tetrahedron 7"
   [[nodiscard]] std::string where(Eigen::Index tetrahedron) const;

@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -94,6 +95,10 @@ class MeshBuilder {
   void add_to_group(std::int64_t group, std::span<const Index> corners);
   /// @param dimension  3 for a region
   void name_group(std::int64_t dimension, std::int64_t number, std::string name, const MeshText& text);
+  /// A tetrahedron is of `region` and of this one too, which is left out.
+  void note_second_region(std::int64_t region, std::int64_t second) {
+    second_regions_.emplace(region, second);
+  }
 
   /// What was collected. @throws std::invalid_argument when there is no tetrahedron
   MeshFile finish(const MeshText& text, std::string format);
@@ -110,6 +115,7 @@ class MeshBuilder {
   std::size_t triangles_ = 0, second_order_ = 0;
   std::map<std::pair<std::int64_t, std::int64_t>, std::string> names_;  ///< by dimension and number
   std::map<std::pair<int, std::int64_t>, std::vector<Index>> groups_;
+  std::set<std::pair<std::int64_t, std::int64_t>> second_regions_;
   bool regions_differ_ = false;
 };
 

@@ -67,8 +67,12 @@ TEST(MeshDefects, TheSameTetrahedronAgainIsNamedInAnyOrderOfItsCorners) {
   const MeshDefects defects = defects_of(mesh);
   ASSERT_EQ(defects.duplicates.size(), 1U);
   EXPECT_EQ(defects.duplicates[0], std::pair(6, 2));
-  EXPECT_TRUE(
-      says(refusal(file_of(mesh)), "line 16: tetrahedron 106 has the same corners as tetrahedron 102"));
+  EXPECT_TRUE(says(refusal(file_of(mesh)),
+                   "line 16: tetrahedron 106 has the same corners as tetrahedron 102; remove"));
+  mesh.regions = {20, 20, 20, 20, 20, 20, 30};
+  MeshFile file = file_of(mesh);
+  file.names[30] = "tumour";
+  EXPECT_TRUE(says(refusal(file), "tetrahedron 102, in the regions 30 'tumour' and 20; remove one"));
 }
 
 /// Two tetrahedra with the face of points 0, 1, 2 in common, the second with its apex at height z.
