@@ -43,7 +43,11 @@ bool same_keyword(std::string_view a, std::string_view b) { return lower(a) == l
 
 MeshText MeshText::part(std::size_t begin, std::size_t end) const {
   MeshText result(name_, text_.substr(begin, end - begin), comment_);
-  result.line_ = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(begin), '\n');
+  const auto from = text_.begin() + static_cast<std::ptrdiff_t>(std::min(begin, part_)),
+             to = text_.begin() + static_cast<std::ptrdiff_t>(std::max(begin, part_));
+  part_line_ += (begin < part_ ? -1 : 1) * std::count(from, to, '\n');
+  part_ = begin;
+  result.line_ = part_line_;
   return result;
 }
 

@@ -108,6 +108,9 @@ class MeshText {
   std::size_t last_ = 0;      ///< where the last raw value began
   std::size_t word_end_ = 0;  ///< where the last word ended
   std::int64_t line_ = 1, about_ = -1;
+  mutable std::size_t part_ =
+      0;  ///< where the last part begins, from which lines are counted to the next one
+  mutable std::int64_t part_line_ = 1;
   char comment_;
   bool raw_ = false, in_line_ = false;
 };

@@ -151,6 +151,7 @@ GmshType gmsh_type(std::int64_t type) {
 
 MeshFile read_gmsh(const std::string& name, std::string_view bytes) {
   MeshText text(name, bytes);
+  while (text.peek() == "$Comments") text.skip_behind("$EndComments");
   const std::string_view first = text.peek();
   if (first == "$NOD" || first == "$PARA") return read_version_1(text);
   if (first != "$MeshFormat")

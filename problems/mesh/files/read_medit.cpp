@@ -93,6 +93,7 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
   text.number("the version of the format");
   MeshBuilder builder(1);
   bool has_vertices = false, ended = false;
+  std::vector<std::pair<MeshText, const MeditSection*>> early;  // sections of elements before the vertices
   while (!ended && !text.at_end()) {
     const std::string section(text.word("a section"));
     if (!is_letter(section.front()))
@@ -117,7 +118,12 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
     } else if (const auto* const known = std::ranges::find_if(
                    sections, [&](const MeditSection& each) { return same_keyword(each.name, section); });
                known != sections.end()) {
-      read_elements(text, builder, *known);
+      if (has_vertices) {
+        read_elements(text, builder, *known);
+      } else {
+        early.emplace_back(text, known);
+        skip_section(text, section);
+      }
     } else if (std::ranges::any_of(other_volumes,
                                    [&](std::string_view other) { return same_keyword(other, section); })) {
       if (text.count("volumes", 2) > 0)
@@ -130,6 +136,7 @@ MeshFile read_medit(const std::string& name, std::string_view bytes) {
   if (!ended) text.require_end();
   if (!text.at_end())
     text.fail("the file goes on with " + in_quotes(text.peek()) + " behind End; export the mesh again");
+  for (auto& [elements, section] : early) read_elements(elements, builder, *section);
   return builder.finish(text, "Medit");
 }
 

@@ -1,6 +1,4 @@
 /// TetGen's pair of .node and .ele [si2015tetgen]; both count from 0 or both from 1.
-#include <cmath>
-
 #include "problems/mesh/files/mesh_file.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 
@@ -73,10 +71,7 @@ MeshFile read_tetgen(const std::string& node_name, std::string_view node_text, c
     if (corners > 4)
       for (TetMesh::Index& point : middles)
         point = builder.numbered_point(elements.integer("a point of a tetrahedron"), elements, number);
-    std::int64_t region = 0;
-    if (values > 0)
-      if (const double value = elements.number("the region of a tetrahedron"); std::abs(value) < 1e9)
-        region = std::llround(value);
+    const std::int64_t region = values > 0 ? elements.label("the region of a tetrahedron") : 0;
     for (std::size_t k = 1; k < values; ++k) elements.word("an attribute of a tetrahedron");
     behind_tetrahedra.skip(elements, "a tetrahedron");
     builder.add_tetrahedron(points_of, number, place, region, elements);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/numbers.hpp"
 #include "problems/mesh/files/vtk_cells.hpp"
 
 namespace hmax {
@@ -86,7 +87,12 @@ class LegacyValues {
   }
   std::int64_t integer(const char* what) {
     if (!binary_) return text_.integer(what);
-    return is_real() ? static_cast<std::int64_t>(std::clamp(real(what), -9e18, 9e18)) : whole(what);
+    if (!is_real()) return whole(what);
+    const double value = real(what);
+    if (value != std::floor(value) || std::abs(value) > 9e18)
+      text_.fail(std::string(what) + " should be a whole number and is " + to_text(value) +
+                 "; correct it or export the mesh again");
+    return static_cast<std::int64_t>(value);
   }
 
   /// A region, which may be written as a real number.

@@ -3,8 +3,9 @@
 /// the other.
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 
+#include "core/numbers.hpp"
 #include "core/text/base64.hpp"
 #include "problems/mesh/files/vtk_cells.hpp"
 #include "problems/mesh/files/vtu_blocks.hpp"
@@ -233,13 +234,12 @@ class VtuReader {
   [[nodiscard]] std::size_t count_of(const XmlTag& tag, std::string_view name, std::size_t bytes) const {
     const std::string_view value = tag.attribute(name);
     if (value.empty()) at(tag).fail(std::string(name) + " is missing; export the mesh again");
-    MeshText reader = text_.part(tag.begin, whole_.size());
     const std::size_t count = capacity() / bytes;
     const std::int64_t number = MeshText(text_.name(), value).integer("a count");
     if (number < 0 || static_cast<std::size_t>(number) > count)
-      reader.fail(std::string(name) + " is " + in_quotes(value) +
-                  ", more than the file can hold; it is cut off or "
-                  "its header is wrong, so export it again");
+      at(tag).fail(std::string(name) + " is " + in_quotes(value) +
+                   ", more than the file can hold; it is cut off or "
+                   "its header is wrong, so export it again");
     return static_cast<std::size_t>(number);
   }
 
@@ -556,7 +556,9 @@ class VtuReader {
     const double real =
         type == "Float32" ? value_from<float>(bytes, swapped_) : value_from<double>(bytes, swapped_);
     if constexpr (!std::is_same_v<T, double>)
-      if (!(real > -9e18 && real < 9e18)) return std::numeric_limits<T>::min();
+      if (!(std::abs(real) < 9e18 && real == std::floor(real)))
+        at(tag).fail("an array of whole numbers holds " + to_text(real) +
+                     "; correct it or export the mesh again");
     return static_cast<T>(real);
   }
 

@@ -1,6 +1,7 @@
 #include "problems/mesh/files/mesh_file.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <clocale>
 #include <cmath>
 #include <stdexcept>
@@ -328,6 +329,68 @@ TEST(MeshFiles, OtherElementsAreRefusedWithTheRemedy) {
       "order 1 or 2");
   expect_refused("h.vtk", replaced(golden_text("old.vtk"), "5 10 10", "5 10 12"), "of type 12");
   expect_refused("h.mesh", replaced(golden_text("ghs3d.mesh"), "RequiredVertices", "Hexahedra"), "Hexahedra");
+}
+
+TEST(MeshFiles, ATetrahedronOfTwoPhysicalGroupsHasARemark) {
+  const MeshFile file =
+      read_mesh("v41.msh", replaced(golden_text("v41.msh"), "$Entities",
+                                    "$PhysicalNames\n1\n3 7 \"lobe\"\n$EndPhysicalNames\n$Entities"));
+  ASSERT_EQ(file.remarks.size(), 1U);
+  EXPECT_TRUE(says(file.remarks[0], "tetrahedra of region 9 are in 7 'lobe' too, which is left out"));
+  EXPECT_TRUE(read_mesh("v2.msh", golden_text("v2.msh")).remarks.empty());
+}
+
+TEST(MeshFiles, SectionsMayStandBeforeThoseThatTheyNeed) {
+  const std::string comments = "$Comments\nby hand\n$EndComments\n";
+  EXPECT_EQ(read_mesh("v2.msh", comments + golden_text("v2.msh")).mesh.points, golden_mesh().points);
+  std::string medit = golden_text("ghs3d.mesh");
+  const std::size_t begin = medit.find("Tetrahedra"), end = medit.find("End");
+  const std::string section = medit.substr(begin, end - begin);
+  const MeshFile file =
+      read_mesh("m.mesh", replaced(replaced(medit, section, ""), "Vertices", section + "Vertices"));
+  EXPECT_EQ(file.mesh.tetrahedra, golden_mesh().tetrahedra);
+  EXPECT_EQ(file.mesh.regions, golden_mesh().regions);
+  EXPECT_EQ(file.where(0), "m.mesh, line 8: tetrahedron 1");
+}
+
+TEST(MeshFiles, RegionsAreWholeNumbersInEachFormat) {
+  const GoldenMesh tetgen{.name = "a.node",
+                          .text = "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n",
+                          .ele_name = "a.ele",
+                          .ele_text = "1 4 1\n1 1 2 3 4 1.4\n"};
+  EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { (void)tetgen.read(); }),
+                   "a.ele, line 2: the region of a tetrahedron should be a whole number and is '1.4'"));
+  const auto vtu = [](const std::string& regions) {
+    return replaced(replaced(golden_text("base64.vtu"), goldens::regions_64,
+                             encode_base64(Bytes().ints({16}).str() + regions)),
+                    "Int16", "Float64");
+  };
+  EXPECT_EQ(read_mesh("a.vtu", vtu(Bytes().reals({7, 9}).str())).mesh.regions, golden_mesh().regions);
+  expect_refused("a.vtu", vtu(Bytes().reals({7, 9.5}).str()), "an array of whole numbers holds 9.5;");
+  const auto vtk = [](float last) {
+    return replaced(golden_text("new_binary.vtk"), "int\n" + Bytes(true).ints({7, 9}).str(),
+                    "float\n" + Bytes(true).add<float>({7, last}).str());
+  };
+  EXPECT_EQ(read_mesh("a.vtk", vtk(9)).mesh.regions, golden_mesh().regions);
+  expect_refused("a.vtk", vtk(9.5F), "a region should be a whole number and is 9.5;");
+}
+
+/// Lines before each piece once were counted anew, which took minutes here.
+TEST(MeshFiles, ManyPiecesAreReadInTimeProportionalToThem) {
+  std::string text = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>\n";
+  constexpr int pieces = 6000;
+  for (int i = 0; i < pieces; ++i)
+    text +=
+        "<Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\n<Points><DataArray type=\"Float64\" "
+        "NumberOfComponents=\"3\" format=\"ascii\">\n0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\n"
+        "<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>\n"
+        "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray>\n"
+        "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece>\n";
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(read_mesh("a.vtu", text + "</UnstructuredGrid></VTKFile>\n").mesh.tetrahedron_count(), pieces);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  expect_refused("a.vtu", replaced(text, "0 1 2 3<", "0 1 2 4<") + "</UnstructuredGrid></VTKFile>\n",
+                 "a.vtu, line 5: ");
 }
 
 TEST(MeshFiles, VersionsAndVariantsThatAreNotReadSayHowToSave) {
