@@ -67,8 +67,8 @@ class MujocoSceneReader {
     builder_.scene.model = "fem_green";
     builder_.set_gravity(gravity_);
     builder_.set_step(step_);
-    builder_.set_support(mesh.groups.empty() || mesh.groups.front().name != mujoco_pinned ? ""
-                                                                                          : mujoco_pinned);
+    const bool pins = std::ranges::find(mesh.groups, mujoco_pinned, &MeshGroup::name) != mesh.groups.end();
+    builder_.set_support(pins ? mujoco_pinned : "");
     builder_.scene.notes.emplace_back("contacts of the flexcomp with itself and others are not read");
   }
 

@@ -96,7 +96,7 @@ class SofaSceneReader {
   /// Components that are understood.
   struct Known {
     std::string_view types, attributes;
-    std::string_view idle;  ///< attributes that must be 0 or false, and 1 of scales
+    std::string_view idle;  ///< attributes that must be 0 or false
     void (Self::*read)(const XmlPart&) = nullptr;
     bool is_of_body = true;  ///< acts on the points beside it
   };
@@ -104,11 +104,11 @@ class SofaSceneReader {
   static const Known* known(std::string_view type) {
     static constexpr std::array<Known, 19> all{
         {{"Node", "dt|gravity|bbox|time|animate", "", &Self::read_node, false},
-         {"MechanicalObject", "position|src|topology|size", "translation|rotation|scale|scale3d|velocity",
+         {"MechanicalObject", "position|src|topology|size|translation|rotation|scale|scale3d", "velocity",
           &Self::read_state, false},
          {"TetrahedronSetTopologyContainer|MeshTopology",
           "position|tetrahedra|src|filename|edges|triangles|lines|createTriangleArray", "", nullptr, false},
-         {"MeshGmshLoader|MeshVTKLoader", "filename", "translation|rotation|scale|scale3d", nullptr, false},
+         {"MeshGmshLoader|MeshVTKLoader", "filename|translation|rotation|scale|scale3d", "", nullptr, false},
          {"BoxROI", "box|position", "", nullptr, false},
          {"CGLinearSolver", "iterations|tolerance|threshold|linearSystem", "", &Self::read_gradients, false},
          {"FixedConstraint|FixedProjectiveConstraint", "indices|topology", "fixAll|activate_projectVelocity",
@@ -156,7 +156,7 @@ class SofaSceneReader {
     const bool masses = part.type.ends_with("Mass");
     if (known_part->is_of_body && !(solves   ? is_above_body(part.node)
                                     : masses ? part.node == state_.node
-                                             : sofa_state_of(file_, part) == &state_))
+                                             : states_.of(part) == &state_))
       return refuse(
           part.type, part,
           fmt::format("{} is not beside the first MechanicalObject, whose body is read", part.type));
@@ -169,13 +169,11 @@ class SofaSceneReader {
         is_listed(name, "name|type|template|printLog|tags|listening") || name.starts_with("show") ||
         name.starts_with("draw") || name.starts_with("compute"))
       return;
-    const std::string_view value = trimmed(part.tag.attribute(name)),
-                           neutral = name.starts_with("scale") ? "1" : "0";
+    const std::string_view value = trimmed(part.tag.attribute(name));
     if (is_listed(name, known_part.idle)) {
       const std::vector<std::string_view> words = split(value, " ");
-      if (value == "false" || std::ranges::all_of(words, [&](std::string_view word) {
-            return to_number(word) == to_number(neutral);
-          }))
+      if (value == "false" ||
+          std::ranges::all_of(words, [](std::string_view word) { return to_number(word) == 0; }))
         return;
     }
     refuse(name, part,
@@ -539,6 +537,7 @@ class SofaSceneReader {
   const XmlFile& file_;
   SceneBuilder& builder_;
   const XmlPart& state_;
+  const SofaStates states_{file_};
   MeshFile mesh_;
   std::vector<TetMesh::Index> region_numbers_ = region_numbers();
   const XmlPart *field_ = nullptr, *springs_ = nullptr, *mass_ = nullptr, *solver_ = nullptr,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -71,6 +72,17 @@ std::string MeshFile::where(Eigen::Index tetrahedron) const {
 std::string MeshFile::region_in_words(TetMesh::Index region) const {
   const auto named = names.find(region);
   return std::to_string(region) + (named == names.end() ? "" : " '" + named->second + "'");
+}
+
+void add_points_group(MeshFile& file, std::string_view name, const std::set<TetMesh::Index>& points) {
+  if (points.empty()) return;
+  const auto behind =
+      std::ranges::find_if(file.groups, [](const MeshGroup& group) { return group.dimension > 0; });
+  const std::int64_t last = behind == file.groups.begin() ? 0 : std::prev(behind)->number;
+  file.groups.insert(behind, {.dimension = 0,
+                              .number = std::max<std::int64_t>(last, 0) + 1,  // 0 is no group
+                              .name = std::string(name),
+                              .corners = {points.begin(), points.end()}});
 }
 
 MeshFile counted_from_one(TetMesh mesh, std::string name) {

@@ -40,6 +40,9 @@ struct XmlList {
 MeshFile listed_mesh(const XmlFile& file, const XmlList& points, const XmlList& corners,
                      const std::string& format);
 
+/// A group of points with the first number behind those of the others; none where it is empty.
+void add_points_group(MeshFile& file, std::string_view name, const std::set<TetMesh::Index>& points);
+
 /// Columns behind those that a reader needs. Nobody uses them, but each row has as many as the first one: a
 /// row of another length has lost or gained a number.
 class ExtraColumns {

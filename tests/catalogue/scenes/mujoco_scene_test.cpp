@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "problems/mesh/files/mesh_file.hpp"
+#include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/mesh/topology.hpp"
 #include "tests/catalogue/scenes/scene_files.hpp"
 
@@ -165,6 +166,18 @@ TEST_F(MujocoScenes, NameWhatTheyDoNotUnderstand) {
   EXPECT_TRUE(says(
       read(changed("<light", "<geom type=\"plane\" size=\"1 1 1\"/><light"), "geom").notes.back(), "geom"));
   EXPECT_EQ(error(changed("<light", "<geom contype=\"0\" conaffinity=\"0\" size=\"1\"/><light")), "");
+}
+
+TEST_F(MujocoScenes, HavePinsThatOtherFormatsKeep) {
+  read(corner);
+  const MeshFile file = read_mesh_file(folder / "a.xml");
+  ASSERT_EQ(file.groups.size(), 1U);
+  for (const auto& [name, text] : {std::pair("a.msh", msh_text(file)), {"a.vtu", vtu_text(file)}}) {
+    const MeshFile back = read_mesh(name, text);
+    ASSERT_EQ(back.groups.size(), 1U) << name;
+    EXPECT_EQ(back.groups.front().name, "pin");
+    EXPECT_EQ(back.groups.front().corners, (std::vector<TetMesh::Index>{0, 1, 2}));
+  }
 }
 
 TEST_F(MujocoScenes, RefuseEndlessGrids) {

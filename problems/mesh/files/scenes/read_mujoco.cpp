@@ -168,10 +168,7 @@ class FlexcompReader {
             for (std::int64_t k = from[2]; k <= to[2]; ++k) pinned.insert(point(i, j, k));
       }
     }
-    if (pinned.empty()) return;
-    mesh.groups.insert(
-        mesh.groups.begin(),
-        {.number = 0, .name = std::string(mujoco_pinned), .corners = {pinned.begin(), pinned.end()}});
+    add_points_group(mesh, mujoco_pinned, pinned);
   }
 
   using Span = std::pair<std::array<std::int64_t, 3>, std::array<std::int64_t, 3>>;

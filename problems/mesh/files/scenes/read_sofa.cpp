@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/text/split.hpp"
@@ -28,22 +29,19 @@ class SofaMeshReader {
     const XmlPart& topology = find_topology();
     const XmlPart* const loader = loader_of(topology);
     mesh_ = loader ? loaded(*loader) : inline_mesh(topology);
+    require_not_moved(state_,
+                      "translation|rotation|scale|scale3d|translation2|rotation2|dx|dy|dz|rx|ry|rz|sx|sy|sz|"
+                      "restScale");
+    if (loader) move_by(*loader);
     require_same_points(topology, loader);
     for (const XmlPart& part : file_.parts()) {
-      if (sofa_state_of(file_, part) != &state_) continue;
+      if (states_.of(part) != &state_) continue;
       if (part.type == "FixedConstraint" || part.type == "FixedProjectiveConstraint") fix(part);
       if (part.has("youngModulus") && (part.node == state_.node || !topology_in(part.node)))
         set_regions(part);
     }
     set_regions_of_nodes();
-    if (fixed_.corners.empty()) return std::move(mesh_);
-    std::ranges::sort(fixed_.corners);
-    const auto doubled = std::ranges::unique(fixed_.corners);
-    fixed_.corners.erase(doubled.begin(), doubled.end());
-    const auto behind =
-        std::ranges::find_if(mesh_.groups, [](const MeshGroup& group) { return group.dimension > 0; });
-    if (behind != mesh_.groups.begin()) fixed_.number = std::prev(behind)->number + 1;
-    mesh_.groups.insert(behind, std::move(fixed_));
+    add_points_group(mesh_, fixed_points_of_sofa, fixed_);
     return std::move(mesh_);
   }
 
@@ -83,6 +81,33 @@ class SofaMeshReader {
       file_.fail(loader, "there is no file " + in_quotes(path.string()) +
                              "; SOFA also looks into its own folders, so copy it there");
     return read_mesh_file(path);
+  }
+
+  /// As SOFA's loaders: scaled, then moved.
+  void move_by(const XmlPart& loader) {
+    require_not_moved(loader, "rotation|transformation");
+    const auto given = [&](const char* attribute, std::size_t count, const Eigen::Vector3d& otherwise) {
+      if (!loader.has(attribute)) return otherwise;
+      const std::vector<double> values = file_.numbers(loader, attribute, count);
+      return Eigen::Vector3d(values.front(), values[count / 2], values.back());
+    };
+    const Eigen::Vector3d one = Eigen::Vector3d::Ones(), zero = Eigen::Vector3d::Zero();
+    const Eigen::Vector3d scale = given("scale3d", 3, one).cwiseProduct(given("scale", 1, one));
+    if (!(scale.array() > 0).all()) file_.fail(loader, "a scale is not positive; correct it");
+    Eigen::Matrix3Xd& points = mesh_.mesh.points;
+    points = ((scale.asDiagonal() * points).colwise() + given("translation", 3, zero)).eval();
+  }
+
+  /// @param attributes  a list of those that move points in other ways, where they are not 0, or 1 of scales
+  void require_not_moved(const XmlPart& part, std::string_view attributes) const {
+    for (const auto& [name, value] : part.tag.attributes) {
+      if (!is_listed(name, attributes)) continue;
+      const double neutral = name.starts_with('s') || name == "restScale" ? 1 : 0;
+      for (const double number : file_.numbers(part, name))
+        if (number != neutral)
+          file_.fail(part, in_quotes(name) + " = " + in_quotes(value) + " of " + std::string(part.type) +
+                               " is not read; move the points themselves");
+    }
   }
 
   MeshFile inline_mesh(const XmlPart& topology) const {
@@ -136,8 +161,7 @@ class SofaMeshReader {
     Index count = 0;
     const XmlPart* last = nullptr;
     for (const XmlPart& field : file_.parts()) {
-      if (!is_sofa_field(field.type) || field.node == state_.node || sofa_state_of(file_, field) != &state_)
-        continue;
+      if (!is_sofa_field(field.type) || field.node == state_.node || states_.of(field) != &state_) continue;
       const XmlPart* const topology = topology_in(field.node);
       if (!topology) continue;  // acts on the whole body
       if (!topology->has("tetrahedra") || is_link(topology->tag.attribute("tetrahedra")))
@@ -183,7 +207,7 @@ class SofaMeshReader {
         file_.fail(part, std::string(part.type) + " fixes point " + std::to_string(index) +
                              ", but there are " + std::to_string(mesh_.mesh.point_count()) +
                              ", counted from 0; correct it");
-      fixed_.corners.push_back(static_cast<Index>(index));
+      fixed_.insert(static_cast<Index>(index));
     }
   }
 
@@ -201,15 +225,16 @@ class SofaMeshReader {
       for (Index i = 0; i < mesh_.mesh.point_count(); ++i)
         if ((mesh_.mesh.points.col(i).array() >= one.cwiseMin(other).array()).all() &&
             (mesh_.mesh.points.col(i).array() <= one.cwiseMax(other).array()).all())
-          fixed_.corners.push_back(i);
+          fixed_.insert(i);
     }
   }
 
   const XmlFile& file_;
   const XmlPart& state_;
+  const SofaStates states_{file_};
   const std::string remedy_ = "grids are not read, so write the tetrahedra out or load them from a file";
   MeshFile mesh_;
-  MeshGroup fixed_{.dimension = 0, .number = 1, .name = std::string(fixed_points_of_sofa)};
+  std::set<Index> fixed_;
 };
 
 }  // namespace
@@ -221,11 +246,12 @@ const XmlPart& sofa_state(const XmlFile& file) {
   return *found;
 }
 
-const XmlPart* sofa_state_of(const XmlFile& file, const XmlPart& part) {
-  for (const XmlPart* node = file.parent(part); node; node = file.parent(*node))
-    for (const XmlPart& each : file.parts())
-      if (each.type == "MechanicalObject" && file.parent(each) == node) return &each;
-  return nullptr;
+SofaStates::SofaStates(const XmlFile& file) : in_(file.parts().size(), nullptr) {
+  for (const XmlPart& part : file.parts())
+    if (part.type == "MechanicalObject" && part.node && !in_[*part.node]) in_[*part.node] = &part;
+  // Nodes stand behind those that they are in.
+  for (std::size_t i = 0; i < in_.size(); ++i)
+    if (const auto node = file.parts()[i].node; node && !in_[i]) in_[i] = in_[*node];
 }
 
 bool is_sofa_field(std::string_view type) {

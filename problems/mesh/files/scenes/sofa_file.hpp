@@ -15,9 +15,16 @@ inline constexpr std::string_view sofa_root = "Node";
 /// The first MechanicalObject: the points of the body. @throws std::invalid_argument  where there is none
 const XmlPart& sofa_state(const XmlFile& file);
 
-/// The MechanicalObject that acts on a part: in its node, or in the next one above that has one; null where
-/// there is none.
-const XmlPart* sofa_state_of(const XmlFile& file, const XmlPart& part);
+/// The MechanicalObjects of a file, which must live as long as this.
+class SofaStates {
+ public:
+  explicit SofaStates(const XmlFile& file);
+  /// That which acts on a part: in its node, or in the next one above that has one; null where there is none.
+  [[nodiscard]] const XmlPart* of(const XmlPart& part) const { return part.node ? in_[*part.node] : nullptr; }
+
+ private:
+  std::vector<const XmlPart*> in_;  ///< of each part, as the node that it may be
+};
 
 /// The part that a link such as "@../box.indices" names: from the node of the part, where it may be in any
 /// node above, or from the root. @throws std::invalid_argument  where there is none

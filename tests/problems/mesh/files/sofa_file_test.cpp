@@ -1,11 +1,14 @@
 #include "problems/mesh/files/scenes/sofa_file.hpp"
 
+#include <array>
+#include <chrono>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
 #include "tests/problems/mesh/files/mesh_damage.hpp"
 #include "tests/problems/mesh/files/mesh_goldens.hpp"
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -37,6 +40,45 @@ TEST(SofaFiles, SayThatTheFileOfTheirMeshIsMissing) {
     EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { static_cast<void>(read_mesh("a.scn", text)); }),
                      "there is no file"));
   }
+}
+
+TEST(SofaFiles, AreScaledAndMovedByTheirLoader) {
+  const Scratch folder;
+  write_text(
+      folder / "a.vtk",
+      "# vtk DataFile Version 2.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0\n"
+      "0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n");
+  const auto read = [&](const std::string& loader, const std::string& state) {
+    write_text(folder / "a.scn",
+               "<Node name=\"root\">\n<MeshVTKLoader name=\"file\" filename=\"a.vtk\" " + loader +
+                   "/>\n<TetrahedronSetTopologyContainer src=\"@file\"/>\n<MechanicalObject " + state +
+                   "/>\n</Node>\n");
+    return read_mesh_file(folder / "a.scn");
+  };
+  const Eigen::Matrix3Xd plain = read("", "translation=\"0 0 0\" scale=\"1\"").mesh.points;
+  const Eigen::Vector3d scale(0.002, 0.002, 0.004), by(5, 0, -1);
+  EXPECT_EQ(read("translation=\"5 0 -1\" scale3d=\".001 .001 .002\" scale=\"2\" rotation=\"0 0 0\"", "")
+                .mesh.points,
+            Eigen::Matrix3Xd((scale.asDiagonal() * plain).colwise() + by));
+  for (const auto& [loader, state, named] :
+       {std::array{"rotation=\"0 90 0\"", "", "line 2: 'rotation' = '0 90 0' of MeshVTKLoader is not read"},
+        {"scale=\"0\"", "", "a scale is not positive"},
+        {"", "scale3d=\".1 1 1\"", "line 4: 'scale3d' = '.1 1 1' of MechanicalObject is not read"},
+        {"", "dx=\"3\"", "'dx' = '3'"}})
+    EXPECT_TRUE(says(error_of<std::invalid_argument>([&] { read(loader, state); }), named));
+}
+
+/// Looking for the body of each part once took minutes here.
+TEST(SofaFiles, MayHaveNodesInNodesWithoutEnd) {
+  std::string text =
+      "<Node name=\"root\"><MechanicalObject position=\"0 0 0 1 0 0 0 1 0 0 0 1\"/>"
+      "<MeshTopology tetrahedra=\"0 1 2 3\"/>";
+  constexpr int depth = 3000;
+  for (int i = 0; i < depth; ++i) text += "<Node><OglModel/>";
+  for (int i = 0; i < depth; ++i) text += "</Node>";
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(read_mesh("a.scn", text + "</Node>").mesh.tetrahedron_count(), 1);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
 }
 
 /// Whatever a damaged file says, it is refused in one sentence or is a mesh.
