@@ -25,6 +25,8 @@ class FebioSceneReader {
 
   void read() {
     const XmlPart& root = file_.parts().front();
+    take_units(root);
+    require_four_nodes(mesh_);
     check_children(root);
     for (const XmlPart& part : file_.parts()) {
       const XmlPart* const parent = file_.parent(part);
@@ -38,6 +40,10 @@ class FebioSceneReader {
         read_stepper(part);
       else if (parent && parent->type == "Loads")
         read_load(part);
+      else if (parent && parent->type == "Boundary" && part.type == "bc" && !part.has("node_set"))
+        refuse("Boundary", part,
+               fmt::format("the bc is {}, and zero displacement is read",
+                           in_quotes(part.tag.attribute("type"))));
     }
     if (regions_ != mesh_.names.size() || regions_ == 0)
       file_.fail(root,
@@ -80,7 +86,7 @@ class FebioSceneReader {
           "type"},
          {"Mesh", "Nodes|Elements|NodeSet|Surface|Edge|ElementSet|PartList|SurfacePair", "name|type"},
          {"MeshDomains", "SolidDomain", "name|mat|type|elem_type"},
-         {"Boundary", "bc", "name|type|node_set"},
+         {"Boundary", "bc", "name|type|node_set|surface"},
          {"Loads", "nodal_load", "name|type|node_set"},
          {"Loads", "body_load", "name|type"},
          {"nodal_load", "dof", "", true},
@@ -118,6 +124,23 @@ class FebioSceneReader {
 
   void refuse(std::string_view part, const XmlPart& at, const std::string& what) {
     builder_.refuse(part, fmt::format("{}, line {}: ", file_.name(), at.place), what);
+  }
+
+  /// Of the system that the file names; an unknown one says nothing.
+  void take_units(const XmlPart& root) {
+    constexpr std::array<std::pair<std::string_view, const char*>, 7> systems{{{"SI", "m,kg,s"},
+                                                                               {"CGS", "cm,g,s"},
+                                                                               {"mm-N-s", "mm,t,s"},
+                                                                               {"mm-kg-s", "mm,kg,s"},
+                                                                               {"mm-g-s", "mm,g,s"},
+                                                                               {"mm-mg-s", "mm,1e-6,s"},
+                                                                               {"um-nN-s", "1e-6,g,s"}}};
+    const XmlPart* const above = in(root, "Module");
+    const XmlPart* const units = above ? in(*above, "units") : nullptr;
+    const std::string_view called = units ? trimmed(units->text) : "";
+    const auto* const known = std::ranges::find(systems, called, [](const auto& each) { return each.first; });
+    if (known == systems.end()) return builder_.take_units();
+    builder_.take_units(fmt::format("{}, line {}: ", file_.name(), units->place), known->second);
   }
 
   void read_section(const XmlPart& part) {
@@ -274,6 +297,8 @@ class FebioSceneReader {
                                         in_quotes(type)));
     check_children(*material);
     const std::string model = type == "neo-Hookean" ? "fem_neo_hookean" : "fem_green";
+    if (model == "fem_neo_hookean" && regions_ == 0)
+      builder_.scene.notes.push_back(neo_hookean_differs("FEBio's neo-Hookean"));
     if (std::exchange(builder_.scene.model, model) != model && regions_ > 0)
       file_.fail(domain,
                  "the regions are of different laws, and bodies here have one; give all the same type");

@@ -28,8 +28,10 @@ struct Amplitude {
   std::optional<double> value;  ///< at all times; nothing where it changes
 };
 
-/// Keywords on which neither the body nor its steps depend, whatever their parameters are.
+/// Keywords on which neither the body nor its steps depend, whatever their parameters are, and those that
+/// inp_mesh() reads or refuses.
 constexpr std::string_view passed_over =
+    "NODE|ELEMENT|NSET|ELSET|"
     "HEADING|PREPRINT|SURFACE|STATIC|FREQUENCY|OUTPUT|NODE FILE|EL FILE|NODE PRINT|EL PRINT|NODE OUTPUT|"
     "ELEMENT OUTPUT|RESTART|TIME POINTS";
 
@@ -39,6 +41,7 @@ class InpSceneReader {
       : file_(file), builder_(builder), body_(inp_mesh(file)) {}
 
   void read() {
+    require_four_nodes(body_.mesh);
     builder_.scene.model = "fem_cauchy";
     for (const InpCard& card : file_.cards())
       if (card.keyword == "AMPLITUDE") read_amplitude(card);
@@ -60,14 +63,9 @@ class InpSceneReader {
 
   static const Keyword* known(std::string_view name) {
     using Self = InpSceneReader;
-    static constexpr std::array<Keyword, 22> keywords{
-        {{"NODE", "NSET"},
-         {"ELEMENT", "TYPE|ELSET"},
-         {"NSET", "NSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"},
-         {"ELSET", "ELSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"},
-         {"SOLID SECTION", "ELSET|MATERIAL"},
-         // What is fixed at 0 does not move, whatever its amplitude.
-         {"BOUNDARY", "OP|AMPLITUDE"},
+    static constexpr std::array<Keyword, 18> keywords{
+        {{"SOLID SECTION", "ELSET|MATERIAL"},
+         {"BOUNDARY", boundary_parameters},
          {"PART", "NAME"},
          {"END PART", ""},
          {"ASSEMBLY", "NAME"},
@@ -102,9 +100,12 @@ class InpSceneReader {
     if (is_listed(card.keyword, passed_over)) return;
     const Keyword* const keyword = known(card.keyword);
     if (!keyword) return refuse(card, fmt::format("*{} is not understood", card.keyword));
-    for (const auto& [parameter, value] : card.parameters)
-      if (!is_listed(parameter, keyword->parameters) || (parameter == "OP" && value != "MOD"))
-        return refuse(card, fmt::format("{} of *{} is not understood", parameter, card.keyword));
+    if (const std::string* const other = card.unknown_parameter(keyword->parameters)) {
+      const std::string what = fmt::format("{} of *{} is not understood", *other, card.keyword);
+      if (is_listed(card.keyword, "SOLID SECTION|PART|INSTANCE"))  // the mesh has them all the same
+        file_.fail(card.place, what + "; remove it");
+      return refuse(card, what);
+    }
     if (keyword->read) (this->*keyword->read)(card);
   }
 
@@ -163,7 +164,7 @@ class InpSceneReader {
     Amplitude& made = amplitudes_[card.parameter("NAME").value_or("")];
     made = {.place = card.place, .value = {}};
     const std::string definition = card.parameter("DEFINITION").value_or("TABULAR");
-    if (definition != "TABULAR" || card.lines.empty()) return;
+    if (definition != "TABULAR" || card.unknown_parameter(known(card.keyword)->parameters)) return;
     for (const InpLine& line : card.lines)
       for (std::size_t k = 1; k < line.fields.size(); k += 2) {
         const double value = file_.number(line, k, "an amplitude");
@@ -361,6 +362,7 @@ class InpSceneReader {
 }  // namespace
 
 void read_inp_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder) {
+  builder.take_units();
   const InpFile parsed(file, bytes);
   InpSceneReader(parsed, builder).read();
 }

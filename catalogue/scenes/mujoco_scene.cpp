@@ -225,6 +225,7 @@ class MujocoSceneReader {
 }  // namespace
 
 void read_mujoco_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder) {
+  builder.take_units();
   const XmlFile parsed(file, bytes, mujoco_root);
   MujocoSceneReader(parsed, builder).read();
 }

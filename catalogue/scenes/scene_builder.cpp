@@ -59,14 +59,22 @@ constexpr std::array<SceneFormat, 4> formats{{{".inp", read_inp_scene},
 
 }  // namespace
 
-SceneBuilder::SceneBuilder(std::string_view units, std::string_view ignored) : units_(scene_units(units)) {
-  scene.settings.unit = units_.length;
+SceneBuilder::SceneBuilder(std::string_view units, std::string_view ignored) : given_(units) {
   if (ignored.empty()) return;
   for (std::string_view part : split(ignored, ",")) {
     if (part.starts_with('*')) part.remove_prefix(1);
     if (part.empty()) throw InputError("--ignore has an empty part; write it like CLOAD,AMPLITUDE");
     ignored_.insert(lower(part));
   }
+}
+
+void SceneBuilder::take_units(const std::string& where, std::string_view told) {
+  if (!told.empty() && given_.empty())
+    throw InputError(fmt::format("{}the file tells its units; give --unit {}", where, told));
+  units_ = scene_units(given_);
+  scene.settings.unit = units_.length;
+  if (!told.empty() && units_ != scene_units(told))
+    throw InputError(fmt::format("{}the units are {} and not --unit {}; correct one", where, told, given_));
 }
 
 void SceneBuilder::refuse(std::string_view part, const std::string& where, const std::string& what) {
@@ -152,6 +160,20 @@ Scene SceneBuilder::finish(const std::string& file) {
   if (!left_out_.empty())
     scene.notes.push_back(fmt::format("left out of {}: {}", file, fmt::join(left_out_, ", ")));
   return std::move(scene);
+}
+
+void require_four_nodes(const MeshFile& mesh) {
+  if (mesh.second_order == 0) return;
+  Eigen::Index first = 0;
+  while (mesh.middles(0, first) < 0) ++first;
+  throw InputError(fmt::format(
+      "{} has ten nodes, and scenes of four are read; --mesh with --model fem_quadratic takes all",
+      mesh.where(first)));
+}
+
+std::string neo_hookean_differs(std::string_view theirs) {
+  return fmt::format("the energy of fem_neo_hookean differs from that of {}; small motions are the same",
+                     theirs);
 }
 
 void leave_out(const Scene& scene, Parameters& parameters, const std::string& name) {

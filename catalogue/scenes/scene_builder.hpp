@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "catalogue/scenes/scene.hpp"
+#include "problems/mesh/files/mesh_file.hpp"
 
 namespace hmax {
 
@@ -19,16 +20,21 @@ struct SceneUnits {
   double length = 1;  ///< [m]
   double mass = 1;    ///< [kg]
   double time = 1;    ///< [s]
+  bool operator==(const SceneUnits&) const = default;
 };
 
 /// Makes a scene of numbers in the units of a file.
 class SceneBuilder {
  public:
-  /// @throws InputError  as read_scene()
+  /// @param units  which must live as long as this; @throws InputError  as read_scene()
   SceneBuilder(std::string_view units, std::string_view ignored);
 
   Scene scene;
 
+  /// Takes the units of --unit, before any number. @param where  "FILE, line N: "
+  /// @param told  the units of the file, "mm,kg,s"; empty: it does not say them
+  /// @throws InputError  where these are none, or others than `told`
+  void take_units(const std::string& where = {}, std::string_view told = {});
   /// Refuses a part that is not understood, or notes that it is left out.
   /// @param where  "FILE, line N: "; @param what  "*CLOAD is forces at single points, which bodies have not"
   void refuse(std::string_view part, const std::string& where, const std::string& what);
@@ -59,10 +65,17 @@ class SceneBuilder {
   void set_forces();
   void set(std::string name, double value) { scene.settings.parameters.emplace_back(std::move(name), value); }
 
+  std::string_view given_;  ///< of --unit
   SceneUnits units_;
   std::set<std::string> ignored_, left_out_;
   std::map<std::int64_t, Eigen::Vector3d> forces_;  ///< by points [N]
 };
+
+/// Refuses tetrahedra of ten nodes. @throws InputError  naming the first one
+void require_four_nodes(const MeshFile& mesh);
+
+/// A note that the law of fem_neo_hookean is not that of another program.
+std::string neo_hookean_differs(std::string_view theirs);
 
 /// CalculiX's and Abaqus' .inp, SOFA's .scn, FEBio's .feb, MuJoCo's .xml. @throws InputError,
 /// std::invalid_argument  as read_scene()

@@ -387,9 +387,7 @@ class SofaSceneReader {
     const double mu = values[0], lambda = is_neo_hookean ? values[1] - 2 * mu / 3 : values[1];
     add_field(part, {mu * (3 * lambda + 2 * mu) / (lambda + mu)}, lambda / (2 * (lambda + mu)),
               is_neo_hookean ? "fem_neo_hookean" : "fem_green");
-    if (is_neo_hookean)
-      builder_.scene.notes.emplace_back(
-          "the energy of fem_neo_hookean differs from that of SOFA's NeoHookean; small motions are the same");
+    if (is_neo_hookean) builder_.scene.notes.push_back(neo_hookean_differs("SOFA's NeoHookean"));
   }
 
   /// One linear solve a step, as for Newmark in SOFA; Rayleigh damping alpha M + beta K.
@@ -571,6 +569,7 @@ SofaStep sofa_step(const std::string& method, double h) {
 }
 
 void read_sofa_scene(const std::string& file, std::string_view bytes, SceneBuilder& builder) {
+  builder.take_units();
   const XmlFile parsed(file, bytes, sofa_root);
   SofaSceneReader(parsed, builder).read();
 }

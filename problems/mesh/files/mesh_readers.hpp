@@ -56,7 +56,7 @@ class ExtraColumns {
 
 /// The edges in whose middles the nodes 4 to 9 of a tetrahedron of second order lie, by their two corners.
 using MiddleOrder = std::array<std::array<int, 2>, 6>;
-/// Of VTK and Medit.
+/// Of VTK, Medit, Abaqus, CalculiX and FEBio.
 inline constexpr MiddleOrder middles_of_vtk{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 
 /// Collects a mesh point by point, in whatever order and numbering.

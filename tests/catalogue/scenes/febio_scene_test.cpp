@@ -74,7 +74,7 @@ TEST_F(FebioScenes, NameWhatTheyDoNotUnderstand) {
        {"name=\"stiff\" type=\"neo-Hookean\"", "name=\"stiff\" type=\"isotropic elastic\""}},
       {"'k' of a material", {"<E>1000</E>", "<E>1000</E><k>3</k>"}},
       {"does not have E, v and density", {"<v>0.25</v>", ""}},
-      {"only tet4 is read", {"type=\"tet4\" name=\"up\"", "type=\"hex8\" name=\"up\""}},
+      {"only tet4 and tet10 are read", {"type=\"tet4\" name=\"up\"", "type=\"hex8\" name=\"up\""}},
       {"has 3 nodes", {"1,2,3,14<", "1,2,3<"}},
       {"needs node 15", {"1,2,3,14<", "1,2,3,15<"}},
       {"2 coordinates", {"0,0,-1<", "0,0<"}},
@@ -161,6 +161,64 @@ TEST_F(FebioScenes, HaveForcesOnPointsAndBodyLoads) {
   EXPECT_EQ(value(read(ramp, "lc"), "force_z:points:14"), 2);
   EXPECT_TRUE(
       says(error(replaced(text, "controller id=\"1\"", "controller id=\"2\"")), "no load_controller '1'"));
+}
+
+TEST_F(FebioScenes, FixPointsThatAreAlsoHeldOtherwise) {
+  const std::string text =
+      changed("</Boundary>", "<bc type=\"prescribed displacement\" node_set=\"middle\"/></Boundary>");
+  EXPECT_TRUE(says(SceneFiles::error(text), "--ignore 'Boundary'"));
+  EXPECT_EQ(body(read(text, "Boundary"))->dofs(), 6);
+}
+
+TEST_F(FebioScenes, HaveConditionsAndLoadsOnSurfaces) {
+  const std::string surface = "<Surface name=\"base\"><tri3 id=\"1\">1,3,2</tri3></Surface></Mesh>";
+  const std::string text =
+      replaced(changed("</Mesh>", surface), "node_set=\"middle\"", "node_set=\"@surface:base\"");
+  EXPECT_EQ(body(read(text))->dofs(), 6);
+  const std::string load =
+      "<Loads><nodal_load type=\"nodal_force\" node_set=\"@surface:base\"><value>1,0,0</value></nodal_load></Loads>";
+  EXPECT_EQ(value(read(replaced(changed("</Mesh>", surface), "<Boundary>", load + "<Boundary>")),
+                  "force_x:points:1,2,3"),
+            1);
+  EXPECT_TRUE(says(SceneFiles::error(replaced(text, "@surface:base", "@surface:top")), "no Surface 'top'"));
+  const std::string pressed = replaced(changed("</Mesh>", surface), "</Boundary>",
+                                       "<bc type=\"normal displacement\" surface=\"base\"/></Boundary>");
+  EXPECT_TRUE(says(SceneFiles::error(pressed), "the bc is 'normal displacement'"));
+  EXPECT_EQ(body(read(pressed, "Boundary"))->dofs(), 6);
+}
+
+TEST_F(FebioScenes, HaveTetrahedraOfFourNodes) {
+  std::string nodes;
+  for (int i = 21; i <= 26; ++i) nodes += fmt::format("<node id=\"{}\">0,0,{}</node>", i, i);
+  const std::string text = replaced(changed("</Nodes>", nodes + "</Nodes>"), "type=\"tet4\" name=\"up\"",
+                                    "type=\"tet10\" name=\"up\"");
+  EXPECT_TRUE(says(SceneFiles::error(replaced(text, "1,2,3,14<", "1,2,3,14,21,22,23,24,25,26<")),
+                   "a.feb, line 21: tetrahedron 1 has ten nodes, and scenes of four are read"));
+}
+
+TEST_F(FebioScenes, HaveTheNamesOfElementsBehindEmptyOnes) {
+  const std::string text =
+      changed("<Elements type=\"tet4\" name=\"up\">",
+              "<Elements type=\"tet4\" name=\"none\"></Elements><Elements type=\"tet4\" name=\"up\">");
+  EXPECT_EQ(value(read(text), "E:up"), 1000);
+  EXPECT_EQ(value(read(text), "E:down"), 9000);
+}
+
+TEST_F(FebioScenes, HaveTheUnitsThatTheyTell) {
+  const auto told = [this](const std::string& units) {
+    return changed("<Module type=\"solid\"/>",
+                   "<Module type=\"solid\"><units>" + units + "</units></Module>");
+  };
+  EXPECT_EQ(SceneFiles::error(told("SI")), "");
+  EXPECT_EQ(SceneFiles::error(told("furlongs")), "");
+  EXPECT_TRUE(
+      says(SceneFiles::error(told("mm-kg-s")), "line 3: the units are mm,kg,s and not --unit m,kg,s"));
+  EXPECT_EQ(value(read_in("mm,t,s", told("mm-N-s")), "E:up"), 1e9);
+  EXPECT_TRUE(says(error_of<InputError>([&] { read_in("", told("CGS")); }), "give --unit cm,g,s"));
+}
+
+TEST_F(FebioScenes, SayThatTheirNeoHookeanLawDiffers) {
+  EXPECT_TRUE(says(read(two_parts).notes.front(), "differs from that of FEBio's neo-Hookean"));
 }
 
 /// Wherever a file is cut off or damaged, it is refused in one sentence or is a scene.

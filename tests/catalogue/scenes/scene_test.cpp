@@ -123,6 +123,14 @@ TEST_F(Scenes, CollectDirectionsOfHeldPoints) {
     EXPECT_TRUE(says(error(changed("FIX, 1, 3\n", other)), "--ignore 'BOUNDARY'")) << other;
   const Scene freed = read(changed("FIX, 1, 3\n", "FIX, 1, 3\n16, 2\n"), "boundary");
   EXPECT_EQ(body(freed)->dofs(), 36);
+  for (const auto& [lines, dofs] :
+       {std::pair("FIX, 1, 3\nFIX, 1, 1, 0.1\n", 36), {"FIX, 1, 3\nFIX, 11\n", 36}}) {
+    const std::string twice = replaced(whole, "FIX, 1, 3\n", lines);
+    EXPECT_TRUE(says(error(twice), "--ignore 'BOUNDARY'"));
+    EXPECT_EQ(body(read(twice, "BOUNDARY"))->dofs(), dofs);
+  }
+  EXPECT_EQ(body(read(replaced(whole, "*BOUNDARY", "*BOUNDARY, TYPE=VELOCITY"), "BOUNDARY"))->dofs(), 48);
+  EXPECT_EQ(held("FIX, XSYMM\nFIX, YSYMM\nFIX, ZSYMM\n"), 36);
   ASSERT_EQ(freed.notes.size(), 2U);
   EXPECT_TRUE(says(freed.notes.back(), "BOUNDARY"));
   EXPECT_EQ(body(read(std::string(beam_input) + material + section))->dofs(), 48);
@@ -144,7 +152,7 @@ TEST_F(Scenes, NameWhatTheyDoNotUnderstand) {
   refused("*DLOAD", "*DLOAD, AMPLITUDE=UP", "no *AMPLITUDE 'UP'");
   refused("EALL, GRAV, 9810.", "EALL, P1, 9810.", "*DLOAD is not GRAV");
   refused("EALL, GRAV, 9810.", "SOME, GRAV, 9810.", "'SOME', which is not the whole body");
-  refused("TYPE=C3D4", "TYPE=C3D8", "only C3D4 is read");
+  refused("TYPE=C3D4", "TYPE=C3D8", "only C3D4 and C3D10 are read");
   refused("MATERIAL=STEEL", "MATERIAL=WOOD", "no material 'WOOD'");
   refused("ELSET=EALL, M", "ELSET=EVERY, M", "no element set 'EVERY'");
   refused("*BOUNDARY\nFIX", "*BOUNDARY\nFIXED", "no node set 'FIXED'");
@@ -288,6 +296,16 @@ TEST_F(Scenes, LeaveOutWhatIsIgnored) {
   EXPECT_TRUE(says(scene.notes.back(), "CLOAD"));
   EXPECT_TRUE(says(error(whole, "CLOAD"), "nothing of it to leave out"));
   EXPECT_TRUE(says(error(loaded, "CLOAD,"), "empty part"));
+}
+
+TEST_F(Scenes, LeaveNothingOfTheMeshOut) {
+  for (const auto& [what, by, part] :
+       {std::array{"nset=NALL", "nset=NALL, system=C", "NODE"},
+        {"*SOLID SECTION, ", "*SOLID SECTION, ORIENTATION=A, ", "SOLID SECTION"}})
+    EXPECT_TRUE(says(error(replaced(whole, what, by), part), " of *" + std::string(part) + " is not "));
+  const std::string thrice =
+      replaced(whole, "*DLOAD", "*AMPLITUDE, NAME=A, UNKNOWN\n0, 3.\n*DLOAD, AMPLITUDE=A");
+  EXPECT_DOUBLE_EQ(value(read(thrice, "AMPLITUDE"), "gz"), -9.81);
 }
 
 TEST_F(Scenes, NeedThreeUnits) {

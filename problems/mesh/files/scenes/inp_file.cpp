@@ -7,7 +7,6 @@
 
 #include "core/process/whole_file.hpp"
 #include "core/text/split.hpp"
-#include "core/text/utf8.hpp"
 
 namespace hmax {
 
@@ -35,9 +34,15 @@ std::optional<std::string> InpCard::parameter(const std::string& name) const {
   return found == parameters.end() ? std::nullopt : std::optional(found->second);
 }
 
-InpFile::InpFile(const std::string& name, std::string_view bytes)
-    : text_(name, without_byte_order_mark(bytes)) {
-  read(text_, without_byte_order_mark(bytes), 0, 0);
+const std::string* InpCard::unknown_parameter(std::string_view known) const {
+  for (const auto& [name, value] : parameters)
+    if (!is_listed(name, known) || (name == "OP" && value != "MOD") || (name == "SYSTEM" && value != "R"))
+      return &name;
+  return nullptr;
+}
+
+InpFile::InpFile(const std::string& name, std::string_view bytes) : text_(name, bytes) {
+  read(text_, bytes, 0, 0);
   find_part();
 }
 
@@ -102,7 +107,7 @@ void InpFile::include(std::int64_t place, std::int64_t own_line, int depth) {
   if (std::error_code ignored; !std::filesystem::is_regular_file(file, ignored))
     fail(place, "there is no file " + in_quotes(name) + " to include; correct the name");
   included_.push_back(std::make_unique<const std::string>(read_whole(file, "an input file")));
-  const std::string_view bytes = without_byte_order_mark(*included_.back());
+  const std::string_view bytes = *included_.back();
   read(MeshText(file.string(), bytes), bytes, own_line, depth + 1);
 }
 

@@ -33,6 +33,9 @@ struct InpCard {
 
   /// The value of a parameter; nothing where it is not given.
   [[nodiscard]] std::optional<std::string> parameter(const std::string& name) const;
+  /// The first one that is not in a list, or is an OP that removes what stands before, or a SYSTEM that is
+  /// not rectangular; null where there is none.
+  [[nodiscard]] const std::string* unknown_parameter(std::string_view known) const;
 };
 
 /// A whole file, which must live as long as this, with those that it includes from its folder.
@@ -84,7 +87,7 @@ class InpFile {
 };
 
 /// The names of the groups of points that *BOUNDARY fixes in directions 1 to 3, and of those that it holds
-/// in any other way.
+/// in any other way, also besides that.
 inline constexpr std::string_view held_points = "*BOUNDARY", otherwise_held_points = "*BOUNDARY, otherwise";
 
 /// What a file says of its mesh. Regions are the sets of *SOLID SECTION, in their order from 1, or without
@@ -95,6 +98,9 @@ struct InpMesh {
   std::vector<const InpCard*> sections;     ///< of the regions; empty where the file has none
   std::map<std::string, std::vector<std::size_t>> element_sets;
 };
+
+/// The parameters of a *BOUNDARY that is read: what is fixed at 0 does not move, whatever its amplitude.
+inline constexpr std::string_view boundary_parameters = "OP|AMPLITUDE";
 
 /// @throws std::invalid_argument  one sentence with file, line and remedy
 InpMesh inp_mesh(const InpFile& file);

@@ -1,7 +1,10 @@
-/// The mesh of an input file of FEBio: Nodes, Elements of type tet4, NodeSets, and what conditions hold.
+/// The mesh of an input file of FEBio: Nodes, Elements of types tet4 and tet10, NodeSets, and what conditions
+/// hold.
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
+#include <span>
 
 #include "problems/mesh/files/mesh_readers.hpp"
 #include "problems/mesh/files/scenes/febio_file.hpp"
@@ -11,6 +14,8 @@ namespace hmax {
 namespace {
 
 using Index = TetMesh::Index;
+
+constexpr std::string_view of_surface = "@surface:";
 
 class FebioMeshReader {
  public:
@@ -28,13 +33,16 @@ class FebioMeshReader {
     });
     builder_.number_points(file_.at(root_));
     each("Elements", "Mesh", [&](const XmlPart& elements) {
-      if (elements.tag.attribute("type") != "tet4")
-        file_.fail(elements, "the elements are of type " + in_quotes(elements.tag.attribute("type")) +
-                                 ", and only tet4 is read; mesh the body with tetrahedra of four nodes");
+      if (const std::string_view type = elements.tag.attribute("type"); type != "tet4" && type != "tet10")
+        file_.fail(elements, "the elements are of type " + in_quotes(type) +
+                                 ", and only tet4 and tet10 are read; mesh the body with tetrahedra");
       builder_.name_group(3, ++region_, std::string(elements.name()), file_.at(elements));
+      read_elements(elements);
     });
-    read_elements();
     each("NodeSet", "Mesh", [&](const XmlPart& set) { read_set(set); });
+    for (const XmlPart& part : file_.parts())
+      if (const std::string_view set = part.tag.attribute("node_set"); set.starts_with(of_surface))
+        set_surface(part, set.substr(of_surface.size()));
     hold();
     std::int64_t group = 0;
     for (const auto& [name, points] : sets_) {
@@ -69,17 +77,17 @@ class FebioMeshReader {
     return found;
   }
 
-  void read_elements() {
-    std::int64_t region = 0;
-    const XmlPart* last = nullptr;
-    each("elem", "Elements", [&](const XmlPart& element) {
-      if (const XmlPart* const of = file_.parent(element); of != last) ++region, last = of;
+  void read_elements(const XmlPart& elements) {
+    const std::size_t count = elements.tag.attribute("type") == "tet10" ? 10 : 4;
+    for (const XmlPart* part : file_.all(elements, "elem")) {
+      const XmlPart& element = *part;
       const std::vector<Index> corners = points(element);
-      if (corners.size() != 4)
+      if (corners.size() != count)
         file_.fail(element, "an element has " + std::to_string(corners.size()) + " nodes; correct it");
       builder_.add_tetrahedron({corners[0], corners[1], corners[2], corners[3]}, number(element),
-                               element.place, region, file_.at(element));
-    });
+                               element.place, region_, file_.at(element));
+      if (count == 10) builder_.add_middles(std::span(corners).last<6>(), middles_of_vtk);
+    }
   }
 
   /// A list of numbers, or a part with an id for each.
@@ -90,6 +98,21 @@ class FebioMeshReader {
       if (file_.parent(part) == &set) members.push_back(point(number(part), part));
   }
 
+  /// The points of a Surface as the set that conditions and loads call by "@surface:NAME".
+  void set_surface(const XmlPart& user, std::string_view name) {
+    const auto surface = std::ranges::find_if(
+        file_.parts(), [&](const XmlPart& part) { return part.type == "Surface" && part.name() == name; });
+    if (surface == file_.parts().end())
+      file_.fail(user, "there is no Surface " + in_quotes(name) + "; define it, or correct the name");
+    std::set<Index> members;
+    for (const XmlPart* facet : file_.within(*surface)) {
+      const std::vector<Index> corners = points(*facet);
+      members.insert(corners.begin(), corners.end());
+    }
+    sets_[std::string(of_surface) + std::string(name)].assign(members.begin(), members.end());
+  }
+
+  /// Conditions that are not understood may have no set, and hold nothing here.
   void hold() {
     std::vector<unsigned> held(builder_.point_count(), 0);
     each("bc", "Boundary", [&](const XmlPart& condition) {
@@ -102,15 +125,18 @@ class FebioMeshReader {
             file_.fail(part, in_quotes(part.type) + " of a condition is not understood; remove it");
           if (on[0] == 1) bits |= 1U << (direction / 6);
         }
+      if (bits == 8 && !condition.has("node_set")) return;
       const auto set = sets_.find(std::string(condition.tag.attribute("node_set")));
       if (set == sets_.end())
         file_.fail(condition, "there is no NodeSet " + in_quotes(condition.tag.attribute("node_set")) +
                                   "; define it, or correct the name");
       for (const Index point : set->second) held[static_cast<std::size_t>(point)] |= bits;
     });
-    for (std::size_t i = 0; i < held.size(); ++i)
-      if (held[i] != 0)
-        sets_[std::string(held[i] == 7 ? febio_held : febio_otherwise_held)].push_back(static_cast<Index>(i));
+    for (std::size_t i = 0; i < held.size(); ++i) {
+      if ((held[i] & 7) == 7) sets_[std::string(febio_held)].push_back(static_cast<Index>(i));
+      if (held[i] != 0 && held[i] != 7)
+        sets_[std::string(febio_otherwise_held)].push_back(static_cast<Index>(i));
+    }
   }
 
   const XmlFile& file_;

@@ -1,7 +1,8 @@
-/// The mesh of an .inp file: *NODE, *ELEMENT of type C3D4, *NSET, *ELSET, *SOLID SECTION and *BOUNDARY. What
-/// has no bearing on it is passed over.
+/// The mesh of an .inp file: *NODE, *ELEMENT of types C3D4 and C3D10, *NSET, *ELSET, *SOLID SECTION and
+/// *BOUNDARY. What has no bearing on it is passed over.
 #include <algorithm>
 #include <array>
+#include <span>
 #include <unordered_map>
 #include <utility>
 
@@ -15,6 +16,13 @@ namespace {
 /// Keywords that make or move points and elements in ways that are not read.
 constexpr std::array<std::string_view, 6> unread{"NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY", "SYSTEM"};
 
+/// The parameters of keywords that make points, elements and sets, as lists.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> known_parameters{
+    {{"NODE", "NSET|SYSTEM"},
+     {"ELEMENT", "TYPE|ELSET"},
+     {"NSET", "NSET|ELSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"},
+     {"ELSET", "ELSET|GENERATE|INSTANCE|INTERNAL|UNSORTED"}}};
+
 class InpMeshReader {
  public:
   explicit InpMeshReader(const InpFile& file) : file_(file) {}
@@ -25,14 +33,16 @@ class InpMeshReader {
         file_.fail(card.place,
                    "*" + card.keyword +
                        " is not read; write its points and elements out, and export the file again");
+    for (const auto& [keyword, parameters] : known_parameters)
+      each(keyword, [&, known = parameters](const InpCard& card) { require_known(card, known); });
     each("NODE", [&](const InpCard& card) { read_nodes(card); });
     builder_.number_points(whole_);
     each("ELEMENT", [&](const InpCard& card) { read_elements(card); });
-    each("NSET", [&](const InpCard& card) {
-      read_set(card, nodes_, [&](std::int64_t n, std::int64_t place) { return point(n, place); });
-    });
     each("ELSET", [&](const InpCard& card) {
       read_set(card, elements_, [&](std::int64_t n, std::int64_t place) { return element(n, place); });
+    });
+    each("NSET", [&](const InpCard& card) {
+      read_set(card, nodes_, [&](std::int64_t n, std::int64_t place) { return point(n, place); });
     });
     set_regions();
     set_groups();
@@ -46,6 +56,13 @@ class InpMeshReader {
   using Set = std::vector<std::size_t>;
   using Sets = std::map<std::string, Set>;
   using ElementCard = std::pair<std::string, const InpCard*>;  ///< by its set
+
+  /// Others would change the mesh.
+  void require_known(const InpCard& card, std::string_view known) const {
+    if (const std::string* const other = card.unknown_parameter(known))
+      file_.fail(card.place, *other + " of *" + card.keyword +
+                                 " is not read; write its lines without it, or export the file again");
+  }
 
   template <class Read>
   void each(std::string_view keyword, Read read) {
@@ -92,35 +109,40 @@ class InpMeshReader {
 
   void read_elements(const InpCard& card) {
     const std::string type = card.parameter("TYPE").value_or("");
-    if (type != "C3D4")
+    const bool has_middles = type == "C3D10";
+    const std::size_t count = has_middles ? 10 : 4;
+    if (type != "C3D4" && !has_middles)
       file_.fail(card.place, "the elements are of type " + in_quotes(type) +
-                                 ", and only C3D4 is read; mesh the body with tetrahedra of four nodes");
+                                 ", and only C3D4 and C3D10 are read; mesh the body with tetrahedra");
     const auto named = card.parameter("ELSET");
     if (named && std::ranges::find(element_cards_, *named, &ElementCard::first) == element_cards_.end())
       element_cards_.emplace_back(*named, &card);
     for (std::size_t next = 0; next < card.lines.size();) {
       InpLine line = card.lines[next++];
-      for (; line.goes_on && line.fields.size() < 5 && next < card.lines.size(); ++next) {
+      for (; line.goes_on && line.fields.size() <= count && next < card.lines.size(); ++next) {
         const InpLine& more = card.lines[next];
         line.fields.insert(line.fields.end(), more.fields.begin(), more.fields.end());
         line.goes_on = more.goes_on;
       }
       const std::int64_t number = file_.integer(line, 0, "the number of an element");
-      std::array<TetMesh::Index, 4> corners{};
-      for (std::size_t k = 0; k < 4; ++k)
-        corners[k] =
+      std::array<TetMesh::Index, 10> points{};
+      for (std::size_t k = 0; k < count; ++k)
+        points[k] =
             static_cast<TetMesh::Index>(point(file_.integer(line, k + 1, "node of an element"), line.place));
-      if (line.fields.size() > 5)
-        file_.fail(line.place,
-                   "element " + std::to_string(number) + " has more than four nodes; export the file again");
+      if (line.fields.size() > count + 1)
+        file_.fail(line.place, "element " + std::to_string(number) + " has more than " +
+                                   (has_middles ? "ten" : "four") + " nodes; export the file again");
       if (!by_number_.emplace(number, builder_.tetrahedron_count()).second)
         file_.fail(line.place, "element " + std::to_string(number) + " is given twice; remove one of them");
       if (named) elements_[scoped(card, *named)].push_back(builder_.tetrahedron_count());
-      builder_.add_tetrahedron(corners, number, line.place, 0, whole_);
+      points_.emplace_back(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count));
+      builder_.add_tetrahedron({points[0], points[1], points[2], points[3]}, number, line.place, 0, whole_);
+      if (has_middles) builder_.add_middles(std::span(points).last<6>(), middles_of_vtk);
     }
   }
 
-  /// Numbers and names of sets before it, or, with GENERATE, "first, last, step".
+  /// Numbers and names of sets before it, or, with GENERATE, "first, last, step"; or the points of the
+  /// elements of a set.
   template <class Find>
   void read_set(const InpCard& card, Sets& sets, const Find& find) {
     const std::string name = card.parameter(card.keyword).value_or("");
@@ -129,6 +151,9 @@ class InpMeshReader {
     if (const auto instance = card.parameter("INSTANCE"); instance && *instance + "." != file_.prefix())
       file_.fail(card.place, "there is no *INSTANCE " + in_quotes(*instance) + "; correct the name");
     Set more = sets[scoped(card, name)];
+    if (const auto of = card.parameter("ELSET"); of && card.keyword == "NSET")
+      for (const std::size_t t : set(elements_, *of, card, card.place))
+        more.insert(more.end(), points_[t].begin(), points_[t].end());
     for (const InpLine& line : card.lines) {
       if (card.parameter("GENERATE")) {
         const std::int64_t last = file_.integer(line, 1, "last number");
@@ -150,6 +175,8 @@ class InpMeshReader {
         more.insert(more.end(), other.begin(), other.end());
       }
     }
+    std::ranges::sort(more);
+    more.erase(std::unique(more.begin(), more.end()), more.end());
     sets[scoped(card, name)] = std::move(more);
   }
 
@@ -179,12 +206,15 @@ class InpMeshReader {
     for (const std::size_t t : elements_[scoped(card, name)]) builder_.set_region(t, region, whole_);
   }
 
+  static constexpr unsigned all = 7, unknown = 8;
+
   /// The directions of a line of *BOUNDARY as bits 0 to 2; bit 3: held in a way that is not read.
   unsigned directions(const InpLine& line) const {
-    constexpr unsigned unknown = 8;
     if (line.fields.size() < 2) return unknown;
     const std::string word = upper(line.fields[1]);
-    if (word == "ENCASTRE" || word == "PINNED") return 7;
+    if (word == "ENCASTRE" || word == "PINNED") return all;
+    for (unsigned d = 0; d < 3; ++d)
+      if (word == std::string(1, "XYZ"[d]) + "SYMM") return 1U << d;
     if (!is_number(word)) return unknown;
     const std::int64_t first = file_.integer(line, 1, "first direction");
     const bool has_last = line.fields.size() > 2 && !line.fields[2].empty();
@@ -215,18 +245,21 @@ class InpMeshReader {
     std::vector<unsigned> held(builder_.point_count(), 0);
     std::vector<const InpLine*> by(held.size(), nullptr);
     each("BOUNDARY", [&](const InpCard& card) {
+      const bool is_known = !card.unknown_parameter(boundary_parameters);
       for (const InpLine& line : card.lines) {
-        const unsigned bits = directions(line);
+        const unsigned bits = is_known ? directions(line) : unknown;
         for (const std::size_t i : points_of(line, card)) {
-          if (!by[i]) by[i] = &line;
+          if (!by[i] || bits == unknown) by[i] = &line;
           held[i] |= bits;
         }
       }
     });
     nodes_.erase("");
     for (std::size_t i = 0; i < held.size(); ++i) {
-      if (held[i] != 0) nodes_[std::string(held[i] == 7 ? held_points : otherwise_held_points)].push_back(i);
-      if (held[i] != 0 && held[i] != 7 && !result_.otherwise_held) result_.otherwise_held = by[i];
+      if ((held[i] & all) == all) nodes_[std::string(held_points)].push_back(i);
+      if (held[i] == 0 || held[i] == all) continue;
+      nodes_[std::string(otherwise_held_points)].push_back(i);
+      if (!result_.otherwise_held) result_.otherwise_held = by[i];
     }
     std::int64_t number = 0;
     for (const auto& [name, points] : nodes_) {
@@ -243,6 +276,7 @@ class InpMeshReader {
   std::unordered_map<std::int64_t, std::size_t> by_number_;
   Sets nodes_, elements_;
   std::vector<ElementCard> element_cards_;
+  std::vector<std::vector<TetMesh::Index>> points_;  ///< of the elements
 };
 
 }  // namespace

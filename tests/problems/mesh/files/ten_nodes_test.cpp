@@ -1,6 +1,7 @@
 /// Tetrahedra of ten nodes from files of every format.
 #include "problems/mesh/files/ten_nodes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -88,10 +89,28 @@ MeshFile tetgen_file(double bend) {
                      "1 10 1\n1 " + from_one + " 8\n");
 }
 
+MeshFile inp_file(double bend) {
+  std::string nodes = numbered(ten_lines(of_vtk, bend)), element = "1 " + from_one;
+  for (std::string* const text : {&nodes, &element}) std::ranges::replace(*text, ' ', ',');
+  return read_mesh("a.inp", "*NODE\n" + nodes + "*ELEMENT, TYPE=C3D10\n" + element + "\n*STEP\n*END STEP\n");
+}
+MeshFile febio_file(double bend) {
+  std::string nodes, element = from_one;
+  for (std::string line : ten_lines(of_vtk, bend)) {
+    std::ranges::replace(line, ' ', ',');
+    nodes += "<node id=\"" + std::to_string(1 + std::ranges::count(nodes, '/')) + "\">" + line + "</node>";
+  }
+  std::ranges::replace(element, ' ', ',');
+  return read_mesh("a.feb", "<febio_spec version=\"4.0\"><Mesh><Nodes>" + nodes +
+                                "</Nodes><Elements type=\"tet10\" name=\"a\"><elem id=\"1\">" + element +
+                                "</elem></Elements></Mesh></febio_spec>\n");
+}
+
+// Of Abaqus, CalculiX and FEBio by their manuals.
 TEST(TenNodes, HaveTheirMiddlesWhereEachFormatListsThem) {
   const double bend = 0.1;
-  for (const MeshFile& file :
-       {gmsh_file(bend), vtk_file(bend), vtu_file(bend), medit_file(bend), tetgen_file(bend)}) {
+  for (const MeshFile& file : {gmsh_file(bend), vtk_file(bend), vtu_file(bend), medit_file(bend),
+                               tetgen_file(bend), inp_file(bend), febio_file(bend)}) {
     SCOPED_TRACE(file.format);
     EXPECT_EQ(file.second_order, 1);
     const MeshFile ten = with_ten_nodes(file);
