@@ -6,35 +6,29 @@
 #include "limits/documents/model_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// What runs the motions, as `hmax run --device gpu` tells it; null: the processor.
 Json device_json(const AdviceQuestion& question) {
   if (!question.device) return nullptr;
   const DeviceFacts facts = question.device->facts();
-  return {{"device", facts.name},
-          {"clock_mhz", facts.clock_mhz},
-          {"driver", facts.driver},
-          {"precision", "double"}};
+  return {{"device", facts.name}, HMAX_KEYS(facts, clock_mhz, driver), {"precision", "double"}};
 }
 
 /// An inverted element; null where there is none.
 Json to_json(const std::optional<Inversion>& inversion) {
   if (!inversion) return nullptr;
-  return {{"tetrahedron", inversion->tetrahedron}, {"t", inversion->t}, {"volume", inversion->volume}};
+  return {HMAX_KEYS(*inversion, tetrahedron, t, volume)};
 }
 
 Json to_json(const std::optional<OtherModel>& other) {
   if (!other) return nullptr;
   return {{"model", other->id},
-          {"load_share", other->load_share},
-          {"gravity_share", other->gravity_share},
-          {"scale", other->scale},
+          HMAX_KEYS(*other, load_share, gravity_share, scale),
           {"inverted", to_json(other->inversion)}};
 }
 
@@ -80,9 +74,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
             {"max", number_or_word(1e3 * row.frame.max)},
             {"first", number_or_word(1e3 * row.first_frame)},
             {"expected", number_or_word(1e3 * row.expected_frame)}}},
-          {"missed", row.missed},
-          {"frames", row.frames},
-          {"disturbed", row.disturbed},
+          HMAX_KEYS(row, missed, frames, disturbed),
           {"realtime_factor", number_or_word(row.realtime_factor(question.rate))},
           {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
           {"damping_added", numbers(row.damping_added)},
@@ -97,14 +89,10 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
 Json to_json(const std::vector<ProofRun>& proof) {
   Json list = Json::array();
   for (const ProofRun& run : proof)
-    list.push_back({{"motion", run.motion},
-                    {"seconds", run.seconds},
-                    {"stable", run.stable},
+    list.push_back({HMAX_KEYS(run, motion, seconds, stable),
                     {"neighbours_part", run.parts},
                     {"inverted", to_json(run.inversion)},
-                    {"frames", run.frames},
-                    {"missed", run.missed},
-                    {"disturbed", run.disturbed},
+                    HMAX_KEYS(run, frames, missed, disturbed),
                     {"frame_ms_p999", number_or_word(1e3 * run.frame_p999)}});
   return list;
 }
@@ -113,8 +101,7 @@ Json to_json(const std::vector<ProofRun>& proof) {
 Json to_json(const std::vector<LimitBand>& bands, double h_max) {
   Json list = Json::array();
   for (const LimitBand& band : bands)
-    list.push_back({{"quantity", band.quantity},
-                    {"spread", band.spread},
+    list.push_back({HMAX_KEYS(band, quantity, spread),
                     {"h_max_low", band.low * h_max},
                     {"h_max_high", band.high * h_max},
                     {"exponent", band.exponent}});
@@ -123,8 +110,8 @@ Json to_json(const std::vector<LimitBand>& bands, double h_max) {
 
 }  // namespace
 
-nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion& question,
-                                   const Advice& advice, bool interrupted) {
+Json advice_json(const Problem& problem, const AdviceQuestion& question, const Advice& advice,
+                 bool interrupted) {
   Json rows = Json::array(), ties = Json::array(), remedies = Json::array();
   const AdviceRow* best = advice.recommended();
   for (const AdviceRow& row : advice.rows) {
@@ -133,26 +120,17 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
     if (row.verdict == AdviceVerdict::tie) ties.push_back(row.candidate.words());
   }
   for (const Remedy& remedy : advice.remedies)
-    remedies.push_back({{"change", remedy.change},
-                        {"from", remedy.from},
-                        {"to", remedy.to},
-                        {"cost", remedy.cost},
-                        {"then", {{"method", remedy.method}, {"h", remedy.h}}}});
+    remedies.push_back({HMAX_KEYS(remedy, change, from, to, cost), {"then", {HMAX_KEYS(remedy, method, h)}}});
   Json document{
       {"model", problem.id},
       {"material", problem.material},
       {"parameters", parameters_json(problem.parameters)},
-      {"motion", advice.motion},
-      {"load_share", advice.load_share},
-      {"gravity_share", advice.gravity_share},
-      {"scale", advice.scale},
-      {"reference_error", advice.reference_error},
+      HMAX_KEYS(advice, motion, load_share, gravity_share, scale, reference_error),
       {"inverted", to_json(advice.inversion)},
       {"other_model", to_json(advice.other_model)},
       {"suggested_support", suggested_support_json(advice.suggested_support)},
       {"modes", advice.modes},
-      {"rate", question.rate},
-      {"tolerance", question.tolerance},
+      HMAX_KEYS(question, rate, tolerance),
       {"budget_ms", 1e3 * question.frame_budget()},
       {"machine", summary(fingerprint())},
       {"device", device_json(question)},
@@ -165,8 +143,7 @@ nlohmann::ordered_json advice_json(const Problem& problem, const AdviceQuestion&
       {"remedies", std::move(remedies)},
       {"all_tried", advice.all_tried},
       {"within", number_or_word(question.within)},
-      {"seconds", advice.seconds},
-      {"out_of_time", advice.out_of_time}};
+      HMAX_KEYS(advice, seconds, out_of_time)};
   if (interrupted) document["interrupted"] = true;
   if (interrupted || advice.out_of_time) document["stage"] = name_of(advice.stage);
   return document;

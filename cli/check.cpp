@@ -16,12 +16,11 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct CheckOptions {
   std::string baseline, methods, tableau;
@@ -42,10 +41,12 @@ std::filesystem::path baseline_file(const std::string& asked) {
 Json to_json(const AccuracyComparison& comparison, const std::filesystem::path& file, bool updated) {
   Json changed = Json::array();
   for (const AccuracyChange& change : comparison.changed)
-    changed.push_back(
-        {{"row", change.row}, {"what", change.what}, {"before", change.before}, {"now", change.now}});
-  return {{"compared", comparison.compared}, {"changed", changed},        {"missing", comparison.missing},
-          {"added", comparison.added},       {"baseline", file.string()}, {"updated", updated}};
+    changed.push_back({HMAX_KEYS(change, row, what, before, now)});
+  return {{"compared", comparison.compared},
+          {"changed", changed},
+          HMAX_KEYS(comparison, missing, added),
+          {"baseline", file.string()},
+          {"updated", updated}};
 }
 
 std::string for_people(const AccuracyComparison& comparison, const Console& console) {

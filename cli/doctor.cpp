@@ -19,19 +19,17 @@
 #include "plots/gnuplot.hpp"
 #include "results/build_info.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json to_json(const Part& part) {
   return {{"name", part.name},
           {"version", part.version.empty() ? Json() : Json(part.version)},
           {"present", !part.version.empty()},
-          {"needed_for", part.needed_for},
-          {"debian_package", part.debian_package}};
+          HMAX_KEYS(part, needed_for, debian_package)};
 }
 
 /// The optional parts as they are now: gnuplot is looked for when it is used, the others were when hmax was
@@ -166,21 +164,14 @@ Json report() {
     optional.push_back(to_json(part));
     if (part.version.empty()) missing.push_back(part.name);
   }
-  return {{"version", build.version},
-          {"compiler", build.compiler},
-          {"build_type", build.build_type},
-          {"flags", build.flags},
-          {"git_revision", build.git_revision},
-          {"git_dirty", build.git_dirty},
-          {"sanitized", build.sanitized},
+  return {HMAX_KEYS(build, version, compiler, build_type, flags, git_revision, git_dirty, sanitized),
           {"libraries", libraries},
           {"optional", optional},
           {"missing", missing},
           {"modules", usable},
           {"modules_not_built", not_built},
           {"modules_broken", broken},
-          {"gpu", gpu ? Json{{"device", gpu->name}, {"clock_mhz", gpu->clock_mhz}, {"driver", gpu->driver}}
-                      : Json()},
+          {"gpu", gpu ? Json{{"device", gpu->name}, HMAX_KEYS(*gpu, clock_mhz, driver)} : Json()},
           {"fingerprint", Json::parse(to_json(fingerprint()))}};
 }
 
@@ -215,20 +206,13 @@ std::string machine_for_people() {
   const Fingerprint print = fingerprint();
   const BuildInfo& build = build_info();
   std::string text;
-  for (const auto& [name, value] :
-       std::initializer_list<std::pair<const char*, std::string>>{{"hmax", build.version},
-                                                                  {"git", print.git},
-                                                                  {"compiler", print.compiler},
-                                                                  {"instruction set", print.instruction_set},
-                                                                  {"flags", print.flags},
-                                                                  {"build type", print.build_type},
-                                                                  {"cpu", print.cpu},
-                                                                  {"cores", print.cores},
-                                                                  {"caches", print.caches},
-                                                                  {"governor", print.governor},
-                                                                  {"virtualisation", print.virtualisation},
-                                                                  {"kernel", print.kernel},
-                                                                  {"load", print.load}})
+  for (const auto& [name, value] : std::initializer_list<std::pair<const char*, std::string>>{
+           {"hmax", build.version},
+           HMAX_KEYS(print, git, compiler),
+           {"instruction set", print.instruction_set},
+           {"flags", print.flags},
+           {"build type", print.build_type},
+           HMAX_KEYS(print, cpu, cores, caches, governor, virtualisation, kernel, load)})
     text += fmt::format("{:<15} {}\n", name, value);
   if (print.debug_build)
     text += "This is a debug or sanitized build: its times are marked and never published.\n";

@@ -13,12 +13,11 @@
 #include "problems/oscillator/liver_materials.hpp"
 #include "problems/tissue/materials.hpp"
 #include "problems/tissue/tissue_model.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// All words, or the first two and the last of more than six.
 std::string abbreviated(const std::vector<std::string>& words) {
@@ -36,10 +35,7 @@ void list_problems(Console& console) {
                         {"dimension", problem.y0.size()},
                         {"parameters", parameters_json(problem.parameters)},
                         {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
-                        {"t_end", problem.t_end},
-                        {"has_exact_solution", problem.has_exact_solution},
-                        {"states", problem.states},
-                        {"note", problem.note}});
+                        HMAX_KEYS(problem, t_end, has_exact_solution, states, note)});
     std::vector<std::string> y0;
     for (const double value : problem.y0) y0.push_back(short_number(value));
     table.add({id, abbreviated(problem.states), abbreviated(y0), short_number(problem.t_end),
@@ -75,12 +71,9 @@ void list_models(Console& console) {
   Json document = Json::array();
   TextTable table({"model", "forces"});
   for (const TissueModel& model : tissue_models()) {
-    document.push_back({{"id", model.id},
-                        {"note", model.note},
-                        {"is_linear", model.is_linear},
+    document.push_back({HMAX_KEYS(model, id, note, is_linear),
                         {"is_of_springs", model.is_of_springs()},
-                        {"resists_inversion", model.resists_inversion},
-                        {"resists_locking", model.resists_locking}});
+                        HMAX_KEYS(model, resists_inversion, resists_locking)});
     table.add({std::string(model.id), std::string(model.note)});
   }
   if (console.json) return console.print_json(document);
@@ -113,8 +106,7 @@ void list_materials(Console& console) {
     document.push_back({{"id", tissue.id},
                         {"parameters", {{"E", E}, {"nu", nu}, {"rho", rho}}},
                         {"E_range", {tissue.young_low, tissue.young_high}},
-                        {"source", tissue.source},
-                        {"note", tissue.note}});
+                        HMAX_KEYS(tissue, source, note)});
     tissues.add({std::string(tissue.id), short_number(E / 1000),
                  fmt::format("{} to {}", short_number(tissue.young_low / 1000),
                              short_number(tissue.young_high / 1000)),

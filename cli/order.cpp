@@ -17,12 +17,12 @@
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "limits/linearised_problem.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Extended = Eigen::Vector<long double, Eigen::Dynamic>;
 
 /// End times to look at [s]: within the first ten seconds, or within a shorter problem.
@@ -210,8 +210,7 @@ Json to_json(const OrderReport& report, const Method& method, const Problem& pro
           {"method", method.id},
           {"expected", report.expected},
           {"observed", seen.observed ? Json(*seen.observed) : Json()},
-          {"h", seen.h},
-          {"error", seen.error},
+          HMAX_KEYS(seen, h, error),
           {"tolerance", report.tolerance},
           {"status", report.status()},
           {"reason", report.reason().empty() ? Json() : Json(report.reason())},

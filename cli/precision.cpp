@@ -22,12 +22,11 @@
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct PrecisionOptions {
   ProblemChoice problem;
@@ -89,25 +88,18 @@ Json to_json(const std::vector<Row>& rows, const StepLimits& limits, const std::
   Json document = Json::array();
   for (const Row& row : rows) {
     const TimingSummary time = summarise(row.cpu_s);
-    document.push_back({{"method", row.key.method},
-                        {"mode", row.key.mode},
+    document.push_back({HMAX_KEYS(row.key, method, mode),
                         {"rtol", row.key.mode == "fixed" ? Json() : Json(row.key.rtol)},
                         {"atol", row.key.mode == "fixed" ? Json() : Json(row.key.atol)},
                         {"h", row.key.mode == "fixed" ? Json(row.key.h) : Json()},
-                        {"outcome", row.outcome},
-                        {"error_global", row.error_global},
-                        {"error_end", row.error_end},
-                        {"error_l2", row.error_l2},
+                        HMAX_KEYS(row, outcome, error_global, error_end, error_l2),
                         {"error_of", error_of},
                         {"cpu_median_s", time.median},
                         {"cpu_q1_s", time.q1},
                         {"cpu_q3_s", time.q3},
-                        {"rhs", row.rhs},
-                        {"steps", row.steps},
+                        HMAX_KEYS(row, rhs, steps),
                         {"h_stable", limit_of(limits, row.key.method)},
-                        {"reference", row.reference},
-                        {"reference_error", row.reference_error},
-                        {"status", row.status}});
+                        HMAX_KEYS(row, reference, reference_error, status)});
   }
   return document;
 }

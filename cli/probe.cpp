@@ -24,12 +24,11 @@
 #include "limits/documents/method_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "limits/fidelity/steps_stiffness.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ProbeOptions {
   std::string scene, keyframe, plugin, example, stiffness;

@@ -15,6 +15,7 @@
 #include "results/compare.hpp"
 #include "results/compare_limits.hpp"
 #include "results/exports.hpp"
+#include "results/json.hpp"
 #include "results/merge/merge_stores.hpp"
 #include "results/store.hpp"
 #include "results/table.hpp"
@@ -22,8 +23,6 @@
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Fingerprint last_fingerprint(const Store& store) {
   const auto sessions = store.sessions();
@@ -110,24 +109,14 @@ Json to_json(const RowComparison& row) {
   const bool there = !row.key.device.empty();
   const auto of = [](bool clock, double seconds) { return clock ? Json(seconds) : Json(); };
   return {{"row", benchmark_name(row.key)},
-          {"problem", row.key.problem},
-          {"material", row.key.material},
-          {"method", row.key.method},
-          {"mode", row.key.mode},
-          {"h", row.key.h},
-          {"rtol", row.key.rtol},
-          {"t_end", row.key.t_end},
+          HMAX_KEYS(row.key, problem, material, method, mode, h, rtol, t_end),
           {"verdict", to_string(row.verdict)},
           {"cpu_median_a_s", of(!there, row.median_a)},
           {"cpu_median_b_s", of(!there, row.median_b)},
           {"device", row.key.device},
           {"device_median_a_s", of(there, row.median_a)},
           {"device_median_b_s", of(there, row.median_b)},
-          {"ratio", row.ratio},
-          {"relative_ratio", row.relative_ratio},
-          {"p", row.p},
-          {"noise_floor", row.noise_floor},
-          {"changes", row.changes}};
+          HMAX_KEYS(row, ratio, relative_ratio, p, noise_floor, changes)};
 }
 
 Json names(const std::vector<RowKey>& keys) {
@@ -142,8 +131,7 @@ Json to_json(const LimitComparison& limits) {
     changed.push_back({{"limit", each.name}, {"changes", each.changes}});
   return {{"compared", limits.compared},
           {"changed", std::move(changed)},
-          {"only_in_a", limits.only_in_a},
-          {"only_in_b", limits.only_in_b}};
+          HMAX_KEYS(limits, only_in_a, only_in_b)};
 }
 
 /// Empty where neither store has limits.
@@ -182,9 +170,7 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
                                    {"faster", found.count(TimingVerdict::faster)},
                                    {"slower", found.count(TimingVerdict::slower)},
                                    {"changed", found.count(TimingVerdict::changed)},
-                                   {"common_ratio", found.common_ratio},
-                                   {"scatter", found.scatter},
-                                   {"remarks", found.remarks},
+                                   HMAX_KEYS(found, common_ratio, scatter, remarks),
                                    {"only_in_a", names(found.only_in_a)},
                                    {"only_in_b", names(found.only_in_b)},
                                    {"rows", rows},
@@ -235,8 +221,7 @@ void merge(const std::string& out, const std::vector<std::string>& inputs, Conso
     return console.print_json(Json{{"store", store.file().string()},
                                    {"inputs", files.size()},
                                    {"rows", store.size()},
-                                   {"added", summary.added},
-                                   {"doubled", summary.doubled},
+                                   HMAX_KEYS(summary, added, doubled),
                                    {"conflicts", conflicts}});
   }
   console.print(fmt::format("{} stores in {}: {} rows added, {} were there already\n", files.size(),

@@ -22,12 +22,11 @@
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct SweepOptions {
   std::string file, problems, materials, methods, tableaux, h, rtol, readings, control, y0, repeats,
@@ -204,15 +203,11 @@ Json failures_json(const std::vector<Row>& rows) {
   for (const Row& row : rows)
     if (failed(row)) {
       const bool adaptive = row.key.mode == "adaptive";
-      list.push_back({{"problem", row.key.problem},
-                      {"material", row.key.material},
-                      {"method", row.key.method},
-                      {"mode", row.key.mode},
+      list.push_back({HMAX_KEYS(row.key, problem, material, method, mode),
                       {"h", adaptive ? Json() : Json(row.key.h)},
                       {"rtol", adaptive ? Json(row.key.rtol) : Json()},
                       {"atol", adaptive ? Json(row.key.atol) : Json()},
-                      {"outcome", row.outcome},
-                      {"t_reached", row.t_reached}});
+                      HMAX_KEYS(row, outcome, t_reached)});
     }
   return list;
 }
@@ -222,7 +217,7 @@ Json tolerances_json(const SweepPlan& plan) {
   Json list = Json::array();
   for (const SweepBlock& block : plan.blocks) {
     if (!block.run.adaptive) continue;
-    const Json one{{"mode", block.mode}, {"rtol", block.run.rtol}, {"atol", block.run.atol}};
+    const Json one{{"mode", block.mode}, HMAX_KEYS(block.run, rtol, atol)};
     if (std::ranges::find(list, one) == list.end()) list.push_back(one);
   }
   return list;
@@ -231,11 +226,7 @@ Json tolerances_json(const SweepPlan& plan) {
 Json tasks_json(const std::vector<DealtTask>& tasks) {
   Json list = Json::array();
   for (const DealtTask& task : tasks)
-    list.push_back({{"rank", task.rank},
-                    {"problem", task.problem},
-                    {"rows", task.rows},
-                    {"expected_seconds", task.expected_seconds},
-                    {"seconds", task.seconds}});
+    list.push_back({HMAX_KEYS(task, rank, problem, rows, expected_seconds, seconds)});
   return list;
 }
 
@@ -348,11 +339,7 @@ Json document_of(const SweepPlan& plan, const Store& store, const std::filesyste
                  const SweepSummary& summary, const std::vector<std::string>& figures) {
   const std::vector<Row> rows = store.rows();
   Json document{{"store", file.string()},
-                {"rows", summary.rows},
-                {"measured", summary.measured},
-                {"skipped", summary.skipped},
-                {"seconds", summary.seconds},
-                {"ranks", summary.ranks},
+                HMAX_KEYS(summary, rows, measured, skipped, seconds, ranks),
                 {"batches", summary.hands},
                 {"hands", summary.hands},  // the old names
                 {"distribution_seconds", summary.dealing_seconds},

@@ -28,11 +28,8 @@ struct AdviceKey {
 };
 
 inline constexpr Field<AdviceKey> advice_key_fields[] = {
-    {"problem", &AdviceKey::problem},       {"material", &AdviceKey::material},
-    {"parameters", &AdviceKey::parameters}, {"y0", &AdviceKey::y0},
-    {"model", &AdviceKey::model},           {"motion", &AdviceKey::motion},
-    {"ranked_by", &AdviceKey::ranked_by},   {"rate", &AdviceKey::rate},
-    {"tolerance", &AdviceKey::tolerance},   {"budget_s", &AdviceKey::budget}};
+    HMAX_FIELDS(AdviceKey, problem, material, parameters, y0, model, motion, ranked_by, rate, tolerance),
+    {"budget_s", &AdviceKey::budget}};
 
 /// Shares of the frames, for the distribution of their times.
 inline constexpr std::array<double, 11> frame_shares{0.99, 0.9,  0.75, 0.5,   0.25, 0.1,
@@ -85,29 +82,17 @@ struct AdviceRecord : StepFindings {
   [[nodiscard]] std::string words() const { return options.empty() ? method : method + ", " + options; }
 };
 
-inline constexpr Field<AdviceRecord> advice_fields[] = {{"method", &AdviceRecord::method},
-                                                        {"options", &AdviceRecord::options},
-                                                        {"bound", &AdviceRecord::bound},
-                                                        {"verdict", &AdviceRecord::verdict},
-                                                        {"status", &AdviceRecord::status},
-                                                        {"frame_tail_s", &AdviceRecord::frame_tail},
-                                                        {"stage", &AdviceRecord::stage},
-                                                        {"h", &AdviceRecord::h},
-                                                        {"steps_per_frame", &AdviceRecord::steps_per_frame},
-                                                        {"h_max", &AdviceRecord::h_max},
-                                                        {"h_max_observed", &AdviceRecord::h_max_observed},
-                                                        {"h_accurate", &AdviceRecord::h_accurate},
-                                                        {"error", &AdviceRecord::error},
-                                                        {"frame_p50_s", &AdviceRecord::frame_p50},
-                                                        {"frame_p99_s", &AdviceRecord::frame_p99},
-                                                        {"frame_max_s", &AdviceRecord::frame_max},
-                                                        {"first_frame_s", &AdviceRecord::first_frame},
-                                                        {"frames", &AdviceRecord::frames},
-                                                        {"missed", &AdviceRecord::missed},
-                                                        {"newton_per_frame", &AdviceRecord::newton_per_frame},
-                                                        {"linear_per_frame", &AdviceRecord::linear_per_frame},
-                                                        {"memory_bytes", &AdviceRecord::memory},
-                                                        {"stiffening", &AdviceRecord::stiffening}};
+inline constexpr Field<AdviceRecord> advice_fields[] = {
+    HMAX_FIELDS(AdviceRecord, method, options, bound, verdict, status),
+    {"frame_tail_s", &AdviceRecord::frame_tail},
+    HMAX_FIELDS(AdviceRecord, stage, h, steps_per_frame, h_max, h_max_observed, h_accurate, error),
+    {"frame_p50_s", &AdviceRecord::frame_p50},
+    {"frame_p99_s", &AdviceRecord::frame_p99},
+    {"frame_max_s", &AdviceRecord::frame_max},
+    {"first_frame_s", &AdviceRecord::first_frame},
+    HMAX_FIELDS(AdviceRecord, frames, missed, newton_per_frame, linear_per_frame),
+    {"memory_bytes", &AdviceRecord::memory},
+    {"stiffening", &AdviceRecord::stiffening}};
 
 /// The body that a question is about, to look at.
 struct AdviceScene {

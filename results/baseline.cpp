@@ -10,6 +10,7 @@
 
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "results/fields.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -21,14 +22,9 @@ constexpr const char* header =
     "newton";
 
 constexpr std::array<std::pair<const char*, std::int64_t AccuracyRow::*>, 6> counts{
-    {{"steps", &AccuracyRow::steps},
-     {"rejected", &AccuracyRow::rejected},
-     {"rhs", &AccuracyRow::rhs},
-     {"jacobian", &AccuracyRow::jacobian},
-     {"factorisations", &AccuracyRow::factorisations},
-     {"newton", &AccuracyRow::newton}}};
+    {HMAX_FIELDS(AccuracyRow, steps, rejected, rhs, jacobian, factorisations, newton)}};
 constexpr std::array<std::pair<const char*, double AccuracyRow::*>, 2> errors{
-    {{"error_end", &AccuracyRow::error_end}, {"error_samples", &AccuracyRow::error_samples}}};
+    {HMAX_FIELDS(AccuracyRow, error_end, error_samples)}};
 
 AccuracyRow parse_row(const std::string& line, const std::string& where) {
   std::vector<std::string> cells;

@@ -8,13 +8,12 @@
 #include <fmt/format.h>
 
 #include "core/numbers.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 double ratio(double a, double b) { return b > 0 ? a / b : std::nan(""); }
 
@@ -63,40 +62,25 @@ Json object_of(const Row& row) {
   const TimingSummary time = summarise(times_of(row));
   const bool there = is_on_device(row);
   const auto when = [](bool applies, double value) { return applies ? Json(value) : Json(); };
-  Json object{{"problem", key.problem},
-              {"material", key.material},
-              {"method", key.method},
-              {"mode", key.mode},
+  Json object{HMAX_KEYS(key, problem, material, method, mode),
               {"h", when(key.mode != "adaptive", key.h)},
               {"rtol", when(key.mode != "fixed", key.rtol)},
               {"t_end", key.t_end},
-              {"outcome", row.outcome},
-              {"t_reached", row.t_reached},
-              {"steps", row.steps},
-              {"rhs", row.rhs},
+              HMAX_KEYS(row, outcome, t_reached, steps, rhs),
               {"cpu_median_s", when(!there, time.median)},
               {"cpu_q1_s", when(!there, time.q1)},
               {"cpu_q3_s", when(!there, time.q3)},
               {"cpu_p99_s", when(!there, time.p99)},
-              {"error_end", row.error_end},
-              {"error_global", row.error_global},
+              HMAX_KEYS(row, error_end, error_global),
               {"realtime_factor", ratio(row.t_reached, time.median)},
-              {"parameters", key.parameters},
-              {"y0", key.y0},
-              {"control", key.control},
+              HMAX_KEYS(key, parameters, y0, control),
               {"atol", when(key.mode != "fixed", key.atol)},
               {"rejected", row.rejected},
               {"cpu_per_step_median_s", when(!there, ratio(time.median, static_cast<double>(row.steps)))},
               {"repetitions", times_of(row).size()},
-              {"runs_per_sample", row.runs_per_sample},
-              {"reference", row.reference},
-              {"reference_error", row.reference_error},
-              {"error_l2", row.error_l2},
-              {"subnormals", row.subnormals},
-              {"session", row.session},
+              HMAX_KEYS(row, runs_per_sample, reference, reference_error, error_l2, subnormals, session),
               {"explored", std::int64_t{row.explored}},
-              {"device", key.device},
-              {"precision", key.precision},
+              HMAX_KEYS(key, device, precision),
               {"clock_mhz", when(there, row.clock_mhz)},
               {"driver", row.driver},
               {"device_median_s", when(there, time.median)},

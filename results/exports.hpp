@@ -8,10 +8,9 @@
 #include <type_traits>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "results/advice_record.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 #include "results/limit_row.hpp"
 #include "results/row.hpp"
 
@@ -27,18 +26,18 @@ inline constexpr std::array<std::string_view, 3> export_formats{"csv", "jsonl", 
 /// A number that does not apply is null: h in mode adaptive, rtol and atol in mode fixed, `cpu_*` of a
 /// device, `device_*` and clock_mhz of the processor. A number that could not be obtained is not finite, and
 /// `status` says so.
-nlohmann::ordered_json object_of(const Row& row);
+Json object_of(const Row& row);
 
 /// Every column of a limit but its details; of advice every one. A number that does not apply is null, a
 /// limit that no step reaches is "unbounded"; steps, limits and times in s.
-nlohmann::ordered_json object_of(const LimitRow& row);
-nlohmann::ordered_json object_of(const AdviceRecord& record);
+Json object_of(const LimitRow& row);
+Json object_of(const AdviceRecord& record);
 
 namespace detail {
-std::string csv_header(const nlohmann::ordered_json& object);
-std::string csv_line(const nlohmann::ordered_json& object);
+std::string csv_header(const Json& object);
+std::string csv_line(const Json& object);
 /// @param whole_numbers  write them without a fraction
-std::string json_line(nlohmann::ordered_json object, bool whole_numbers);
+std::string json_line(Json object, bool whole_numbers);
 }  // namespace detail
 
 /// One header line, one line for each row; a missing number is an empty cell, texts with commas are quoted

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
 #include "core/instructions/instruction_set.hpp"
@@ -16,6 +15,7 @@
 #include "core/text/digest.hpp"
 #include "core/text/split.hpp"
 #include "results/build_info.hpp"
+#include "results/json.hpp"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>
@@ -167,19 +167,8 @@ std::string short_model(std::string model) {
 
 /// The member of every text, under the name it has in JSON.
 constexpr std::pair<const char*, std::string Fingerprint::*> texts[] = {
-    {"cpu", &Fingerprint::cpu},
-    {"cores", &Fingerprint::cores},
-    {"caches", &Fingerprint::caches},
-    {"governor", &Fingerprint::governor},
-    {"virtualisation", &Fingerprint::virtualisation},
-    {"kernel", &Fingerprint::kernel},
-    {"load", &Fingerprint::load},
-    {"compiler", &Fingerprint::compiler},
-    {"instruction_set", &Fingerprint::instruction_set},
-    {"flags", &Fingerprint::flags},
-    {"build_type", &Fingerprint::build_type},
-    {"git", &Fingerprint::git},
-    {"program", &Fingerprint::program}};
+    HMAX_FIELDS(Fingerprint, cpu, cores, caches, governor, virtualisation, kernel, load, compiler,
+                instruction_set, flags, build_type, git, program)};
 
 }  // namespace
 
@@ -203,7 +192,7 @@ Fingerprint fingerprint(const fs::path& root) {
 }
 
 std::string to_json(const Fingerprint& fingerprint) {
-  nlohmann::ordered_json json;
+  Json json;
   for (const auto& [name, member] : texts) json[name] = fingerprint.*member;
   json["libraries"] = fingerprint.libraries;
   json["debug_build"] = fingerprint.debug_build;

@@ -27,14 +27,7 @@ struct OperatingPointKey {
 };
 
 inline constexpr Field<OperatingPointKey> point_key_fields[] = {
-    {"problem", &OperatingPointKey::problem},
-    {"material", &OperatingPointKey::material},
-    {"parameters", &OperatingPointKey::parameters},
-    {"y0", &OperatingPointKey::y0},
-    {"model", &OperatingPointKey::model},
-    {"asked", &OperatingPointKey::asked},
-    {"path", &OperatingPointKey::path},
-    {"t_end", &OperatingPointKey::t_end}};
+    HMAX_FIELDS(OperatingPointKey, problem, material, parameters, y0, model, asked, path, t_end)};
 
 /// A state near which a model was linearised.
 struct OperatingPointRow {
@@ -105,35 +98,10 @@ struct LimitRow {
   [[nodiscard]] bool is_observed() const { return !verdict.empty() && verdict != "not_run"; }
 };
 
-inline constexpr Field<LimitRow> limit_fields[] = {{"method", &LimitRow::method},
-                                                   {"bound", &LimitRow::bound},
-                                                   {"state_kind", &LimitRow::state_kind},
-                                                   {"state", &LimitRow::state},
-                                                   {"newton", &LimitRow::newton},
-                                                   {"verdict", &LimitRow::verdict},
-                                                   {"path_note", &LimitRow::path_note},
-                                                   {"note", &LimitRow::note},
-                                                   {"details", &LimitRow::details},
-                                                   {"h_max", &LimitRow::h_max},
-                                                   {"h_unstable", &LimitRow::h_unstable},
-                                                   {"re", &LimitRow::re},
-                                                   {"im", &LimitRow::im},
-                                                   {"omega", &LimitRow::omega},
-                                                   {"zeta", &LimitRow::zeta},
-                                                   {"rate_slow", &LimitRow::rate_slow},
-                                                   {"rate_fast", &LimitRow::rate_fast},
-                                                   {"newton_h", &LimitRow::newton_h},
-                                                   {"newton_error", &LimitRow::newton_error},
-                                                   {"newton_error_bound", &LimitRow::newton_error_bound},
-                                                   {"observed", &LimitRow::observed},
-                                                   {"gap", &LimitRow::gap},
-                                                   {"steps_used", &LimitRow::steps_used},
-                                                   {"step_defect", &LimitRow::step_defect},
-                                                   {"along_least", &LimitRow::along_least},
-                                                   {"along_at", &LimitRow::along_at},
-                                                   {"along_growing", &LimitRow::along_growing},
-                                                   {"along_grows_from", &LimitRow::along_grows_from},
-                                                   {"from_start", &LimitRow::from_start},
-                                                   {"from_start_stride", &LimitRow::from_start_stride}};
+inline constexpr Field<LimitRow> limit_fields[] = {
+    HMAX_FIELDS(LimitRow, method, bound, state_kind, state, newton, verdict, path_note, note, details, h_max,
+                h_unstable, re, im, omega, zeta, rate_slow, rate_fast, newton_h, newton_error,
+                newton_error_bound, observed, gap, steps_used, step_defect, along_least, along_at,
+                along_growing, along_grows_from, from_start, from_start_stride)};
 
 }  // namespace hmax

@@ -30,19 +30,9 @@ struct RowKey {
   auto operator<=>(const RowKey&) const = default;
 };
 
-inline constexpr Field<RowKey> row_key_fields[] = {{"problem", &RowKey::problem},
-                                                   {"material", &RowKey::material},
-                                                   {"parameters", &RowKey::parameters},
-                                                   {"y0", &RowKey::y0},
-                                                   {"method", &RowKey::method},
-                                                   {"mode", &RowKey::mode},
-                                                   {"control", &RowKey::control},
-                                                   {"device", &RowKey::device},
-                                                   {"precision", &RowKey::precision},
-                                                   {"h", &RowKey::h},
-                                                   {"rtol", &RowKey::rtol},
-                                                   {"atol", &RowKey::atol},
-                                                   {"t_end", &RowKey::t_end}};
+inline constexpr Field<RowKey> row_key_fields[] = {HMAX_FIELDS(RowKey, problem, material, parameters, y0,
+                                                               method, mode, control, device, precision, h,
+                                                               rtol, atol, t_end)};
 
 /// A measurement. Numbers that could not be obtained are NaN; `status` then says why.
 struct Row {
@@ -68,24 +58,9 @@ struct Row {
   std::int64_t session = 0;          ///< session that measured it; set by the store, 0 before
 };
 
-inline constexpr Field<Row> row_fields[] = {{"outcome", &Row::outcome},
-                                            {"t_reached", &Row::t_reached},
-                                            {"steps", &Row::steps},
-                                            {"rejected", &Row::rejected},
-                                            {"rhs", &Row::rhs},
-                                            {"cpu_s", &Row::cpu_s},
-                                            {"device_s", &Row::device_s},
-                                            {"clock_mhz", &Row::clock_mhz},
-                                            {"driver", &Row::driver},
-                                            {"runs_per_sample", &Row::runs_per_sample},
-                                            {"error_end", &Row::error_end},
-                                            {"error_global", &Row::error_global},
-                                            {"error_l2", &Row::error_l2},
-                                            {"reference_error", &Row::reference_error},
-                                            {"reference", &Row::reference},
-                                            {"subnormals", &Row::subnormals},
-                                            {"status", &Row::status},
-                                            {"explored", &Row::explored}};
+inline constexpr Field<Row> row_fields[] = {HMAX_FIELDS(
+    Row, outcome, t_reached, steps, rejected, rhs, cpu_s, device_s, clock_mhz, driver, runs_per_sample,
+    error_end, error_global, error_l2, reference_error, reference, subnormals, status, explored)};
 
 /// Order statistics of the samples of one row [s].
 struct TimingSummary {

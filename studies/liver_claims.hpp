@@ -5,11 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "catalogue/methods/method.hpp"
 #include "integrators/stats.hpp"
 #include "problems/oscillator/oscillator.hpp"
+#include "results/json.hpp"
 #include "results/row.hpp"
 
 namespace hmax {
@@ -26,7 +25,7 @@ std::string_view judged(bool whole, bool in_part = false);
 
 /// Sentences that can be tested, by names of ours: {"judgement": ..., and the numbers of runs that it rests
 /// on}. Their words stand in the text of the report.
-using Claims = nlohmann::ordered_json;
+using Claims = Json;
 
 /// How many there are and how many of them hold, hold in part and do not hold.
 Claims counts_of(const Claims& claims);

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

@@ -7,7 +7,7 @@
 
 #include "analysis/statics/static_solution.hpp"
 #include "catalogue/methods/method.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

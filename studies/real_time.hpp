@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "advice/motion/candidate.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "problems/mesh/topology.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

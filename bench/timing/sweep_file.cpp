@@ -14,12 +14,11 @@
 #include "catalogue/models/problems.hpp"
 #include "core/errors.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 2> tables{"sweep", "set"};
 constexpr std::array<std::string_view, 15> keys{"problems", "materials", "methods", "tableaux", "h",

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -39,8 +39,7 @@ struct ToJson {
   Json operator()(const RankInterrupted&) const { return {{"interrupted", true}}; }
   Json operator()(const Hand& hand) const {
     Json list = Json::array();
-    for (const Hand::Task& task : hand.tasks)
-      list.push_back({{"block", task.block}, {"methods", task.methods}});
+    for (const Hand::Task& task : hand.tasks) list.push_back({HMAX_KEYS(task, block, methods)});
     return {{"hand", std::move(list)}};
   }
   Json operator()(const RankEnded&) const { return {{"ended", true}}; }

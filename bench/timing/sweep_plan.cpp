@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "bench/timing/sweep.hpp"
 #include "catalogue/device/device.hpp"
@@ -20,6 +19,7 @@
 #include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -180,8 +180,7 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
   json problem_list = json::array(), method_list = json::array(), tolerances = json::array();
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const Problem& problem = problems[i];
-    json entry{{"id", problem.id},
-               {"material", problem.material},
+    json entry{HMAX_KEYS(problem, id, material),
                {"parameters", describe(problem.parameters)},
                {"y0", start_in_words(problem)},
                {"t_end", spec.t_end.value_or(problem.t_end)}};
@@ -207,16 +206,12 @@ std::string canonical_text(const SweepSpec& spec, const std::vector<Problem>& pr
             {"methods", method_list},
             {"device", device ? device->name : "cpu"},
             {"driver", device ? device->driver : ""},
-            {"h", spec.h},
-            {"unsteered_h", spec.unsteered_h},
+            HMAX_KEYS(spec, h, unsteered_h),
             {"readings", readings},
-            {"rtol", spec.sampled_tolerance.rtol},
-            {"atol", spec.sampled_tolerance.atol},
+            HMAX_KEYS(spec.sampled_tolerance, rtol, atol),
             {"tolerances", tolerances},
             {"control", to_string(spec.control)},
-            {"repeats", spec.repeats},
-            {"max_steps", spec.max_steps},
-            {"min_sample_s", spec.min_sample_s}};
+            HMAX_KEYS(spec, repeats, max_steps, min_sample_s)};
   // Measured sweeps have none, like those of an earlier hmax.
   if (spec.explore) text["explore"] = true;
   return text.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

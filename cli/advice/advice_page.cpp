@@ -20,6 +20,7 @@
 #include "plots/pages/store_report.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/build_info.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -41,8 +42,7 @@ std::string sections_after(const AdviceText& text, const AdviceKey& question) {
   if (!text.notes.empty()) markdown += "## Missing numbers\n\n" + markdown_list(text.notes);
   return markdown + "## Model\n\n" +
          markdown_facts({{"model", question.problem},
-                         {"material", question.material},
-                         {"parameters", question.parameters},
+                         HMAX_KEYS(question, material, parameters),
                          {"motion", text.motion}});
 }
 

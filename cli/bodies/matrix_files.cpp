@@ -12,13 +12,13 @@
 #include "problems/matrices/matrix_writers.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Sparse = Eigen::SparseMatrix<double>;
 
 /// A file of the answer.

@@ -23,12 +23,11 @@
 #include "problems/mesh/mesh_parts.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double degrees = 180 / std::numbers::pi;
 
@@ -68,11 +67,8 @@ std::pair<std::size_t, std::size_t> size_of(const MeshGroup& group) {
 Json mending_json(const std::optional<Mending>& mending) {
   if (!mending) return {};
   return {{"moved_points", mending->moved.size()},
-          {"farthest", mending->farthest},
-          {"least_height_before", mending->least_height_before},
-          {"least_height_after", mending->least_height_after},
-          {"least_mean_height_before", mending->least_mean_height_before},
-          {"least_mean_height_after", mending->least_mean_height_after}};
+          HMAX_KEYS(*mending, farthest, least_height_before, least_height_after, least_mean_height_before,
+                    least_mean_height_after)};
 }
 
 std::string in_words(const Mending& mending) {
@@ -173,44 +169,37 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
                     {"name", name_json(opened.file, region)},
                     {"tetrahedra", content.first},
                     {"volume", content.second}});
-  return {{"mesh", options.mesh},
-          {"format", opened.file.format},
-          {"unit", unit ? Json(*unit) : Json()},
-          {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
-          {"points", topology.points},
-          {"edges", topology.edges},
-          {"faces", topology.faces},
-          {"tetrahedra", topology.tetrahedra},
-          {"surface_points", topology.surface_points},
-          {"surface_edges", topology.surface_edges},
-          {"surface_triangles", topology.surface_triangles},
-          {"volume", quality.volume},
-          {"components", topology.components},
-          {"unused_points", topology.unused_points},
-          {"coincident_points", coincident},
-          {"merged_points", opened.file.merged.size()},
-          {"inverted", defects.inverted.size()},
-          {"degenerate", defects.degenerate.size()},
-          {"duplicates", defects.duplicates.size()},
-          {"overlaps", defects.overlaps.size()},
-          {"crowded_faces", topology.crowded_faces},
-          {"euler", topology.euler()},
-          {"quality",
-           {{"min", quality.min_mean_ratio},
-            {"mean", quality.average_mean_ratio},
-            {"measure", "mean_ratio"},
-            {"worst", report.worst()}}},
-          {"smallest_angle_degrees", quality.smallest_angle * degrees},
-          {"largest_angle_degrees", quality.largest_angle * degrees},
-          {"shortest_edge", quality.shortest_edge},
-          {"longest_edge", quality.longest_edge},
-          {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
-          {"smoothed", mending_json(opened.mending)},
-          {"mended", mending_json(opened.mending)},  // the old name
-          {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
-          {"second_order", opened.file.second_order},
-          {"regions", list},
-          {"groups", groups_json(opened.file)}};
+  return {
+      {"mesh", options.mesh},
+      {"format", opened.file.format},
+      {"unit", unit ? Json(*unit) : Json()},
+      {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
+      HMAX_KEYS(topology, points, edges, faces, tetrahedra, surface_points, surface_edges, surface_triangles),
+      {"volume", quality.volume},
+      HMAX_KEYS(topology, components, unused_points),
+      {"coincident_points", coincident},
+      {"merged_points", opened.file.merged.size()},
+      {"inverted", defects.inverted.size()},
+      {"degenerate", defects.degenerate.size()},
+      {"duplicates", defects.duplicates.size()},
+      {"overlaps", defects.overlaps.size()},
+      {"crowded_faces", topology.crowded_faces},
+      {"euler", topology.euler()},
+      {"quality",
+       {{"min", quality.min_mean_ratio},
+        {"mean", quality.average_mean_ratio},
+        {"measure", "mean_ratio"},
+        {"worst", report.worst()}}},
+      {"smallest_angle_degrees", quality.smallest_angle * degrees},
+      {"largest_angle_degrees", quality.largest_angle * degrees},
+      HMAX_KEYS(quality, shortest_edge, longest_edge),
+      {"box", {vector_json(quality.lower), vector_json(quality.upper)}},
+      {"smoothed", mending_json(opened.mending)},
+      {"mended", mending_json(opened.mending)},  // the old name
+      {"picture", options.picture.wanted() ? Json(options.picture.file) : Json()},
+      {"second_order", opened.file.second_order},
+      {"regions", list},
+      {"groups", groups_json(opened.file)}};
 }
 
 std::string in_words(const MeshReport& report, const MeshCommand& options, const Console& console) {
@@ -392,8 +381,7 @@ Json to_json(const MeshFindings& found, const MeshFile& asked, const MeshCommand
           {"slivers", flat},
           {"parts", parts_json(file, found.parts)},
           {"loose", loose_json(file, found.loose)},
-          {"components", found.topology.components},
-          {"unused_points", found.topology.unused_points}};
+          HMAX_KEYS(found.topology, components, unused_points)};
 }
 
 std::string coincident_in_words(const MeshFindings& found, const MeshFile& file) {

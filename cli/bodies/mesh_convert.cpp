@@ -22,6 +22,7 @@
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/sofa_scene.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -29,7 +30,6 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 3> written{".msh", ".vtu", ".scn"};
 
@@ -123,8 +123,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
   if (file.second_order > 0) console.remark(second_order_in_words(file));
   for (const std::string& sentence : file.remarks) console.remark(sentence);
   if (console.json) {
-    Json document{{"mesh", options.mesh},
-                  {"output", options.output},
+    Json document{HMAX_KEYS(options, mesh, output),
                   {"points", mesh.point_count()},
                   {"tetrahedra", mesh.tetrahedron_count()}};
     document.update(extra);

@@ -26,13 +26,12 @@
 #include "limits/documents/number_json.hpp"
 #include "plots/draw.hpp"
 #include "problems/tissue/body.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct StaticOptions {
   ProblemChoice problem;
@@ -101,8 +100,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (console.json) {
     Json list = Json::array();
     for (const StaticFrame& row : rows) {
-      list.push_back({{"load", row.load},
-                      {"residual", row.residual},
+      list.push_back({HMAX_KEYS(row, load, residual),
                       {"error", std::isnan(row.error) ? Json() : Json(row.error)},
                       {"seconds", row.seconds}});
       if (std::isnan(row.error)) list.back()["status"] = "no equilibrium was found to hold the frame against";
@@ -352,16 +350,14 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 {"load_scale", answer.load_scale},
                 {"solver", name_of(answer.settings.method)},
                 {"linear", name_of(answer.settings.inner)},
-                {"outcome", answer.outcome},
-                {"status", answer.status},
+                HMAX_KEYS(answer, outcome, status),
                 {"stable", stable_json(answer.solution)},
                 {"iterations", answer.solution.iterations},
                 {"residuals", residuals},
                 {"times", times},
                 {"seconds", answer.seconds},
                 {"max_displacement", largest_displacement(answer.solution.q)},
-                {"energy", answer.energy},
-                {"least_volume", answer.least_volume},
+                HMAX_KEYS(answer, energy, least_volume),
                 {"suggested_support", suggested_support_json(answer.suggested_support)},
                 {"body", body_json(problem)},
                 {"picture", picture.empty() ? Json() : Json(picture)}};

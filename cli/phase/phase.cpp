@@ -17,12 +17,12 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "plots/draw.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 
 /// Throws unless f is finite somewhere in the window.

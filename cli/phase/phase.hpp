@@ -50,12 +50,12 @@ Window parse_window(const std::string& text);
 PhaseView view_of(const PhaseOptions& options);
 
 /// {problem, material, parameters, states}, how every document of the command begins.
-nlohmann::ordered_json document_of(const Problem& problem);
+Json document_of(const Problem& problem);
 /// The same and {t, window, remarks, equilibria, search, tolerances}; those of orbits.
-nlohmann::ordered_json document_of(const PhaseView& view);
-nlohmann::ordered_json to_json(const std::vector<Equilibrium>& equilibria);
+Json document_of(const PhaseView& view);
+Json to_json(const std::vector<Equilibrium>& equilibria);
 /// [[re, im], [re, im]]
-nlohmann::ordered_json eigenvalues_document(const std::array<std::complex<double>, 2>& eigenvalues);
+Json eigenvalues_document(const std::array<std::complex<double>, 2>& eigenvalues);
 /// "-0.69 ± 0.0845i" or "-0.1, -3"
 std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eigenvalues);
 
@@ -70,8 +70,7 @@ struct Searched {
 std::string guarantee(const Problem& problem, const Window& window, const DegreeCheck& check,
                       std::size_t count, const Searched& searched);
 /// {window, index_sum, degree, cut_short, status}
-nlohmann::ordered_json search_document(const Window& window, const DegreeCheck& check,
-                                       const std::string& status);
+Json search_document(const Window& window, const DegreeCheck& check, const std::string& status);
 /// guarantee() of the equilibria of a view.
 std::string guarantee(const PhaseView& view);
 
@@ -93,11 +92,11 @@ PhasePlane plane_of(const PhaseView& view);
 /// @param at_once  motions of one call of the device
 MotionRunner runner_on(Device* device, std::size_t at_once);
 /// What the motions on a device, if there is one, have taken: a line for people and keys.
-void add_time(Device* device, nlohmann::ordered_json& document, std::string& text);
+void add_time(Device* device, Json& document, std::string& text);
 
 /// Draws into the folder of --output and says what came of it: a line for people and the key `figure`.
-void deliver(const Figure& figure, const PhaseOptions& options, nlohmann::ordered_json& document,
-             std::string& text, Console& console);
+void deliver(const Figure& figure, const PhaseOptions& options, Json& document, std::string& text,
+             Console& console);
 
 /// The view of --method: what steps of a method make of the plane.
 void phase_map(const PhaseOptions& options, Console& console);

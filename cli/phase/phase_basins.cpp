@@ -11,12 +11,11 @@
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "plots/dynamics.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Columns or rows of a grid: 400 MB of fates; and of one that is drawn as rectangles.
 constexpr std::int64_t most_cells = 10'000, most_drawn_cells = 4000;

@@ -11,12 +11,12 @@
 #include "core/numbers.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "plots/dynamics.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 
 constexpr int shown_steps = 80;

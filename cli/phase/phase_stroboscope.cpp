@@ -15,12 +15,12 @@
 #include "core/parallel_for.hpp"
 #include "limits/by_steps/period_maps.hpp"
 #include "plots/dynamics.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 

@@ -13,13 +13,12 @@
 #include "core/errors.hpp"
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ReportOptions {
   std::vector<std::string> stores;

@@ -17,6 +17,7 @@
 #include "plots/pages/store_report.hpp"
 #include "results/build_info.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -106,7 +107,7 @@ constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         
                                        "central_difference"};
 
 /// Infinity as a word, as every document has it.
-void tell_infinity(nlohmann::ordered_json& value) {
+void tell_infinity(Json& value) {
   if (value.is_structured())
     for (auto& inner : value) tell_infinity(inner);
   else if (value.is_number_float())
@@ -144,8 +145,8 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
   const LimitSummary found = summary_of(cases, rows);
   const double seconds = elapsed_since(started);
-  nlohmann::ordered_json document{{"report", report.string()}, {"seconds", seconds}};
-  document.update(nlohmann::ordered_json(found));
+  Json document{{"report", report.string()}, {"seconds", seconds}};
+  document.update(Json(found));
   return {.report = report,
           .rows = static_cast<std::int64_t>(found.rows),
           .seconds = seconds,
@@ -162,7 +163,7 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
   check_report_place(folder);
   const auto started = std::chrono::steady_clock::now();
   const auto& interrupted = interrupt_flag();
-  nlohmann::ordered_json document;
+  Json document;
   {
     Progress progress(console, "tissue");
     options.machine = summary(fingerprint());

@@ -6,22 +6,21 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "bench/timing/sweep.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/commands.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 /// What came of one of them.
 struct ReproducedPart {
-  std::filesystem::path report = {};     ///< its page, index.html; empty where only a shard is stored
-  std::int64_t rows = 0;                 ///< of numbers that it rests on
-  double seconds = 0;                    ///< wall time of this call [s]
-  bool failed = false;                   ///< prediction and runs disagree, or something was not solved
-  nlohmann::ordered_json document = {};  ///< for machines
-  std::string words = {};                ///< the same for people
+  std::filesystem::path report = {};  ///< its page, index.html; empty where only a shard is stored
+  std::int64_t rows = 0;              ///< of numbers that it rests on
+  double seconds = 0;                 ///< wall time of this call [s]
+  bool failed = false;                ///< prediction and runs disagree, or something was not solved
+  Json document = {};                 ///< for machines
+  std::string words = {};             ///< the same for people
 };
 
 /// The liver oscillator study. Rows that the stores of the folder hold are not measured again.

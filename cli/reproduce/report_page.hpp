@@ -4,10 +4,9 @@
 #include <filesystem>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "cli/reproduce/report_text.hpp"
 #include "plots/draw.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -35,7 +34,7 @@ class ReportPage {
   [[nodiscard]] std::filesystem::path write() const;
 
   const std::filesystem::path folder;
-  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+  Json values = Json::object();
 
  private:
   std::string text_;

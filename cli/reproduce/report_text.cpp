@@ -10,12 +10,11 @@
 
 #include "core/numbers.hpp"
 #include "plots/pages/markdown_text.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 [[noreturn]] void fail(std::string_view place, std::string_view what) {
   throw std::logic_error(fmt::format("a report has the place {{{{{}}}}}: {}", place, what));

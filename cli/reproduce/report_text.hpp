@@ -6,9 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "core/embedded_text.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -33,6 +32,6 @@ using ReportPieces = std::map<std::string, std::string>;
 /// A line with nothing but one of the last two vanishes. What is null is left out without a look inside.
 /// @throws std::logic_error  for a place without a value, also in a part that is not shown, a value or piece
 /// without a place, and a value that does not suit its place
-std::string filled(std::string_view text, const nlohmann::ordered_json& values, const ReportPieces& pieces);
+std::string filled(std::string_view text, const Json& values, const ReportPieces& pieces);
 
 }  // namespace hmax

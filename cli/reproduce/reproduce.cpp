@@ -20,13 +20,12 @@
 #include "plots/figure.hpp"
 #include "plots/pages/report.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 #include "results/store.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 void show(const ReproducedPart& part, Console& console) {
   if (part.failed) console.exit_code = Exit::failed;
@@ -98,10 +97,7 @@ class FinishedParts {
   void keep(const std::string& name, const ReproducedPart& part) {
     store_.note(key(name), Json{{"made_by", made_by_},
                                 {"report", part.report.lexically_proximate(folder_).generic_string()},
-                                {"rows", part.rows},
-                                {"seconds", part.seconds},
-                                {"failed", part.failed},
-                                {"words", part.words}}
+                                HMAX_KEYS(part, rows, seconds, failed, words)}
                                .dump());
   }
 
@@ -148,12 +144,9 @@ void reproduce_all(const AllOptions& options, Console& console) {
     shown.push_back({{"title", part.title},
                      {"words", done->words},
                      {"part", part.name},
-                     {"rows", done->rows},
-                     {"seconds", done->seconds}});
-    listed.push_back({{"part", part.name},
-                      {"report", done->report.string()},
-                      {"rows", done->rows},
-                      {"seconds", done->seconds}});
+                     HMAX_KEYS(*done, rows, seconds)});
+    listed.push_back(
+        {{"part", part.name}, {"report", done->report.string()}, HMAX_KEYS(*done, rows, seconds)});
   }
   page.values = {{"machine", summary(fingerprint())}, {"quick", options.quick}, {"parts", shown}};
   std::string text = page.text();

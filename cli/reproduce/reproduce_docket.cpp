@@ -10,13 +10,12 @@
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
+#include "results/json.hpp"
 #include "studies/docket/docket.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* docket_numbers = "docket.json";
 
@@ -64,18 +63,16 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
       if (report.control != control) continue;
       page.link(report.name, "#" + heading_anchor(report.title), report.title);
       page.link(report.name + " thread", report.link, fmt::format("{}, {}", report.program, report.version));
-      index.push_back({{"name", report.name},
-                       {"program", report.program},
+      index.push_back({HMAX_KEYS(report, name, program),
                        {"causes", docket_words(report, &DocketRow::cause)},
                        {"verdicts", docket_words(report, &DocketRow::verdict)},
-                       {"right", report.right},
-                       {"decisive", report.decisive}});
+                       HMAX_KEYS(report, right, decisive)});
       firm += report.right && report.decisive.empty() ? 1 : 0;
       silent += report.right && std::ranges::count(report.rows, "none", &DocketRow::verdict) ==
                                     std::ssize(report.rows)
                     ? 1
                     : 0;
-      if (!report.right) wrong.push_back({{"name", report.name}, {"discussed", report.discussed}});
+      if (!report.right) wrong.push_back({HMAX_KEYS(report, name, discussed)});
       runs += std::ssize(report.rows);
       right_runs += std::ranges::count(report.rows, true, &DocketRow::right);
     }

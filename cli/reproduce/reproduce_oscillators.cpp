@@ -16,6 +16,7 @@
 #include "plots/running_totals.hpp"
 #include "plots/steps.hpp"
 #include "problems/oscillator/liver_problems.hpp"
+#include "results/json.hpp"
 #include "results/published/published.hpp"
 #include "studies/liver_claims.hpp"
 
@@ -24,7 +25,6 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 // Curves are drawn from a method whose error is far below the width of a line.
 constexpr std::string_view curve_method = "dop_853";
@@ -196,10 +196,8 @@ Json work_of_solvers(const std::vector<SolverWork>& all) {
   Json rows = Json::array();
   for (const SolverWork& work : all)
     rows.push_back({{"solver", work.method},
-                    {"rtol", work.rtol},
-                    {"atol", work.atol},
-                    {"steps", work.stats.steps},
-                    {"rejected", work.stats.rejected},
+                    HMAX_KEYS(work, rtol, atol),
+                    HMAX_KEYS(work.stats, steps, rejected),
                     {"evaluations", work.stats.rhs},
                     {"error", work.error}});
   return rows;

@@ -13,13 +13,12 @@
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
 #include "results/fingerprint.hpp"
+#include "results/json.hpp"
 #include "studies/real_time.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* numbers_file = "real_time.json";
 
@@ -166,8 +165,7 @@ ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool qui
   }
   const std::string machine = summary(fingerprint());
   ReportPage page("real_time", folder);
-  page.values = {
-      {"machine", machine}, {"quick", quick}, {"body", question.body}, {"material", question.material}};
+  page.values = {{"machine", machine}, {"quick", quick}, HMAX_KEYS(question, body, material)};
   fill(page, question, rows);
   page.draw(figure_of(question, rows, machine), "real_time");
   const Json document = document_of(rows);

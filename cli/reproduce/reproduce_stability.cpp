@@ -12,6 +12,7 @@
 #include "cli/reproduce/report_page.hpp"
 #include "limits/point/prediction.hpp"
 #include "results/exports.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
@@ -19,7 +20,6 @@ namespace hmax {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 bool has_gap(const LimitRow& row) { return row.is_observed() && std::isfinite(row.gap); }
 
@@ -129,8 +129,7 @@ Json nonlinear_rows(const std::vector<LimitCase>& cases, const std::vector<Study
                       {"method", row.method},
                       {"grows", row.bound == name_of(Bound::model)},
                       {"at_rest", row.h_max},
-                      {"observed", row.observed},
-                      {"along_least", row.along_least},
+                      HMAX_KEYS(row, observed, along_least),
                       {"along_at", std::isfinite(row.along_least) ? row.along_at : NAN},
                       {"from_start", row.from_start}});
   return listed;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "results/json.hpp"
 #include "studies/limit_study.hpp"
-#include "studies/record.hpp"
 
 namespace hmax {
 

@@ -25,13 +25,12 @@
 #include "problems/tissue/body.hpp"
 #include "problems/tissue/forces/kernels/kernels.hpp"
 #include "problems/tissue/sofa_scene.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 #include "studies/organ_rates.hpp"
 #include "studies/scale_study.hpp"
 
 namespace hmax {
-
-using Json = nlohmann::ordered_json;
 
 Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,
                      Parameters parameters) {
@@ -209,8 +208,7 @@ void solvers(TissuePage& tissue) {
     if (!way.solution.converged) ++unsolved;
     rows.push_back({{"method", name_of(way.method)},
                     {"inner", name_of(way.inner)},
-                    {"converged", way.solution.converged},
-                    {"iterations", way.solution.iterations},
+                    HMAX_KEYS(way.solution, converged, iterations),
                     {"seconds", seconds},
                     {"rate", seconds > 0 ? way.solution.iterations / seconds : NAN}});
   }
@@ -275,8 +273,7 @@ void pressed_by_a_tool(TissuePage& tissue) {
     const ToolContact::Reach reach = problem.body->tool_reaches(t, record.y).front();
     const double smallest = problem.body->least_volume(t, q).first;
     rows.push_back({{"t", t},
-                    {"depth", reach.depth},
-                    {"penetration", reach.penetration},
+                    HMAX_KEYS(reach, depth, penetration),
                     {"displacement", largest_displacement(q)},
                     {"smallest", smallest}});
     BodyView view = body_view(*problem.body, t, q, BodyValue::displacement);
@@ -338,12 +335,10 @@ double spread(const std::vector<ScaleRow>& rows, double ScaleRow::*seconds) {
 Json steps_on(const std::shared_ptr<Device>& device, const std::vector<ScaleRow>& rows) {
   if (!device) return nullptr;
   Json steps = Json::array();
-  for (const ScaleRow& row : rows)
-    steps.push_back({{"mesh", row.mesh}, {"tetrahedra", row.tetrahedra}, {"device_step", row.device_step}});
+  for (const ScaleRow& row : rows) steps.push_back({HMAX_KEYS(row, mesh, tetrahedra, device_step)});
   const DeviceFacts facts = device->facts();
   return {{"device", facts.name},
-          {"clock_mhz", facts.clock_mhz},
-          {"driver", facts.driver},
+          HMAX_KEYS(facts, clock_mhz, driver),
           {"precision", "double"},
           {"steps", std::move(steps)}};
 }
@@ -433,7 +428,7 @@ Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& 
       {"body from its motion", body_from_its_motion},
       {"thigh", telling(identified_thigh)},
       {"echography", telling(echographic_image)}};
-  tissue.page.values = {{"machine", options.machine}, {"quick", options.quick}, {"sizes", nullptr}};
+  tissue.page.values = {HMAX_KEYS(options, machine, quick), {"sizes", nullptr}};
   tissue.document["sizes"] = Json::array();
   tissue.document["device"] = nullptr;
   if (options.scale) sections.emplace_back("sizes", telling(costs_over_size));

@@ -10,6 +10,7 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "plots/drawn/images.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 #include "studies/thigh/echography.hpp"
 
@@ -17,10 +18,8 @@ namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json gap_row(const char* of, const GapError& error) {
-  return {{"of", of}, {"at_points", error.at_points}, {"halfway", error.halfway}, {"all", error.all}};
+  return {{"of", of}, HMAX_KEYS(error, at_points, halfway, all)};
 }
 
 void draw_slices(TissuePage& tissue, const Echography& study) {
@@ -81,11 +80,7 @@ void echographic_image(TissuePage& tissue, const std::function<void(const std::s
       {"pixel", study.pixel},
       {"gaps",
        {gap_row("voxels with speckle", study.gaps), gap_row("tissues without speckle", study.tissue_gaps)}},
-      {"rules", study.rules},
-      {"steps", study.steps},
-      {"largest_step", study.largest_step},
-      {"slice_seconds", study.slice_seconds},
-      {"step_seconds", study.step_seconds}};
+      HMAX_KEYS(study, rules, steps, largest_step, slice_seconds, step_seconds)};
   Json values = told;
   for (std::size_t i = 0; i < study.steps.size(); ++i)
     values["steps"][i]["within"] = study.steps[i].within(study.pixel);

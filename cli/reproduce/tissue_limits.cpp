@@ -9,13 +9,12 @@
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "limits/along/trajectory_limit.hpp"
+#include "results/json.hpp"
 #include "studies/particle_limits.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // What the thesis printed of its explicit integration, and the study's liver:male_normal.
 constexpr double printed_rate = 280;    // [1/s]

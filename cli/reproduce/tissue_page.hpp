@@ -14,6 +14,7 @@
 #include "catalogue/methods/method.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "plots/drawn/bodies.hpp"
+#include "results/json.hpp"
 #include "studies/liver_claims.hpp"
 
 namespace hmax {
@@ -34,13 +35,13 @@ struct TissueOptions {
 struct TissuePage {
   const TissueOptions& options;
   ReportPage page;
-  nlohmann::ordered_json document = {};
+  Json document = {};
 
   /// Draws {{figure name}}.
   void draw(const BodyPicture& picture, const std::string& name);
   /// A statement of a source under this name of ours: a row of the table of statements, and of the document.
   /// @param found  the numbers that the judgement rests on
-  void judge(const std::string& name, std::string_view judgement, nlohmann::ordered_json found);
+  void judge(const std::string& name, std::string_view judgement, Json found);
 };
 
 /// The material of every body here, of the table of livers.
@@ -50,8 +51,8 @@ inline constexpr const char* study_material = "male_normal";
 /// @param progress  told the share that is done and what comes next; may throw to stop
 /// @returns the keys of `hmax reproduce tissue --json`
 /// @throws InputError when the folder cannot be written
-nlohmann::ordered_json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,
-                                        const std::function<void(double, const std::string&)>& progress);
+Json reproduce_tissue(const std::filesystem::path& folder, const TissueOptions& options,
+                      const std::function<void(double, const std::string&)>& progress);
 
 /// A body of that material.
 Problem study_tissue(std::string_view model, std::string_view mesh, std::string_view load,

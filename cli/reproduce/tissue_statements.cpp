@@ -7,6 +7,7 @@
 
 #include "cli/reproduce/tissue_page.hpp"
 #include "plots/curves.hpp"
+#include "results/json.hpp"
 #include "studies/contraction.hpp"
 #include "studies/motion_identification.hpp"
 #include "studies/organ_material.hpp"
@@ -14,17 +15,12 @@
 
 namespace hmax {
 
-using Json = nlohmann::ordered_json;
-
 void found_by_a_view(TissuePage& tissue) {
   const ViewSearch search = view_search("liver", study_material);
   constexpr double haptic_period = 1e-3;  // [s]
   tissue.page.values["view"] = search;
   tissue.judge("view_finds", judged(search.missed == 0 && search.seconds < haptic_period, search.missed == 0),
-               {{"found", search.found},
-                {"touched", search.touched},
-                {"missed", search.missed},
-                {"seconds", search.seconds}});
+               {HMAX_KEYS(search, found, touched, missed, seconds)});
 }
 
 void penalties(TissuePage& tissue) {

@@ -13,14 +13,13 @@
 #include "cli/stability/stability_pictures.hpp"
 #include "plots/curves.hpp"
 #include "plots/stability.hpp"
+#include "results/json.hpp"
 #include "studies/organ_rates.hpp"
 #include "studies/organ_study.hpp"
 #include "studies/particle_limits.hpp"
 #include "studies/thigh/local_model.hpp"
 
 namespace hmax {
-
-using Json = nlohmann::ordered_json;
 
 void turned_body(TissuePage& tissue) {
   const std::vector<TurnedBody> bodies = turned_bodies("phantom");
@@ -96,11 +95,8 @@ void order_and_stages(TissuePage& tissue) {
        {"explicit_euler", "rk2_heun", "rk2_midpoint", "rk3_kutta", "rk4", "dormand_prince_54", "dop_853"}) {
     const Method& method = find_method(id);
     const StabilityLimits limits = stability_limits(*method.amplification);
-    tissue.page.values["stages"].push_back({{"method", method.id},
-                                            {"stages", method.stages},
-                                            {"order", method.order},
-                                            {"imaginary", limits.imaginary},
-                                            {"real", limits.real}});
+    tissue.page.values["stages"].push_back(
+        {{"method", method.id}, HMAX_KEYS(method, stages, order), HMAX_KEYS(limits, imaginary, real)});
   }
 }
 
@@ -185,12 +181,8 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
   const std::vector<InnerTolerance> rows = inner_tolerances(model, best_relaxation(model, {}));
   Json ways = Json::array();
   for (const InnerTolerance& row : rows)
-    ways.push_back({{"method", name_of(row.method)},
-                    {"tolerance", row.tolerance},
-                    {"converged", row.converged},
-                    {"iterations", row.iterations},
-                    {"sweeps", row.sweeps},
-                    {"seconds", row.seconds}});
+    ways.push_back(
+        {{"method", name_of(row.method)}, HMAX_KEYS(row, tolerance, converged, iterations, sweeps, seconds)});
   const auto row_of = [&](StaticMethod method, double tolerance) {
     return *std::ranges::find_if(
         rows, [&](const InnerTolerance& row) { return row.method == method && row.tolerance == tolerance; });
@@ -207,9 +199,11 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
   const double best = shortest / row_of(StaticMethod::newton, rough).seconds;
   const std::vector<LoadedIterations> loads =
       loaded_iterations(tissue.options.mesh(), study_material, {0.05, 0.1, 0.2, 0.4});
-  tissue.page.values["inner_systems"] = {{"ways", ways},          {"modified", modified},
-                                         {"newton", newton},      {"iteration", cost.iteration},
-                                         {"needed", cost.needed}, {"cheap", cost.iteration < cost.needed},
+  tissue.page.values["inner_systems"] = {{"ways", ways},
+                                         {"modified", modified},
+                                         {"newton", newton},
+                                         HMAX_KEYS(cost, iteration, needed),
+                                         {"cheap", cost.iteration < cost.needed},
                                          {"loads", loads}};
   const int exact = row_of(StaticMethod::newton, tight).iterations,
             inexact = row_of(StaticMethod::modified_newton, tight).iterations;
@@ -217,7 +211,7 @@ void inner_systems(TissuePage& tissue, const StaticModel& model) {
                {{"newton", exact}, {"modified", inexact}});
   tissue.judge("accuracy_is_no_gain", judged(modified >= 1), {{"slower", modified}});
   tissue.judge("accuracy_is_a_gain", judged(newton < 1, best < 0.95),
-               {{"slower", newton}, {"best", best}, {"iteration", cost.iteration}, {"needed", cost.needed}});
+               {{"slower", newton}, {"best", best}, HMAX_KEYS(cost, iteration, needed)});
   const auto more = [](const LoadedIterations& at) { return double(at.modified) / at.newton; };
   tissue.judge("strong_nonlinearity", judged(more(loads.back()) > more(loads.front())),
                {{"weak", loads.front()}, {"strong", loads.back()}});
@@ -247,7 +241,7 @@ void constant_jacobian(TissuePage& tissue) {
       {"newton_rate", rate},
       {"mesh", meshes.back()}};
   tissue.judge("springs_at_150_hz", judged(springs.reached_end && springs.rate > 150),
-               {{"springs", springs.springs}, {"rate", springs.rate}, {"mesh", springs.mesh}});
+               {HMAX_KEYS(springs, springs, rate, mesh)});
   tissue.judge("sixty_iterations", judged(rate > 60), {{"rate", rate}});
 }
 

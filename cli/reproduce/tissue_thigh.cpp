@@ -7,13 +7,12 @@
 #include <fmt/format.h>
 
 #include "cli/reproduce/tissue_page.hpp"
+#include "results/json.hpp"
 #include "studies/thigh/thigh_study.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr Style of_truth{.colour = 6, .dash = 3, .width = 1.4};
 
@@ -153,17 +152,12 @@ Json document_of(const ThighStudy& study) {
                     {"converged", each.fit.converged},
                     {"overall_error", each.overall},
                     {"within_5_percent", each.recovery.within},
-                    {"largest_error", each.recovery.largest_error},
-                    {"covered", each.recovery.covered},
+                    HMAX_KEYS(each.recovery, largest_error, covered),
                     {"evaluations", each.fit.evaluations}});
   return {{"points", study.truth.points()},
           {"forces", value_count(study.data)},
           {"fits", fits},
-          {"covered", study.covered},
-          {"starts", study.starts},
-          {"tasks", study.tasks},
-          {"limits", study.limits},
-          {"stable_mass", study.stable_mass},
+          HMAX_KEYS(study, covered, starts, tasks, limits, stable_mass),
           {"constant_jacobian_depth", study.constant_depths.minCoeff()}};
 }
 
@@ -208,10 +202,7 @@ void add_network(Json& values, const ThighStudy& study) {
 void add_motion(Json& values, const ThighStudy& study) {
   for (const ThighRun& run : study.runs)
     if (run.h > 0)
-      values["runs"].push_back({{"run", name_of(run)},
-                                {"reached_end", run.reached_end},
-                                {"error", run.error},
-                                {"real_time", run.real_time}});
+      values["runs"].push_back({{"run", name_of(run)}, HMAX_KEYS(run, reached_end, error, real_time)});
   const double h = study.limits.front().h_pressed;
   const Eigen::Index stable = (study.constant_depths.array() > 1).count();
   values["point"] = study.load.point + 1;

@@ -36,13 +36,12 @@
 #include "limits/documents/number_json.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The problem in the order of states of the user.
 Problem as_shown(const Problem& problem) {
@@ -256,26 +255,18 @@ Json to_json(const Problem& problem, const Method& method, const RunSpec& spec, 
   Json document{{"problem", problem.id},
                 {"method", method.id},
                 {"outcome", to_string(record.outcome)},
-                {"t", record.t},
-                {"t_state", record.t_state},
+                HMAX_KEYS(record, t, t_state),
                 {"y", listed(problem, record.y)},
                 {"stats",
-                 {{"steps", stats.steps},
-                  {"rejected", stats.rejected},
-                  {"rhs", stats.rhs},
-                  {"jacobian", stats.jacobian},
-                  {"factorisations", stats.factorisations},
-                  {"newton", stats.newton},
-                  {"linear_iterations", stats.linear_iterations},
-                  {"newton_error", stats.newton_error}}},
+                 {HMAX_KEYS(stats, steps, rejected, rhs, jacobian, factorisations, newton, linear_iterations,
+                            newton_error)}},
                 {"cpu_seconds", run.cpu_seconds},
                 {"status", record.outcome == Outcome::reached_end ? "" : in_words(problem, record, spec)},
                 {"material", problem.material.empty() ? Json() : Json(problem.material)},
                 {"parameters", parameters_json(problem.parameters)},
                 {"y0", std::vector<double>(problem.y0.begin(), problem.y0.end())},
                 {"states", problem.states},
-                {"order", method.order},
-                {"error_order", method.error_order},
+                HMAX_KEYS(method, order, error_order),
                 {"mode", spec.adaptive ? "adaptive" : "fixed"},
                 {"t_end", spec.t_end}};
   if (spec.adaptive) {

@@ -20,6 +20,7 @@
 #include "core/numbers.hpp"
 #include "core/text/split.hpp"
 #include "problems/formula_parser.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 namespace {
@@ -305,9 +306,7 @@ std::string in_words(const Tolerances<double>& tolerances) {
   return fmt::format("rtol {}, atol {}", to_text(tolerances.rtol), to_text(tolerances.atol));
 }
 
-nlohmann::ordered_json to_json(const Tolerances<double>& tolerances) {
-  return {{"rtol", tolerances.rtol}, {"atol", tolerances.atol}};
-}
+Json to_json(const Tolerances<double>& tolerances) { return {HMAX_KEYS(tolerances, rtol, atol)}; }
 
 void add_control(CLI::App& command, std::string& control) {
   add_text(command, "--control", control,

@@ -114,7 +114,7 @@ void warn_of_left_out(Console& console, const std::vector<LeftOut>& left_out);
 
 /// "rtol 1e-06, atol 1e-08", and {rtol, atol}
 std::string in_words(const Tolerances<double>& tolerances);
-nlohmann::ordered_json to_json(const Tolerances<double>& tolerances);
+Json to_json(const Tolerances<double>& tolerances);
 
 /// --control, a word of controller_names
 void add_control(CLI::App& command, std::string& control);

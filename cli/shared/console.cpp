@@ -85,8 +85,6 @@ bool is_number_in_words(std::string_view cell) {
          to_number(cell).has_value();
 }
 
-using Json = nlohmann::ordered_json;
-
 /// Whether a value is, or a list of any depth holds, a number that JSON has no digits for.
 bool lacks_digits(const Json& value) {
   if (value.is_number_float()) return !std::isfinite(value.get<double>());
@@ -133,7 +131,7 @@ void Console::write(std::string_view text) {
                                std::strerror(errno)));
 }
 
-void Console::print_json(const nlohmann::ordered_json& document) {
+void Console::print_json(const Json& document) {
   Json explained = document;
   explain_nulls(explained);
   // A name that is not UTF-8 has a substitute for each byte that is none.

@@ -10,9 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "core/numbers.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -34,7 +33,7 @@ class Console {
   /// @throws InputError when it cannot be written; nothing when the reader went away
   void print(std::string_view text);
   /// Writes one JSON document and a line break; called exactly once by a subcommand when `json` is set.
-  void print_json(const nlohmann::ordered_json& document);
+  void print_json(const Json& document);
   /// Pushes out what is buffered; @throws InputError like print
   void flush();
 

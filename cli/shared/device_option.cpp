@@ -120,7 +120,7 @@ void DeviceChoice::check(std::initializer_list<std::pair<const char*, bool>> bes
                                others.empty() ? "" : fmt::format(", or take {}", others)));
 }
 
-void DeviceTime::add_to(nlohmann::ordered_json& document) const {
+void DeviceTime::add_to(Json& document) const {
   if (document.contains("cpu_seconds")) document["cpu_seconds"] = nullptr;
   document["device"] = facts.name;
   document["clock_mhz"] = facts.clock_mhz;

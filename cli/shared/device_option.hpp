@@ -9,11 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "catalogue/device/device_run.hpp"
 #include "catalogue/methods/choice/chosen_methods.hpp"
 #include "cli/shared/options.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -58,7 +57,7 @@ struct DeviceTime {
   std::int32_t bodies = 1;  ///< that it has stepped at a time
 
   /// Puts it into a document, whose `cpu_seconds`, if there are, become null.
-  void add_to(nlohmann::ordered_json& document) const;
+  void add_to(Json& document) const;
   [[nodiscard]] std::string words() const;
   [[nodiscard]] const char* precision_word() const {
     return precision == Precision::single_precision ? "single" : "double";

@@ -19,12 +19,11 @@
 #include "limits/documents/limit_json.hpp"
 #include "limits/documents/model_json.hpp"
 #include "limits/point/prediction.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Why the limits of one state do not tell of a motion, or may not.
 std::string_view why_along(const Problem& problem) {

@@ -16,12 +16,11 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "limits/documents/method_json.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string number_or_unbounded(double value, int digits = 10) {
   return std::isinf(value) ? "unbounded" : short_number(value, digits);

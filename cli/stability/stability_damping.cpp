@@ -17,12 +17,11 @@
 #include "core/numbers.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "limits/fidelity/fidelity.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct DampingOptions {
   MethodsChoice methods;

@@ -10,12 +10,11 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "limits/steps/linearly_implicit.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct FrozenOptions {
   std::string methods, ratios = "1.1,1.25,1.5,2,3,4,8", every;

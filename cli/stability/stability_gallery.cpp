@@ -22,13 +22,13 @@
 #include "plots/drawn/sliding.hpp"
 #include "plots/pages/report.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Formulas that are shown together, each of which has a panel of its own too.
 struct Chapter {

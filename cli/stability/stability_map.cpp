@@ -25,12 +25,12 @@
 #include "limits/predict.hpp"
 #include "plots/curves.hpp"
 #include "plots/draw.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Eigen::Vector2d;
 
 struct MapOptions {
@@ -41,9 +41,7 @@ struct MapOptions {
   std::optional<double> time_limit;
 };
 
-Json to_json(const MapAxis& axis) {
-  return {{"name", axis.name}, {"values", axis.values}, {"logarithmic", axis.logarithmic}};
-}
+Json to_json(const MapAxis& axis) { return {HMAX_KEYS(axis, name, values, logarithmic)}; }
 
 Json to_json(const StabilityMap& map) {
   Json rows = Json::array();

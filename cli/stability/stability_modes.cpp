@@ -23,13 +23,12 @@
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
 #include "problems/tissue/body.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct ModesOptions {
   ProblemChoice problem;
@@ -116,8 +115,7 @@ std::vector<ModeReport> reports_of(const Problem& problem, const MechanicalPart&
 }
 
 Json to_json(const ModeReport& mode) {
-  return {{"kappa", mode.kappa},
-          {"omega", mode.omega},
+  return {HMAX_KEYS(mode, kappa, omega),
           {"frequency", mode.frequency()},
           {"zeta", mode.zeta},
           {"moving_points", mode.owner.moving_points},
@@ -207,8 +205,7 @@ void print_matrix_modes(const Problem& problem, const OperatingPoint& point, Eig
   if (console.json) {
     Json list = Json::array();
     for (const MatrixMode& mode : modes)
-      list.push_back({{"kappa", mode.kappa},
-                      {"omega", mode.omega},
+      list.push_back({HMAX_KEYS(mode, kappa, omega),
                       {"frequency", mode.frequency()},
                       {"zeta", mode.zeta},
                       {"moving_unknowns", mode.moving},

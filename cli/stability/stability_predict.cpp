@@ -30,6 +30,7 @@
 #include "limits/distributed/query_distributed.hpp"
 #include "problems/matrices/exchanged.hpp"
 #include "problems/oscillator/liver_materials.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -190,13 +191,10 @@ struct SceneAnswer {
                        limit_beside(limit, *scene.step));
   }
 
-  [[nodiscard]] nlohmann::ordered_json to_json() const {
-    const auto or_null = [](bool given, const auto& value) {
-      return given ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-    };
+  [[nodiscard]] Json to_json() const {
+    const auto or_null = [](bool given, const auto& value) { return given ? Json(value) : Json(nullptr); };
     const std::optional<bool> within = is_within();
-    return {{"integrator", scene.integrator},
-            {"method", scene.method},
+    return {HMAX_KEYS(scene, integrator, method),
             {"h", or_null(scene.step.has_value(), scene.step.value_or(0))},
             {"h_max", or_null(std::isfinite(limit), limit)},
             {"within", or_null(within.has_value(), within.value_or(false))}};
@@ -257,7 +255,7 @@ void print_distributed_limits(DistributedEngine& engine, const PredictOptions& o
   judge(answer, question, console);
   const std::optional<SceneAnswer> of_scene = answer_of(scene, answer);
   if (console.json) {
-    nlohmann::ordered_json document = answer_json(answer, pair);
+    Json document = answer_json(answer, pair);
     if (of_scene) document["scene"] = of_scene->to_json();
     console.print_json(document);
   } else {
@@ -279,7 +277,7 @@ void predict_by_engine(PredictOptions options, Console& console) {
 void print(const LimitAnswer& answer, const LimitQuestion& question, const std::vector<Problem>& problems,
            const std::optional<Store>& store, const std::optional<SceneAnswer>& scene, Console& console) {
   if (console.json) {
-    nlohmann::ordered_json document = answer_json(answer, problems);
+    Json document = answer_json(answer, problems);
     if (scene) document["scene"] = scene->to_json();
     if (store) {
       document["store"] = store->file().string();

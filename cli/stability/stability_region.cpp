@@ -15,13 +15,12 @@
 #include "core/parallel_for.hpp"
 #include "limits/documents/method_json.hpp"
 #include "plots/draw.hpp"
+#include "results/json.hpp"
 #include "results/table.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct RegionOptions {
   MethodsChoice methods;

@@ -1,20 +1,14 @@
 #include "plots/pages/answer_words.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
-using Json = nlohmann::ordered_json;
-
 std::string answer_text(const AnswerWords& words) {
-  const Json document{{"version", 1},
-                      {"body", words.body},
-                      {"facts", words.facts},
-                      {"help", words.help},
-                      {"remedies", words.remedies}};
+  const Json document{{"version", 1}, HMAX_KEYS(words, body, facts, help, remedies)};
   return document.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

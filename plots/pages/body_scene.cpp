@@ -9,7 +9,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
 #include "core/text/base64.hpp"
@@ -17,12 +16,11 @@
 #include "plots/drawn/colour_map.hpp"
 #include "plots/pages/frame.hpp"
 #include "plots/svg.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int version = 1;
 constexpr double most_int16 = 32767;
@@ -251,8 +249,7 @@ Json json_at_rest(const BodyScene& scene, const DrawnPoints& drawn) {
   for (const std::int32_t index : scene.held)
     if (drawn.on_surface(index)) held.push_back(drawn.now(index));
   Json json = {{"version", version},
-               {"title", scene.title},
-               {"caption", scene.caption},
+               HMAX_KEYS(scene, title, caption),
                {"points", packed(coordinates)},
                {"triangles", packed_indices(corners, drawn.size())},
                {"held", packed_indices(held, drawn.size())}};
@@ -264,8 +261,7 @@ Json json_of(const SceneMode& mode, const DrawnPoints& drawn) {
   const std::vector<double> shape = flat(drawn.of(mode.shape));
   std::vector<std::int32_t> owner;
   for (const std::int32_t index : mode.owner) owner.push_back(drawn.now(index));
-  return {{"words", mode.words},
-          {"frequency", mode.frequency},
+  return {HMAX_KEYS(mode, words, frequency),
           {"shape", rounded(shape, largest_of(shape))},
           {"owner", owner},
           {"owner_words", mode.owner_words}};

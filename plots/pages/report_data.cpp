@@ -8,16 +8,15 @@
 #include <variant>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/numbers.hpp"
 #include "plots/figure.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Cell = std::variant<double, std::string>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -298,8 +297,7 @@ void add_table(Json& tables, std::string_view id, const char* title, const std::
   if (rows.empty()) return;
   Json headings = Json::array();
   for (const ShownColumn<Record>& column : columns)
-    headings.push_back(
-        {{"key", column.key}, {"name", column.name}, {"unit", column.unit}, {"form", column.form}});
+    headings.push_back({HMAX_KEYS(column, key, name, unit, form)});
   tables.push_back({{"id", id},
                     {"title", title},
                     {"tips", tips},

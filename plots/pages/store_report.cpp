@@ -15,6 +15,7 @@
 #include "plots/pages/report_answers.hpp"
 #include "plots/pages/report_data.hpp"
 #include "plots/svg.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -183,9 +184,7 @@ std::string html_of(const Sessions& sessions, const std::string& store) {
     libraries += fmt::format("{}{} {}", libraries.empty() ? "" : ", ", name, version);
   std::vector<std::pair<std::string, std::string>> facts{
       {"date (UTC)", one ? first->started : first->started + " to " + last->started},
-      {"caches", machine.caches},
-      {"governor", machine.governor},
-      {"kernel", machine.kernel},
+      HMAX_KEYS(machine, caches, governor, kernel),
       {"load at start", machine.load},
       {"instruction set", machine.instruction_set},
       {"flags", machine.flags},

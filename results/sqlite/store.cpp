@@ -9,10 +9,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "results/json.hpp"
 #include "results/patience.hpp"
 #include "results/sqlite/columns.hpp"
 #include "results/sqlite/row_digest.hpp"

@@ -20,12 +20,11 @@
 #include "core/numbers.hpp"
 #include "limits/fidelity/fidelity.hpp"
 #include "limits/query/query_limits.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::string_view, 7> causes{"none",     "step",     "model", "work",
                                                  "accuracy", "material", "other"};

@@ -8,7 +8,7 @@
 
 #include "catalogue/input/toml_file.hpp"
 #include "core/embedded_text.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 

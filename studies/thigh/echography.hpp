@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 #include "studies/thigh/voxel_thigh.hpp"
 
 namespace hmax {

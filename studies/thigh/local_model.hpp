@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "studies/record.hpp"
+#include "results/json.hpp"
 #include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "studies/record.hpp"
+#include "results/json.hpp"
 #include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {

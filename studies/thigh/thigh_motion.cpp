@@ -15,6 +15,7 @@
 #include "bench/timing/timing.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "limits/predict.hpp"
+#include "results/json.hpp"
 
 namespace hmax {
 
@@ -132,7 +133,7 @@ double error_beside(const ThighRun& run, const ThighRun& reference) {
 }  // namespace
 
 Problem driven_thigh(const Thigh& thigh, ThighDrive drive, double t_end) {
-  Parameters parameters{{"mass", drive.mass}, {"damping", drive.damping}};
+  Parameters parameters{HMAX_KEYS(drive, mass, damping)};
   return {.id = "thigh",
           .note = "points of skin on springs, pressed by a probe",
           .parameters = std::move(parameters),

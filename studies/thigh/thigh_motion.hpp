@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
-#include "studies/record.hpp"
+#include "results/json.hpp"
 #include "studies/thigh/thigh_model.hpp"
 
 namespace hmax {

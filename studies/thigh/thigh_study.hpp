@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "results/json.hpp"
 #include "studies/thigh/thigh_identification.hpp"
 #include "studies/thigh/thigh_motion.hpp"
 #include "studies/thigh/thigh_network.hpp"

@@ -8,17 +8,17 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(Doctor, NamesEachPartWithItsVersionOrItsPackage) {
   const Shell shell;
-  const Json report = shell.hmax("doctor --json").json();
+  const AnyJson report = shell.hmax("doctor --json").json();
   for (const char* key : {"version", "compiler", "libraries", "optional", "missing", "fingerprint"})
     EXPECT_TRUE(report.contains(key)) << key;
   EXPECT_EQ(report.at("optional").size(), 16U)
       << "Boost, SUNDIALS, Spectra, METIS, Google Benchmark, SLEPc, OpenMPI, MuJoCo, minizip, Bullet, zlib, lz4, lzma, gnuplot, pybind11, musl";
   std::size_t missing = 0;
-  for (const Json& part : report.at("optional")) {
+  for (const AnyJson& part : report.at("optional")) {
     EXPECT_NE(part.at("debian_package"), "");
     EXPECT_EQ(part.at("present"), !part.at("version").is_null());
     missing += part.at("present") ? 0 : 1;
@@ -71,7 +71,7 @@ TEST(Completion, OffersTheNamesThatFitInBash) {
 TEST(Doctor, NamesModulesThatAreNotBuiltAndTheCommandThatBuildsThem) {
   const Shell shell;
   ASSERT_EQ(shell.line("mkdir -p tree/bin && cp '" HMAX_PROGRAM "' tree/bin/hmax").exit_code, 0);
-  const Json report = shell.line("tree/bin/hmax doctor --json").json();
+  const AnyJson report = shell.line("tree/bin/hmax doctor --json").json();
   if (report.at("modules_not_built").empty()) GTEST_SKIP() << "this build has no modules";
   EXPECT_TRUE(report.at("modules").empty());
   const Told installed = shell.line("tree/bin/hmax doctor");
@@ -85,23 +85,23 @@ TEST(Doctor, NamesModulesThatAreNotBuiltAndTheCommandThatBuildsThem) {
 
 /// The modules of MPI, PETSc, MuJoCo, Bullet and FMI come with the program wherever their libraries are.
 TEST(Doctor, FindsTheModulesThatAreBuiltWithTheProgram) {
-  const Json report = Shell().hmax("doctor --json").json();
+  const AnyJson report = Shell().hmax("doctor --json").json();
   EXPECT_TRUE(report.at("modules_broken").empty()) << report.at("modules_broken");
-  for (const Json& part : report.at("optional"))
+  for (const AnyJson& part : report.at("optional"))
     for (const auto& [library, module] : {std::pair{"OpenMPI", "hmax_mpi"},
                                           {"SLEPc", "hmax_petsc"},
                                           {"MuJoCo", "hmax_mujoco"},
                                           {"Bullet", "hmax_bullet"},
                                           {"minizip", "hmax_fmi"}})
       if (part.at("name") == library && part.at("present")) {
-        EXPECT_EQ(std::ranges::count(report.at("modules"), Json(module)), 1) << module;
+        EXPECT_EQ(std::ranges::count(report.at("modules"), AnyJson(module)), 1) << module;
       }
 }
 
 /// Files with the names of modules that are none.
 TEST(Doctor, OpensEachModuleBeforeItSaysThatNothingIsMissing) {
   const Shell shell;
-  const std::vector<Json> expected = shell.hmax("doctor --json").json().at("modules");
+  const std::vector<AnyJson> expected = shell.hmax("doctor --json").json().at("modules");
   const std::string modules =
       "tree/" + std::filesystem::relative(module_file("."), program_prefix()).string();
   ASSERT_EQ(
@@ -114,12 +114,12 @@ TEST(Doctor, OpensEachModuleBeforeItSaysThatNothingIsMissing) {
   write_text(shell / "tree/python/hmax/_core.so", "no module");
   write_text(shell / "tree/python/hmax/__init__.py", "from . import _core\n");
   write_text(shell / "tree/CMakeCache.txt", "");
-  const Json report = shell.line("tree/bin/hmax doctor --json").json();
+  const AnyJson report = shell.line("tree/bin/hmax doctor --json").json();
   EXPECT_TRUE(report.at("modules").empty());
   EXPECT_TRUE(report.at("modules_not_built").empty());
-  std::vector<Json> broken;
-  for (const Json& module : report.at("modules_broken")) broken.push_back(module.at("name"));
-  for (const Json& module : expected) EXPECT_EQ(std::ranges::count(broken, module), 1) << module;
+  std::vector<AnyJson> broken;
+  for (const AnyJson& module : report.at("modules_broken")) broken.push_back(module.at("name"));
+  for (const AnyJson& module : expected) EXPECT_EQ(std::ranges::count(broken, module), 1) << module;
   if (expected.empty()) GTEST_SKIP() << "this build has no modules";
   const Told told = shell.line("tree/bin/hmax doctor");
   EXPECT_TRUE(says(told.out, "Broken: the "));

@@ -5,14 +5,14 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// On a linear problem without a force a method may do better than its order: then another problem must show
 /// it. Foreign engines are peers with defects of their own (docs/reference/facts.md); two problems must show
 /// what they claim.
 TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNone) {
   const Shell shell;
-  for (const Json& method : shell.json("list methods")) {
+  for (const AnyJson& method : shell.json("list methods")) {
     const std::string id = method.at("id");
     if (method.at("needs_body")) {
       // Lengths that are kept whatever the modulus are no approximation of the model.
@@ -34,7 +34,7 @@ TEST(OrderCommand, EveryMethodShowsItsOrderOnThreeProblemsAndFallsShortOfItOnNon
       const Told told =
           shell.hmax("order --json --problem " + std::string(problem) + " --method " + id + span);
       ASSERT_LE(told.exit_code, 1) << id << " on " << problem << told.out << told.err;
-      const Json order = told.json();
+      const AnyJson order = told.json();
       if (method.at("order") == 0) {
         EXPECT_TRUE(order.at("expected").is_null() && order.at("observed").is_null()) << id;
         EXPECT_NE(order.at("status"), "");
@@ -79,7 +79,7 @@ TEST(OrderCommand, FailsWhereNoSlopeCanBeSeen) {
 TEST(OrderCommand, ExpectsTheOrderThatAMethodHasOnTheFormOfTheProblem) {
   const Shell shell;
   for (const char* problem : {"liver_linear --set c=0", "liver_cubic --set c=0", "kepler"}) {
-    const Json told = shell.json(std::string("order --method velocity_verlet --problem ") + problem);
+    const AnyJson told = shell.json(std::string("order --method velocity_verlet --problem ") + problem);
     EXPECT_EQ(told.at("expected"), 2) << problem;
   }
   EXPECT_EQ(shell.json("order --method velocity_verlet --problem liver_cubic").at("expected"), 1);
@@ -90,7 +90,7 @@ TEST(OrderCommand, SaysThatRunsDivergeInPlaceOfAnOrder) {
   // |R| of rk4 is above one from h = 2.785e-3 s on, and e^-1000 of the solution is left at t = 1 s.
   const Told told = Shell().hmax("order --problem dahlquist --set lambda=-1000 --method rk4 --json");
   EXPECT_EQ(told.exit_code, 1);
-  const Json order = told.json();
+  const AnyJson order = told.json();
   EXPECT_TRUE(order.at("observed").is_null()) << told.out;
   EXPECT_TRUE(says(order.at("status").get<std::string>(), "diverge")) << told.out;
   const Told people = Shell().hmax("order --problem dahlquist --set lambda=-1000 --method rk4");
@@ -100,7 +100,7 @@ TEST(OrderCommand, SaysThatRunsDivergeInPlaceOfAnOrder) {
 
 TEST(OrderCommand, NamesOrderReductionOfStiffProblems) {
   // h |lambda| is 1e3 at h = 1e-3 s: sdirk_4 shows its stage order there [prothero1974stability].
-  const Json order = Shell().hmax("order --problem prothero_robinson --method sdirk_4 --json").json();
+  const AnyJson order = Shell().hmax("order --problem prothero_robinson --method sdirk_4 --json").json();
   EXPECT_EQ(order.at("reason"), "order_reduction") << order;
   EXPECT_TRUE(says(order.at("status").get<std::string>(), "order reduction")) << order;
   EXPECT_TRUE(Shell().json("order --problem liver_forced --method rk4").at("reason").is_null());
@@ -115,11 +115,11 @@ TEST(OrderCommand, TakesNoErrorsAtTheFloorOfAMethodForItsOrder) {
     GTEST_SKIP() << "this build has no SUNDIALS";
   for (const char* arguments : {"--problem liver_forced --method arkode_mri",
                                 "--problem liver_linear --t-end 20 --method arkode_imex_ark436l2sa"}) {
-    const Json order = measured(arguments);
+    const AnyJson order = measured(arguments);
     ASSERT_FALSE(order.at("observed").is_null()) << order;
     EXPECT_NEAR(order.at("observed"), order.at("expected"), 0.1) << order;
   }
-  const Json early = measured("--problem liver_forced --method arkode_erk_fehlberg_13_7_8");
+  const AnyJson early = measured("--problem liver_forced --method arkode_erk_fehlberg_13_7_8");
   EXPECT_EQ(early.at("reason"), "unsettled") << early;
   EXPECT_TRUE(says(early.at("status").get<std::string>(), "the slopes still change, from 8.388 to 8.145"))
       << early;

@@ -5,14 +5,14 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// Begins a line: glibc takes its variants for processors without FMA and AVX2.
 constexpr const char* plain_processor = "export GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2; ";
 
 bool has_elementary_functions(const Shell& shell) {
-  const Json report = shell.json("doctor");
-  for (const Json& part : report.at("optional"))
+  const AnyJson report = shell.json("doctor");
+  for (const AnyJson& part : report.at("optional"))
     if (part.at("name") == "musl") return part.at("present");
   ADD_FAILURE() << "hmax doctor does not know musl";
   return false;
@@ -45,15 +45,15 @@ TEST(Processor, DoesNotChangeABitOfTissue) {
   const Shell shell;
   const std::string body = "--mesh phantom --material liver:male_normal --model ";
   const auto end_of = [&](const std::string& line) {
-    const Json run = shell.line(line).json();
-    return Json{run.at("y"), run.at("stats")};
+    const AnyJson run = shell.line(line).json();
+    return AnyJson{run.at("y"), run.at("stats")};
   };
   for (const char* method :
        {"fem_green --method newmark --h 0.01", "fem_green --method rodas_4 --rtol 1e-4 --atol 1e-6",
         "fem_neo_hookean --method vbd --h 0.01", "fem_corotational --method vbd --h 0.01",
         "fem_neo_hookean --method xpbd --h 0.01"}) {
     const std::string run = "hmax run " + body + method + " --t-end 0.1 --full --json";
-    const Json here = end_of(run);
+    const AnyJson here = end_of(run);
     for (const InstructionSet set : instruction_sets())
       EXPECT_EQ(here, end_of("export HMAX_KERNELS=" + std::string(to_string(set)) + "; " + run))
           << to_string(set) << " " << method;

@@ -9,7 +9,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 constexpr const char* small_question =
     "advise --mesh cube:n=2 --model fem_green --load press --rate 100 --frames 50 --methods rk4,newmark";
@@ -19,7 +19,7 @@ TEST(AdviseCommand, AnswersInTheKeysOfTheContract) {
   const Told told = shell.hmax(std::string(small_question) + " --json");
   ASSERT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.err, "");
-  const Json document = told.json();
+  const AnyJson document = told.json();
   for (const char* key : {"model", "rate", "tolerance", "budget_ms", "machine", "rows", "recommended", "ties",
                           "remedies", "long_runs", "proof", "uncertainty"})
     EXPECT_TRUE(document.contains(key)) << key;
@@ -53,7 +53,7 @@ TEST(AdviseCommand, WarnsWhereItTriedLessThanTheLoad) {
   EXPECT_FALSE(says(shell.hmax(all).out, "the load only"));
   const std::string told = shell.text(much);
   EXPECT_TRUE(says(told, "of the load only: under all of it the step may fail"));
-  const Json document = shell.json(much);
+  const AnyJson document = shell.json(much);
   EXPECT_LT(document.at("load_share"), 1);
   EXPECT_EQ(document.at("gravity_share"), 1);
 }
@@ -68,7 +68,7 @@ TEST(AdviseCommand, TellsWhatIsFinishedWhenItIsInterrupted) {
       "timeout --foreground -s INT 4 '" HMAX_PROGRAM
       "' advise --mesh cube:n=2 --load press --rate 100 --methods newmark --frames 1000000 --json");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
-  const Json document = told.json();
+  const AnyJson document = told.json();
   EXPECT_EQ(document.at("interrupted"), true);
   EXPECT_EQ(document.at("stage"), "timing");
   EXPECT_EQ(document.at("recommended").at("method"), "newmark");
@@ -139,15 +139,15 @@ TEST(AdviseCommand, AnswersWithinATime) {
       "advise --mesh ball:n=10 --rate 100 --methods symplectic_euler,newmark --within ";
   const Told told = shell.hmax(question + "0.01 --json --out kept.sqlite");
   EXPECT_EQ(told.exit_code, 1) << told.err;
-  const Json document = told.json();
+  const AnyJson document = told.json();
   EXPECT_EQ(document.at("out_of_time"), true);
   EXPECT_EQ(document.at("within"), 0.01);
   EXPECT_TRUE(document.at("recommended").is_null());
   EXPECT_FALSE(std::filesystem::exists(shell / "kept.sqlite"));
   // What is not asked for the time, such as one factor of this body, takes seconds on a busy machine.
-  const Json longer = shell.hmax(question + "4 --json").json();
+  const AnyJson longer = shell.hmax(question + "4 --json").json();
   EXPECT_LT(longer.at("seconds"), 20);
-  for (const Json& row : longer.at("rows")) EXPECT_FALSE(row.at("h").is_null());
+  for (const AnyJson& row : longer.at("rows")) EXPECT_FALSE(row.at("h").is_null());
   for (const char* wrong : {"0", "-1", "nan", "inf"})
     expect_refused(shell.hmax(question + wrong), "--within");
   expect_refused(shell.hmax(question + "soon"), "--within");
@@ -165,7 +165,7 @@ TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
   const Told alone = shell.hmax("advise --problem ball.toml --rate 100 --methods rk4 --frames 50");
   EXPECT_TRUE(says(alone.out, "take rk4 with h = 0.35714 ms"));
   // The right end: at rest, pressed into the floor by m g / k.
-  const Json end = shell.json("run --problem ball.toml --method rk4 --h 0.000357142857142857 --t-end 60");
+  const AnyJson end = shell.json("run --problem ball.toml --method rk4 --h 0.000357142857142857 --t-end 60");
   EXPECT_NEAR(end.at("y")[0].get<double>(), -9.81e-6, 1e-8);
 }
 
@@ -196,10 +196,10 @@ TEST(AdviseCommand, FailsWhereNothingSuits) {
 
 TEST(AdviseCommand, KeepsTheAdviceInAStore) {
   const Shell shell;
-  const Json told = shell.json(std::string(small_question) + " --out kept.sqlite");
+  const AnyJson told = shell.json(std::string(small_question) + " --out kept.sqlite");
   const Told rows = shell.hmax("export kept.sqlite --of advice --json");
   ASSERT_EQ(rows.exit_code, 0) << rows.err;
-  const Json kept = rows.json(), told_rows = told.at("rows");
+  const AnyJson kept = rows.json(), told_rows = told.at("rows");
   ASSERT_EQ(kept.size(), told_rows.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     EXPECT_EQ(kept[i].at("method"), told_rows[i].at("method"));

@@ -5,7 +5,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(Pictures, OfABodyInEquilibriumShowItsLoadItsSupportsAndItsShapeAtRest) {
   const Shell shell;
@@ -58,10 +58,10 @@ TEST(Pictures, AreRefusedBeforeTheWorkIsDone) {
 
 TEST(Statics, AreComparedInATableAndAFigure) {
   const Shell shell;
-  const Json told = shell.json("static --mesh phantom --load press --compare out");
+  const AnyJson told = shell.json("static --mesh phantom --load press --compare out");
   ASSERT_EQ(told.at("ways").size(), 6U);
   std::size_t newton = 0;
-  for (const Json& way : told.at("ways")) {
+  for (const AnyJson& way : told.at("ways")) {
     EXPECT_EQ(way.at("outcome"), "converged") << way;
     EXPECT_LE(way.at("residual"), 1e-9);
     // The stiffness of each iterate needs fewer of them than that at rest.

@@ -7,7 +7,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// Two tetrahedra, of which the second is inverted where asked for, and an idle node.
 std::string two_tetrahedra(bool inverted) {
@@ -19,7 +19,7 @@ std::string two_tetrahedra(bool inverted) {
 
 TEST(Mesh, InfoHasTheCountsOfTheStudy) {
   const Shell shell;
-  const Json liver = shell.json("mesh info liver");
+  const AnyJson liver = shell.json("mesh info liver");
   EXPECT_EQ(liver.at("points"), 299);
   EXPECT_EQ(liver.at("edges"), 1634);
   EXPECT_EQ(liver.at("tetrahedra"), 1151);
@@ -42,11 +42,11 @@ TEST(Mesh, InfoSaysThatTheUnitOfAFileIsNotStated) {
   const Shell shell;
   write_text(shell / "two.msh", two_tetrahedra(false));
   EXPECT_TRUE(says(shell.hmax("mesh info two.msh").out, "not stated in the file; taken as metres here"));
-  const Json without = shell.json("mesh info two.msh");
+  const AnyJson without = shell.json("mesh info two.msh");
   EXPECT_TRUE(without.at("unit").is_null());
   EXPECT_TRUE(without.at("status").is_string());
   EXPECT_DOUBLE_EQ(without.at("volume").get<double>(), 0.5);
-  const Json stated = shell.json("mesh info two.msh --unit cm");
+  const AnyJson stated = shell.json("mesh info two.msh --unit cm");
   EXPECT_NEAR(stated.at("volume").get<double>(), 0.5e-6, 1e-18);
   EXPECT_EQ(stated.at("unused_points"), 1);
   EXPECT_EQ(stated.at("regions").size(), 2U);
@@ -66,9 +66,9 @@ TEST(Mesh, CheckNamesWhatIsWrongWithLineAndElement) {
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_TRUE(says(told.out, "bad.msh, line 16: tetrahedron 12 is inverted"));
   EXPECT_TRUE(says(told.out, "1 points are in no tetrahedron"));
-  const Json json = shell.hmax("mesh check bad.msh --json").json();
+  const AnyJson json = shell.hmax("mesh check bad.msh --json").json();
   EXPECT_EQ(json.at("good"), false);
-  EXPECT_EQ(json.at("inverted"), Json({12}));
+  EXPECT_EQ(json.at("inverted"), AnyJson({12}));
   EXPECT_EQ(shell.json("mesh info bad.msh").at("inverted"), 1);
   EXPECT_EQ(shell.hmax("mesh check liver").exit_code, 0);
 }
@@ -77,7 +77,7 @@ TEST(Mesh, CheckNamesSlivers) {
   const Shell shell;
   const Told told = shell.hmax("mesh check liver --slivers 60 --json");
   EXPECT_EQ(told.exit_code, 1);
-  const Json slivers = told.json().at("slivers");
+  const AnyJson slivers = told.json().at("slivers");
   ASSERT_GT(slivers.size(), 100U);
   EXPECT_LE(slivers[0].at("angle_degrees"), slivers[1].at("angle_degrees"));
   EXPECT_TRUE(says(shell.hmax("mesh check liver --slivers 60").out, "is a sliver: dihedral angle"));
@@ -91,7 +91,7 @@ TEST(Mesh, ConvertTurnsWhatIsInvertedOnlyWhenAsked) {
                  "line 16: tetrahedron 12 is inverted; turn it with");
   const std::string told = shell.text("mesh convert bad.msh good.vtu --fix");
   EXPECT_TRUE(says(told, "1 turned"));
-  const Json info = shell.json("mesh info good.vtu");
+  const AnyJson info = shell.json("mesh info good.vtu");
   EXPECT_EQ(info.at("inverted"), 0);
   EXPECT_EQ(info.at("points"), 6);
   EXPECT_DOUBLE_EQ(info.at("volume").get<double>(), 0.5);
@@ -109,7 +109,7 @@ TEST(Mesh, CheckAndConvertDoNotHideWhatIsTrulyInverted) {
   const Told told = shell.hmax("mesh check folded.msh --slivers 1");
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_TRUE(says(told.out, "line 15: tetrahedron 2 overlaps tetrahedron 1: both lie on the same side"));
-  EXPECT_EQ(shell.hmax("mesh check folded.msh --json").json().at("overlaps"), Json::parse("[[2, 1]]"));
+  EXPECT_EQ(shell.hmax("mesh check folded.msh --json").json().at("overlaps"), AnyJson::parse("[[2, 1]]"));
   EXPECT_EQ(shell.json("mesh info folded.msh").at("overlaps"), 1);
   for (const char* command : {"mesh convert folded.msh a.msh --fix", "mesh convert folded.msh a.msh",
                               "stability predict --mesh folded.msh --unit m --methods rk4"})
@@ -228,15 +228,15 @@ TEST(Mesh, MakeAndRefineWriteWhatOtherProgramsRead) {
 TEST(Mesh, InfoSaysWhatWasSmoothed) {
   const Shell shell;
   EXPECT_TRUE(shell.json("mesh info ball:n=2").at("smoothed").is_null());
-  const Json document = shell.json("mesh info ball:n=2:refine=1:mend=8");
-  const Json mended = document.at("smoothed");
+  const AnyJson document = shell.json("mesh info ball:n=2:refine=1:mend=8");
+  const AnyJson mended = document.at("smoothed");
   EXPECT_EQ(document.at("mended"), mended);  // its old name
   EXPECT_GT(mended.at("moved_points"), 0);
   EXPECT_GT(mended.at("farthest"), 0);
   EXPECT_GT(mended.at("least_height_after"), 0.999999 * mended.at("least_height_before").get<double>());
   EXPECT_GE(mended.at("least_mean_height_after"), mended.at("least_mean_height_before"));
   ASSERT_EQ(shell.hmax("mesh make ball:n=2:refine=1:radius=50 --output ball.msh").exit_code, 0);
-  const Json of_file = shell.json("mesh info ball.msh:mend=8 --unit mm").at("mended");
+  const AnyJson of_file = shell.json("mesh info ball.msh:mend=8 --unit mm").at("mended");
   EXPECT_NEAR(of_file.at("least_height_before").get<double>(), mended.at("least_height_before").get<double>(),
               1e-9);
   const Told told = shell.hmax("mesh info ball:n=2:refine=1:mend=8");
@@ -300,7 +300,7 @@ std::string named_tetrahedra() {
 TEST(Mesh, InfoListsRegionsAndGroupsByNameAndNumber) {
   const Shell shell;
   write_text(shell / "two.msh", named_tetrahedra());
-  const Json info = shell.json("mesh info two.msh --unit m");
+  const AnyJson info = shell.json("mesh info two.msh --unit m");
   ASSERT_EQ(info.at("regions").size(), 2U);
   EXPECT_EQ(info.at("regions")[0].at("region"), 10);
   EXPECT_TRUE(info.at("regions")[0].at("name").is_null());
@@ -308,7 +308,7 @@ TEST(Mesh, InfoListsRegionsAndGroupsByNameAndNumber) {
   EXPECT_EQ(info.at("regions")[1].at("tetrahedra"), 1);
   EXPECT_NEAR(info.at("regions")[1].at("volume").get<double>(), 1. / 6, 1e-15);
   EXPECT_EQ(info.at("groups"),
-            Json::parse(R"([{"kind": "surface", "number": 30, "name": "capsule", "elements": 1,
+            AnyJson::parse(R"([{"kind": "surface", "number": 30, "name": "capsule", "elements": 1,
                                                "points": 3}])"));
   const std::string out = shell.hmax("mesh info two.msh").out;
   for (const char* part : {"20", "tumour", "surface:30", "capsule"}) EXPECT_TRUE(says(out, part));
@@ -357,9 +357,9 @@ TEST(Mesh, CheckNamesPartsThatHangOnAPointOrThatNothingHolds) {
   EXPECT_TRUE(says(told.out, "tetrahedron 5 hangs on point 1 only"));
   EXPECT_TRUE(says(told.out, "tetrahedron 8 is a separate part"));
   EXPECT_TRUE(says(told.out, "tetrahedron 8: no support holds it"));
-  const Json json = shell.hmax("mesh check parts.msh --support points:2,24 --json").json();
-  EXPECT_EQ(json.at("loose"), Json::array());
-  EXPECT_EQ(json.at("parts"), Json::parse(R"([{"tetrahedra": [5], "hinge_points": [1]},
+  const AnyJson json = shell.hmax("mesh check parts.msh --support points:2,24 --json").json();
+  EXPECT_EQ(json.at("loose"), AnyJson::array());
+  EXPECT_EQ(json.at("parts"), AnyJson::parse(R"([{"tetrahedra": [5], "hinge_points": [1]},
                                              {"tetrahedra": [8], "hinge_points": []}])"));
 }
 

@@ -13,20 +13,20 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(TissueRun, SaysHowFarTheBodyMovedAndWithFullWhere) {
   const std::string common =
       "run --mesh phantom --model fem_green --material liver:male_normal --method linearly_implicit_euler --h "
       "0.01 --t-end 0.1";
-  const Json brief = Shell{}.json(common);
+  const AnyJson brief = Shell{}.json(common);
   EXPECT_EQ(brief.at("problem"), "fem_green@phantom");
   EXPECT_EQ(brief.at("material"), "liver:male_normal");
   EXPECT_EQ(brief.at("outcome"), "reached_end");
   EXPECT_GT(brief.at("max_displacement").get<double>(), 1e-4);
   EXPECT_TRUE(brief.at("energy").is_number());
   EXPECT_FALSE(brief.contains("y"));
-  const Json full = Shell{}.json(common + " --full");
+  const AnyJson full = Shell{}.json(common + " --full");
   EXPECT_EQ(full.at("y").size(), 2 * full.at("dofs").get<std::size_t>());
   EXPECT_EQ(full.at("max_displacement"), brief.at("max_displacement"));
 }
@@ -87,7 +87,7 @@ TEST(TissueRun, WritesResultsInTheOrderOfTheFile) {
   const std::string frame = read_text(shell / "s_00001.vtu");
   const std::string tag = "Name=\"displacement\" NumberOfComponents=\"3\" format=\"appended\" offset=\"";
   const std::size_t begin = frame.find("\n_") + 10 + std::stoul(frame.substr(frame.find(tag) + tag.size()));
-  const Json state = shell.json("run --method symplectic_euler --h 0.001 --t-end 0.01 --full " + common);
+  const AnyJson state = shell.json("run --method symplectic_euler --h 0.001 --t-end 0.01 --full " + common);
   std::size_t dof = 0;
   for (Eigen::Index i = 0; i <= n; ++i) {
     Eigen::Vector3d u;
@@ -109,7 +109,7 @@ TEST(TissueRun, TakesAllNodesOfTetrahedraOfSecondOrder) {
   };
   write_text(shell / "q.msh", file(".05 -.01 0"));
   const std::string body = "--mesh q.msh --unit m --model fem_quadratic --load gravity ";
-  const Json predicted =
+  const AnyJson predicted =
       shell.json("stability predict " + body + "--support surface:3 --methods rk4").at("models")[0];
   EXPECT_EQ(predicted.at("fastest_mode").at("element"), 7);
   EXPECT_EQ(predicted.at("fastest_mode").at("points").size(), 10U);
@@ -119,7 +119,7 @@ TEST(TissueRun, TakesAllNodesOfTetrahedraOfSecondOrder) {
   EXPECT_NEAR(predicted.at("body").at("mass").get<double>(), 1060 * 1e-3 * (1 + 0.1) / 6, 1e-12);
   shell.text("run " + body +
              "--support surface:3 --method rk4 --h 0.0005 --t-end 0.01 --every 0.01 --output s/m.pvd");
-  const Json written = shell.json("mesh info s/m_00001.vtu --unit m");
+  const AnyJson written = shell.json("mesh info s/m_00001.vtu --unit m");
   EXPECT_EQ(written.at("points"), 10);
   EXPECT_EQ(written.at("tetrahedra"), 8);
   expect_refused(shell.hmax("mesh convert q.msh q.scn --unit m --model fem_quadratic"),
@@ -137,7 +137,7 @@ TEST(TissueRun, HoldsTheSetsOfPointsThatAreNamed) {
   EXPECT_EQ(Shell{}.json(common + "--support points:1,2").at("parameters").at("support:points:1,2"), 1);
   expect_refusal("run --mesh cube:n=2 --method rk4 --h 0.001 --support top", "no group or region 'top'");
   expect_refusal("run --problem liver_linear --method rk4 --h 0.001 --support top", "--support");
-  const Json fallen = Shell{}.json(common + "--gravity 0,-9.81,0 --full --set support=0");
+  const AnyJson fallen = Shell{}.json(common + "--gravity 0,-9.81,0 --full --set support=0");
   EXPECT_LT(fallen.at("y").at(1).get<double>(), -1e-5);
   EXPECT_NEAR(fallen.at("y").at(2).get<double>(), 0, 1e-12);
   expect_refusal("run --mesh cube --method rk4 --h 0.001 --gravity 0,1", "a vector of three");
@@ -156,7 +156,7 @@ TEST(TissueRun, RefusesWhatBelongsToOtherProblems) {
 }
 
 TEST(Static, HasTheKeysOfTheContract) {
-  const Json found = Shell{}.json(
+  const AnyJson found = Shell{}.json(
       "static --mesh phantom --model fem_green --material liver:male_normal --load press --solver newton --linear "
       "direct");
   for (const char* key : {"outcome", "iterations", "residuals", "seconds", "max_displacement"})
@@ -169,14 +169,14 @@ TEST(Static, HasTheKeysOfTheContract) {
 TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
   const Told told = Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --json");
   EXPECT_EQ(told.exit_code, 1);
-  const Json found = told.json();
+  const AnyJson found = told.json();
   EXPECT_EQ(found.at("outcome"), "collapsed");
   EXPECT_GT(found.at("least_volume"), 0.0);
   EXPECT_LT(found.at("least_volume"), 0.05);
   EXPECT_TRUE(says(found.at("status").get<std::string>(), "fem_neo_hookean"));
   EXPECT_EQ(Shell{}.json("static --mesh ball:n=2 --load-scale 0.5").at("outcome"), "converged");
   // Each solver says the same of it.
-  const Json ways =
+  const AnyJson ways =
       Shell{}.hmax("static --mesh ball:n=2 --load-scale 3 --compare out --json").json().at("ways");
   EXPECT_EQ(ways.at(0).at("outcome"), "collapsed");
   EXPECT_TRUE(says(ways.at(0).at("status").get<std::string>(), "tetrahedron"));
@@ -189,7 +189,7 @@ TEST(Static, NamesWhatIsCrushedWhereABodyCollapses) {
 
 TEST(Static, BringsALoadOnInStepsWhereAllAtOnceIsTooMuch) {
   const std::string pressed = "static --mesh ball:n=3 --model fem_neo_hookean --load press --load-scale 8";
-  const Json found = Shell{}.json(pressed);
+  const AnyJson found = Shell{}.json(pressed);
   EXPECT_EQ(found.at("outcome"), "converged");
   EXPECT_TRUE(says(found.at("status").get<std::string>(), "ten steps"));
   const Shell shell;
@@ -210,7 +210,7 @@ TEST(Static, FindsEquilibriaOfSmallLoadsAndStiffBodiesToRounding) {
 }
 
 TEST(Static, SaysThatALoadIsWithinTheRoundingOfStiffSprings) {
-  const Json answer = Shell{}.json("static --mesh cube:n=2 --set axis=-3 --set support_stiffness=1e25");
+  const AnyJson answer = Shell{}.json("static --mesh cube:n=2 --set axis=-3 --set support_stiffness=1e25");
   EXPECT_TRUE(says(answer.at("status").get<std::string>(), "within the rounding of the forces"))
       << answer.at("status");
   EXPECT_EQ(Shell{}.json("static --mesh cube:n=2 --set g=0").at("status"), "");
@@ -225,7 +225,7 @@ TEST(Static, GoesOnWithWhatSorHasNotSolvedToItsTolerance) {
 }
 
 TEST(Static, SaysWhatALinearSolutionLeaves) {
-  const Json linear = Shell{}.json("static --mesh liver --load press --solver linear");
+  const AnyJson linear = Shell{}.json("static --mesh liver --load press --solver linear");
   EXPECT_EQ(linear.at("outcome"), "converged");
   EXPECT_TRUE(says(linear.at("status").get<std::string>(), "leave 0.971 of the load"));
   EXPECT_EQ(Shell{}.json("static --mesh liver --model fem_cauchy --load press --solver linear").at("status"),
@@ -235,7 +235,7 @@ TEST(Static, SaysWhatALinearSolutionLeaves) {
 
 TEST(Static, ComparesSorAtItsBestRelaxation) {
   const std::string compare = "static --mesh liver --load press --set force=0.1 --json --compare c";
-  const Json best = Shell{}.hmax(compare).json();
+  const AnyJson best = Shell{}.hmax(compare).json();
   EXPECT_EQ(best.at("relaxation"), 1.9);
   EXPECT_TRUE(best.at("linear_tolerance").is_null());
   EXPECT_EQ(Shell{}.hmax(compare + " --relaxation 1.7").json().at("relaxation"), 1.7);
@@ -266,7 +266,7 @@ TEST(Static, SaysFromWhichLoadFramesHaveNoEquilibriumToBeHeldAgainst) {
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_EQ(told.json().at("outcome"), "not_converged");
   EXPECT_TRUE(says(told.json().at("status").get<std::string>(), "of the load"));
-  const Json last = told.json().at("frames").back();
+  const AnyJson last = told.json().at("frames").back();
   EXPECT_TRUE(last.at("error").is_null());
   EXPECT_TRUE(says(last.at("status").get<std::string>(), "no equilibrium"));
 }
@@ -283,7 +283,7 @@ TEST(RunOnAMesh, SaysThatElementsHaveEndedInsideOut) {
 
 TEST(StabilityMap, HasNoLimitWhereABodyHasNoEquilibrium) {
   const Shell shell;
-  const Json map =
+  const AnyJson map =
       shell.json("stability map --mesh ball:n=2 --method rk4 --x g=1:40:2 --y E=5500:6000:2 --output map");
   EXPECT_TRUE(map.at("h_max").at(0).at(0).is_number());
   EXPECT_TRUE(map.at("h_max").at(0).at(1).is_null());
@@ -310,7 +310,7 @@ TEST(Static, EndsWithOneWhenThereIsNoEquilibrium) {
 }
 
 TEST(Static, RunAndPredictSayHowDeepAToolIndents) {
-  const Json pressed = Shell{}.json("static --mesh phantom --load tool").at("tool");
+  const AnyJson pressed = Shell{}.json("static --mesh phantom --load tool").at("tool");
   EXPECT_DOUBLE_EQ(pressed.at("depth"), 0.01);
   EXPECT_GE(pressed.at("indentation"), 0.009);
   EXPECT_LT(pressed.at("penetration"), 0.001);
@@ -336,9 +336,9 @@ TEST(Static, WarnsOfAShallowToolOnlyOnceItsPressHasEnded) {
 }
 
 TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
-  const Json frames = Shell{}.json("static --mesh phantom --load press --pseudo-dynamic 1 --frames 10");
+  const AnyJson frames = Shell{}.json("static --mesh phantom --load press --pseudo-dynamic 1 --frames 10");
   EXPECT_EQ(frames.at("frames").size(), 10u);
-  const Json slower = Shell{}.json("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10");
+  const AnyJson slower = Shell{}.json("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10");
   EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
 }
 

@@ -6,7 +6,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// Whether a word that is no number stands in a text.
 bool holds_no_number(const std::string& text) {
@@ -54,7 +54,7 @@ TEST(TissueWords, NameUnitsAndLengthsThatNoBodyHas) {
   ASSERT_EQ(shell.line("sed 's/0\\.1/1e200/g' a.msh > far.msh").exit_code, 0);
   const std::string told = shell.text("mesh info far.msh");
   EXPECT_FALSE(holds_no_number(told)) << told;
-  const Json found = shell.json("mesh info far.msh");
+  const AnyJson found = shell.json("mesh info far.msh");
   EXPECT_TRUE(found.at("volume").is_null());
   EXPECT_TRUE(says(found.at("status").get<std::string>(), "beyond the range of numbers: volume"));
 }
@@ -66,7 +66,7 @@ TEST(TissueWords, EndAMotionWhereItIsThatOfNoBody) {
   EXPECT_FALSE(holds_no_number(told.out)) << told.out;
   EXPECT_TRUE(says(told.out, "diverged at t = 0.15 s"));
   EXPECT_TRUE(says(told.out, "before that, at t = 0.1 s"));
-  const Json found = Shell{}.hmax(run + "--json").json();
+  const AnyJson found = Shell{}.hmax(run + "--json").json();
   EXPECT_TRUE(found.at("energy").is_number());
   EXPECT_LT(found.at("max_displacement"), 1e4);
   EXPECT_TRUE(says(found.at("status").get<std::string>(), "diverged"));
@@ -102,7 +102,7 @@ TEST(TissueWords, SayThatAnEquilibriumIsASaddle) {
   const Told saddle = shell.hmax(beam + "--no-line-search --picture saddle.svg --json");
   EXPECT_EQ(saddle.exit_code, 0);
   EXPECT_TRUE(says(saddle.err, "this equilibrium is a saddle"));
-  const Json found = saddle.json();
+  const AnyJson found = saddle.json();
   EXPECT_EQ(found.at("stable"), false);
   EXPECT_TRUE(says(found.at("status").get<std::string>(), "take a line search")) << found;
   EXPECT_TRUE(says(read_text(shell / "saddle.svg"), "unstable equilibrium"));
@@ -121,19 +121,19 @@ TEST(TissueWords, SayThatABodyBucklesAndWhatToDo) {
   const std::string told = Shell{}.text(beam);
   EXPECT_TRUE(says(told, "rk4, symplectic_euler: the body buckles"));
   EXPECT_TRUE(says(told, "take less load, `--along load`"));
-  const Json rows = Shell{}.hmax(beam + "--json").json().at("rows");
-  for (const Json& row : rows) {
+  const AnyJson rows = Shell{}.hmax(beam + "--json").json().at("rows");
+  for (const AnyJson& row : rows) {
     EXPECT_EQ(row.at("bound"), "stability") << "of the modes that do not grow";
     const double limit = row.at("method") == "rk4" ? std::sqrt(8) : 2;
     EXPECT_NEAR(row.at("h_max").get<double>() * row.at("limiting").at("omega").get<double>(), limit, 1e-6);
     EXPECT_TRUE(says(row.at("status").get<std::string>(), "buckles"));
-    const Json& growth = row.at("growth");
+    const AnyJson& growth = row.at("growth");
     EXPECT_GT(growth.at("re"), 0) << "the eigenvalue that grows is named, not its partner";
     EXPECT_NEAR(growth.at("doubling_time").get<double>() * growth.at("re").get<double>(), std::log(2), 1e-9);
   }
   const Told along = Shell{}.hmax(beam + "--along load");
   EXPECT_TRUE(says(along.out, "the body buckles from 0.925 of the load on"));
-  const Json path = Shell{}.json(beam + "--along load").at("rows").at(0).at("along");
+  const AnyJson path = Shell{}.json(beam + "--along load").at("rows").at(0).at("along");
   EXPECT_TRUE(says(path.at("status").get<std::string>(), "buckles from 0.925"));
   EXPECT_GT(path.at("growing_share").get<double>(), 0);
   EXPECT_TRUE(says(Shell{}.hmax(beam + "--along").out, "the tangent grows on"));
@@ -198,7 +198,7 @@ TEST(TissueWords, RefuseOptionsOfOtherProblems) {
   expect_refusal(two + "--full --json", "shows all its states without --full");
   expect_refusal(two + "--linear cg", "leave --linear out");
   expect_refusal(two + "--unit mm", "--unit is of a mesh file");
-  for (const Json& method : Shell{}.json("list methods"))
+  for (const AnyJson& method : Shell{}.json("list methods"))
     if (method.at("engine") != "hmax" && method.at("needs_jacobian") && method.at("fixed_step"))
       expect_refusal("run --mesh phantom --h 0.01 --t-end 0.1 --linear cg --method " +
                          method.at("id").get<std::string>(),

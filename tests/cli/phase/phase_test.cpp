@@ -9,26 +9,26 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
-Json phase(const Shell& shell, const std::string& options) {
+AnyJson phase(const Shell& shell, const std::string& options) {
   return shell.json("phase --problem " + options);
 }
 
-std::vector<std::string> types_of(const Json& document) {
+std::vector<std::string> types_of(const AnyJson& document) {
   std::vector<std::string> types;
-  for (const Json& e : document.at("equilibria")) types.push_back(e.at("type"));
+  for (const AnyJson& e : document.at("equilibria")) types.push_back(e.at("type"));
   return types;
 }
 using Types = std::vector<std::string>;
 
 TEST(Phase, FindsTheDoubleWellAndSaysWhereItLooked) {
-  const Json document = phase(Shell(), "liver_cubic --set k1=-1 --set c=0.3");
+  const AnyJson document = phase(Shell(), "liver_cubic --set k1=-1 --set c=0.3");
   EXPECT_EQ(types_of(document), (Types{"stable_focus", "saddle", "stable_focus"}));
   EXPECT_NEAR(document.at("equilibria")[2].at("x").get<double>(), std::sqrt(1 / 0.8), 1e-14);
   EXPECT_TRUE(document.at("t").is_null());
   EXPECT_EQ(document.at("parameters").at("k1"), -1);
-  EXPECT_EQ(document.at("states"), Json({"x", "v"}));
+  EXPECT_EQ(document.at("states"), AnyJson({"x", "v"}));
   EXPECT_LT(document.at("window")[0].get<double>(), -1.1);
   EXPECT_GT(document.at("window")[1].get<double>(), 1.1);
 }
@@ -36,7 +36,7 @@ TEST(Phase, FindsTheDoubleWellAndSaysWhereItLooked) {
 TEST(Phase, SaysWhatItsSearchGuarantees) {
   const Shell shell;
   const std::string well = "liver_cubic --set k1=-1 --set c=0.3 ";
-  const Json all = phase(shell, well).at("search");
+  const AnyJson all = phase(shell, well).at("search");
   EXPECT_EQ(all.at("degree"), 1);
   EXPECT_EQ(all.at("index_sum"), 1);
   EXPECT_EQ(all.at("cut_short"), false);
@@ -44,10 +44,10 @@ TEST(Phase, SaysWhatItsSearchGuarantees) {
   const Told told = shell.hmax("phase --problem " + well);
   EXPECT_TRUE(says(told.out, "3 equilibria with x from"));
   // A window on whose border an equilibrium lies.
-  const Json edge = phase(shell, "liver_linear --window 0,1,-1,1").at("search");
+  const AnyJson edge = phase(shell, "liver_linear --window 0,1,-1,1").at("search");
   EXPECT_TRUE(edge.at("degree").is_null());
   EXPECT_TRUE(says(edge.at("status").get<std::string>(), "not defined"));
-  const Json map =
+  const AnyJson map =
       phase(shell, "liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4").at("fixed_point_search");
   EXPECT_EQ(map.at("index_sum"), map.at("degree")) << map;
 }
@@ -55,7 +55,7 @@ TEST(Phase, SaysWhatItsSearchGuarantees) {
 TEST(Phase, FreezesADrivenProblemAndSaysSo) {
   const Shell shell;
   for (const double t : {0.0, 3.0}) {
-    const Json document = phase(shell, "liver_forced --at " + std::to_string(t));
+    const AnyJson document = phase(shell, "liver_forced --at " + std::to_string(t));
     EXPECT_EQ(document.at("t"), t);
     ASSERT_EQ(document.at("remarks").size(), 1U);
     EXPECT_TRUE(says(document.at("remarks")[0].get<std::string>(), "driven"));
@@ -78,13 +78,13 @@ TEST(Phase, ServesFirstOrderProblemsAndFormulas) {
       shell / "prey.toml",
       "[equations]\nprey = \"prey*(1 - hunters)\"\nhunters = \"hunters*(prey - 1)\"\n[initial]\nprey = "
       "0.5\nhunters = 0.5\n");
-  const Json document = phase(shell, "prey.toml --window -0.5,3,-0.5,3");
+  const AnyJson document = phase(shell, "prey.toml --window -0.5,3,-0.5,3");
   EXPECT_EQ(types_of(document), (Types{"saddle", "centre"}));
-  EXPECT_EQ(document.at("states"), Json({"prey", "hunters"}));
+  EXPECT_EQ(document.at("states"), AnyJson({"prey", "hunters"}));
 }
 
 TEST(Phase, AnEmptyWindowIsAnAnswer) {
-  const Json document = phase(Shell(), "liver_cubic --window 1,2,1,2");
+  const AnyJson document = phase(Shell(), "liver_cubic --window 1,2,1,2");
   EXPECT_TRUE(document.at("equilibria").empty());
   ASSERT_EQ(document.at("remarks").size(), 1U);
   EXPECT_TRUE(says(document.at("remarks")[0].get<std::string>(), "no equilibrium"));
@@ -92,7 +92,7 @@ TEST(Phase, AnEmptyWindowIsAnAnswer) {
 
 TEST(Phase, DrawsItsFigure) {
   const Shell shell;
-  const Json document =
+  const AnyJson document =
       phase(shell, "liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-1.5,1.5 --output figure");
   EXPECT_EQ(document.at("figure"), "figure/phase.svg");
   const std::string script = read_text(shell / "figure/phase.gp"),
@@ -137,9 +137,9 @@ TEST(Phase, EulersRuleGoesToAndFroBeyondItsLimit) {
   };
   EXPECT_TRUE(at("1.9").at("period_two").empty());
   const double h = 2.2, root = std::sqrt(h * h - 4);
-  const Json document = at("2.2");
+  const AnyJson document = at("2.2");
   ASSERT_EQ(document.at("period_two").size(), 1U);
-  const Json& pair = document.at("period_two")[0];
+  const AnyJson& pair = document.at("period_two")[0];
   EXPECT_NEAR(pair[0][0].get<double>(), (h + 2 - root) / (2 * h), 1e-11);
   EXPECT_NEAR(pair[1][0].get<double>(), (h + 2 + root) / (2 * h), 1e-11);
   EXPECT_EQ(document.at("period_two_types").size(), 1U);
@@ -149,12 +149,12 @@ TEST(Phase, EulersRuleGoesToAndFroBeyondItsLimit) {
 
 TEST(Phase, ShowsWhatRungeAndKuttaAddToTheLiver) {
   const Shell shell;
-  const Json document =
+  const AnyJson document =
       phase(shell, "liver_cubic --set c=0.3 --method rk4 --h 2 --window -4,4,-4,4 --output figure");
   EXPECT_EQ(document.at("method"), "rk4");
   EXPECT_EQ(document.at("h"), 2);
   EXPECT_EQ(document.at("fixed_points").size(), 5U);
-  for (const Json& point : document.at("fixed_points")) {
+  for (const AnyJson& point : document.at("fixed_points")) {
     EXPECT_EQ(point.at("spurious"), std::abs(point.at("x").get<double>()) > 0.1);
     EXPECT_EQ(point.at("multipliers").size(), 2U);
   }
@@ -166,7 +166,7 @@ TEST(Phase, ShowsWhatRungeAndKuttaAddToTheLiver) {
   EXPECT_TRUE(says(told.out, "no: spurious"));
   // An A-stable method rests where the equation rests.
   for (const char* method : {"implicit_euler", "trapezoidal"}) {
-    const Json implicit = phase(shell, std::string("liver_cubic --set c=0.3 --h 2 --method ") + method);
+    const AnyJson implicit = phase(shell, std::string("liver_cubic --set c=0.3 --h 2 --method ") + method);
     ASSERT_EQ(implicit.at("fixed_points").size(), 1U) << method;
     EXPECT_EQ(implicit.at("fixed_points")[0].at("type"), "stable_focus");
   }
@@ -188,10 +188,10 @@ const std::string ueda = "liver_forced --set m=1 --set c=0.05 --set k1=0 --set k
 
 TEST(Phase, TellsChaosFromRepetition) {
   const Shell shell;
-  const Json chaos = phase(shell, ueda + "--set P=7.5 --poincare --periods 1000 --output figure");
+  const AnyJson chaos = phase(shell, ueda + "--set P=7.5 --poincare --periods 1000 --output figure");
   EXPECT_TRUE(chaos.at("period").is_null());
   EXPECT_GT(chaos.at("lyapunov").get<double>(), 0.08);
-  for (const Json& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
+  for (const AnyJson& y : chaos.at("section")) EXPECT_LT(std::abs(y[0].get<double>()), 5);
   EXPECT_EQ(chaos.at("settling"), "chaotic");
   EXPECT_NEAR(chaos.at("drive_period").get<double>(), 2 * std::numbers::pi, 1e-14);
   EXPECT_EQ(chaos.at("figure"), "figure/poincare.svg");
@@ -207,7 +207,7 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
   const auto found = [&](const std::string& options) {
     return phase(shell, "liver_forced --poincare --periods 300 --set m=1 --set k3=1 " + options);
   };
-  const Json chaos = found("--set c=0.05 --set k1=0 --set P=7.5 --set w=1");
+  const AnyJson chaos = found("--set c=0.05 --set k1=0 --set P=7.5 --set w=1");
   ASSERT_EQ(chaos.at("periodic").size(), 3U);
   EXPECT_NEAR(chaos.at("periodic")[1].at("x").get<double>(), 2.89136324, 1e-7);
   EXPECT_EQ(chaos.at("periodic")[1].at("index"), -1);
@@ -216,9 +216,9 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
   const std::string wells = "--set c=0.25 --set k1=-1 --set w=1 ";
   EXPECT_EQ(found(wells + "--set P=0.2").at("periodic").size(), 7U);
   // Around one of the wells alone.
-  const Json part = found(wells + "--set P=0.1 --window 0.5,1.5,-0.5,0.5");
+  const AnyJson part = found(wells + "--set P=0.1 --window 0.5,1.5,-0.5,0.5");
   EXPECT_EQ(part.at("periodic").size(), 1U);
-  EXPECT_EQ(part.at("search").at("window"), Json({0.5, 1.5, -0.5, 0.5}));
+  EXPECT_EQ(part.at("search").at("window"), AnyJson({0.5, 1.5, -0.5, 0.5}));
   // Without force and damping every motion of the linear spring has its period.
   EXPECT_TRUE(found("--set c=0 --set k3=0 --set k1=1 --set P=0 --period 6.283185307179586")
                   .at("search")
@@ -229,8 +229,8 @@ TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
 TEST(Phase, FollowsMotionsByStepsOfAMethod) {
   const Shell shell;
   const std::string diagram = ueda + "--bifurcation P --from 5.7 --to 5.8 --points 3 ";
-  const Json adaptive = phase(shell, diagram);
-  const Json fixed = phase(shell, diagram + "--method dop_853 --h 0.05");
+  const AnyJson adaptive = phase(shell, diagram);
+  const AnyJson fixed = phase(shell, diagram + "--method dop_853 --h 0.05");
   EXPECT_EQ(adaptive.at("method"), nullptr);
   EXPECT_EQ(fixed.at("tolerances"), nullptr);
   EXPECT_EQ(fixed.at("method"), "dop_853");
@@ -241,7 +241,7 @@ TEST(Phase, FollowsMotionsByStepsOfAMethod) {
   }
   EXPECT_TRUE(says(shell.hmax("phase --problem " + diagram + "--method dop_853 --h 0.05").out,
                    "motions: dop_853, steps of at most 0.05 s"));
-  const Json section = phase(shell, "liver_forced --poincare --periods 20 --method rk4 --h 0.1");
+  const AnyJson section = phase(shell, "liver_forced --poincare --periods 20 --method rk4 --h 0.1");
   EXPECT_EQ(section.at("period"), 1);
   EXPECT_EQ(section.at("method"), "rk4");
   // Undamped by the step: a liver that this size makes unstable.
@@ -253,7 +253,7 @@ TEST(Phase, FollowsMotionsByStepsOfAMethod) {
 
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Shell shell;
-  const Json document =
+  const AnyJson document =
       phase(shell, ueda + "--bifurcation P --from 5.7 --to 7.5 --points 3 --output figure --follow");
   ASSERT_EQ(document.at("columns").size(), 3U);
   EXPECT_EQ(document.at("parameter"), "P");
@@ -267,11 +267,11 @@ TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   EXPECT_EQ(document.at("columns")[2].at("status"), "chaotic");
   EXPECT_GT(document.at("columns")[2].at("lyapunov"), document.at("columns")[2].at("lyapunov_error"));
   // Over the damping: what is fed grows without bound.
-  const Json damping = phase(shell, "liver_forced --bifurcation c --from -1 --to 2 --points 2");
+  const AnyJson damping = phase(shell, "liver_forced --bifurcation c --from -1 --to 2 --points 2");
   EXPECT_EQ(damping.at("columns")[0].at("status"), "diverges");
   EXPECT_EQ(damping.at("columns")[1].at("period"), 1);
   // From no force on, looked at in the period of the force.
-  const Json force = phase(shell, "liver_forced --bifurcation P --from 0 --to 1 --points 2");
+  const AnyJson force = phase(shell, "liver_forced --bifurcation P --from 0 --to 1 --points 2");
   EXPECT_EQ(force.at("columns")[0].at("period"), 1);
   EXPECT_EQ(force.at("columns")[1].at("period"), 1);
 }
@@ -280,7 +280,7 @@ TEST(Phase, LooksAtFormulasOnceInTheirPeriod) {
   const Shell shell;
   write_text(shell / "swing.toml",
              "[equations]\na = \"b\"\nb = \"-a - 0.5*b + cos(2*t)\"\n[initial]\na = 0\nb = 0\n");
-  const Json document = phase(shell, "swing.toml --poincare --periods 20 --period 3.141592653589793");
+  const AnyJson document = phase(shell, "swing.toml --poincare --periods 20 --period 3.141592653589793");
   const std::complex<double> Z = 1.0 / std::complex<double>(-3, 1);
   EXPECT_NEAR(document.at("section")[3][0].get<double>(), Z.real(), 1e-9);
   // In words its one look is one row: a = -3/10, b = -2 Im Z = 1/5.
@@ -326,7 +326,7 @@ TEST(Phase, AStableKinkHasABasin) {
   const Shell shell;
   write_oscillator(shell, "-x - 0.5*abs(x) - v");
   const std::string basins = "own.toml --window -2,2,-2,2 --basins --cells 6";
-  const Json document = phase(shell, basins);
+  const AnyJson document = phase(shell, basins);
   EXPECT_EQ(types_of(document), Types{"stable_focus"});
   EXPECT_EQ(document.at("equilibria")[0].at("kink"), true);
   EXPECT_EQ(document.at("attractors")[0].at("share"), 1);
@@ -335,7 +335,7 @@ TEST(Phase, AStableKinkHasABasin) {
   EXPECT_TRUE(says(shell.hmax("phase --problem " + basins).out, "stable_focus, kink"));
   // A saddle on the left of it.
   write_oscillator(shell, "-abs(x) - v");
-  const Json search = phase(shell, "own.toml --window -2,2,-2,2").at("search");
+  const AnyJson search = phase(shell, "own.toml --window -2,2,-2,2").at("search");
   EXPECT_EQ(search.at("index_sum"), 0);
   EXPECT_EQ(search.at("degree"), 0);
   expect_refused(shell.hmax("phase --problem " + basins), "nothing has a basin");
@@ -346,7 +346,7 @@ TEST(Phase, APassingMotionIsNotHeldByAStiffKink) {
   const Shell shell;
   for (const char* wall : {"x", "x - 1e-5", "x - 3e-3"}) {  // in the equilibrium, beside it
     write_oscillator(shell, std::string("-x*(1+x)*(1+x/3) - 1e6*max(") + wall + ",0) - 0.02*v");
-    const Json document = phase(shell, "own.toml --window=-4,1,-3,3 --basins --cells 10");
+    const AnyJson document = phase(shell, "own.toml --window=-4,1,-3,3 --basins --cells 10");
     EXPECT_EQ(document.at("undecided"), 0);
     EXPECT_EQ(document.at("attractors").at(0).at("x"), -3);
     EXPECT_GT(document.at("attractors").at(0).at("share"), 0.8) << wall;  // 0.87 of 300 starts
@@ -375,10 +375,10 @@ TEST(Phase, AKinkThatIsASaddleHasFourWaysOfItsOwn) {
 TEST(Phase, CyclesWithinAThousandthOfTheWindowAreNoRest) {
   const Shell shell;
   write_oscillator(shell, "-x - 0.02*v*(1 - 12*x^2/(1 + x^2)^2)");
-  const Json wide = phase(shell, "own.toml --window=-1e4,1e4,-1e4,1e4 --basins --cells 6");
+  const AnyJson wide = phase(shell, "own.toml --window=-1e4,1e4,-1e4,1e4 --basins --cells 6");
   EXPECT_EQ(wide.at("attractors").at(0).at("share"), 0);
   write_oscillator(shell, "-(x - 1e5) - v*(1 - 12*(2e3*(x - 1e5))^2/(1 + (2e3*(x - 1e5))^2)^2)");
-  const Json far = phase(shell, "own.toml --window 99995.05,100004.95,-4.95,4.95 --basins --cells 6");
+  const AnyJson far = phase(shell, "own.toml --window 99995.05,100004.95,-4.95,4.95 --basins --cells 6");
   EXPECT_EQ(far.at("attractors").at(0).at("share"), 0);
   EXPECT_EQ(far.at("unbounded"), 0);
 }
@@ -388,7 +388,7 @@ TEST(Phase, MotionsThatEndWhereTheFieldDoesHaveABound) {
   const Shell shell;
   write_text(shell / "own.toml",
              "[equations]\nx = \"(sqrt(x)-1)*(2-x)\"\nv = \"-v\"\n[initial]\nx = 1\nv = 0\n");
-  const Json ended = phase(shell, "own.toml --window 0.001,3,-1,1 --basins --cells 10");
+  const AnyJson ended = phase(shell, "own.toml --window 0.001,3,-1,1 --basins --cells 10");
   EXPECT_EQ(ended.at("unbounded"), 0);
   EXPECT_NEAR(ended.at("undecided").get<double>(), 0.3, 1e-9);
 }
@@ -400,13 +400,13 @@ TEST(Phase, WeakKinksOfTheDampingAreJudged) {
     write_oscillator(shell, force);
     return phase(shell, "own.toml --window=" + window).at("equilibria").at(0);
   };
-  const auto rate = [](const Json& e) { return e.at("eigenvalues")[0][0].get<double>(); };
-  const Json weak = rest("-x + 3e-7*v - 4e-7*max(v,0)", "-1,1,-1,1");
+  const auto rate = [](const AnyJson& e) { return e.at("eigenvalues")[0][0].get<double>(); };
+  const AnyJson weak = rest("-x + 3e-7*v - 4e-7*max(v,0)", "-1,1,-1,1");
   EXPECT_EQ(weak.at("type"), "unstable_focus");
   EXPECT_NEAR(rate(weak), 5e-8, 1e-9);
   EXPECT_NEAR(rate(rest("-1e12*x + 0.1*v - 0.4*max(v,0)", "-1,1,-1,1")), -0.05, 1e-3);
   EXPECT_EQ(rest("-(x-0.7) - 0.5*abs(x-0.7) + 10*(x-0.7)*v", "-1,2,-1,1").at("type"), "centre");
-  const Json bent = rest("-(x-0.7) - 0.5*abs(x-0.7) + 1000*(x-0.7)*v + 1e-7*v", "0.2,1.2,-1,1");
+  const AnyJson bent = rest("-(x-0.7) - 0.5*abs(x-0.7) + 1000*(x-0.7)*v + 1e-7*v", "0.2,1.2,-1,1");
   EXPECT_EQ(bent.at("type"), "unstable_focus");
   EXPECT_NEAR(rate(bent), 5e-8, 5e-9);
 }
@@ -415,8 +415,8 @@ TEST(Phase, WeakKinksOfTheDampingAreJudged) {
 TEST(Phase, StepsRestWhereTheFieldDoes) {
   const Shell shell;
   write_oscillator(shell, "-x*(x-1e-6)*(x+3) - v");
-  const Json map = phase(shell, "own.toml --window=-20,20,-20,20 --method rk4 --h 0.1");
-  const Json &rests = map.at("equilibria"), &fixed = map.at("fixed_points");
+  const AnyJson map = phase(shell, "own.toml --window=-20,20,-20,20 --method rk4 --h 0.1");
+  const AnyJson &rests = map.at("equilibria"), &fixed = map.at("fixed_points");
   ASSERT_EQ(rests.size(), 3U);
   ASSERT_EQ(fixed.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -429,13 +429,13 @@ TEST(Phase, StepsRestWhereTheFieldDoes) {
 TEST(Phase, FixedPointsFarFromZeroAreFound) {
   const Shell shell;
   write_oscillator(shell, "1e6 - x - v");
-  const Json map = phase(shell, "own.toml --window 0,2e6,-1e6,1e6 --method rk4 --h 0.1");
+  const AnyJson map = phase(shell, "own.toml --window 0,2e6,-1e6,1e6 --method rk4 --h 0.1");
   ASSERT_EQ(map.at("fixed_points").size(), 1U);
   EXPECT_EQ(map.at("fixed_points")[0].at("spurious"), false);
   EXPECT_NEAR(map.at("fixed_points")[0].at("x").get<double>(), 1e6, 1e-4);
   EXPECT_NEAR(map.at("equilibria")[0].at("x").get<double>(), 1e6, 1e-9);
   write_oscillator(shell, "1e6 - x - v + cos(t)");
-  const Json section =
+  const AnyJson section =
       phase(shell, "own.toml --poincare --periods 20 --period 6.283185307179586 --window 0,2e6,-1e6,1e6");
   EXPECT_EQ(section.at("periodic").size(), 1U);
 }
@@ -444,7 +444,7 @@ TEST(Phase, AStripThatStiffensHasOneEquilibriumInAnyWindow) {
   const Shell shell;
   write_oscillator(shell, "9.81 - (0.4*v + 40*x*exp(x/0.02)) / 0.1");
   for (const char* window : {"-0.1,0.1,-1,1", "-1,1,-1,1", "-5,5,-100,100"}) {
-    const Json document = phase(shell, std::string("own.toml --window ") + window);
+    const AnyJson document = phase(shell, std::string("own.toml --window ") + window);
     EXPECT_EQ(types_of(document), Types{"stable_focus"}) << window;
     EXPECT_EQ(document.at("search").at("cut_short"), false) << window;
   }
@@ -452,16 +452,16 @@ TEST(Phase, AStripThatStiffensHasOneEquilibriumInAnyWindow) {
 
 TEST(Phase, TheBasinsOfTheDoubleWellMirrorEachOther) {
   const Shell shell;
-  const Json document = phase(
+  const AnyJson document = phase(
       shell, "liver_cubic --set k1=-1 --set c=0.2 --basins --cells 40 --window -3,3,-3,3 --output figure");
   ASSERT_EQ(document.at("attractors").size(), 2U);
-  for (const Json& attractor : document.at("attractors")) {
+  for (const AnyJson& attractor : document.at("attractors")) {
     EXPECT_EQ(attractor.at("share"), 0.5);
     EXPECT_EQ(attractor.at("type"), "stable_focus");
   }
   EXPECT_EQ(document.at("undecided"), 0);
   EXPECT_EQ(document.at("unbounded"), 0);
-  EXPECT_EQ(document.at("cells"), Json({40, 30}));
+  EXPECT_EQ(document.at("cells"), AnyJson({40, 30}));
   EXPECT_EQ(types_of(document).size(), 3U);
   EXPECT_TRUE(says(read_text(shell / "figure/basins.gp"), "boxxyerror"));
 }
@@ -475,7 +475,7 @@ TEST(Phase, RunsMotionsOnAGpuWithTheSameBitsOrSaysWhyNot) {
        "phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 6 --method rk4 --h 0.1 --json"}) {
     const Told told = shell.hmax(asked + " --device gpu");
     if (told.exit_code == 0) {
-      Json on_gpu = told.json();
+      AnyJson on_gpu = told.json();
       EXPECT_GT(on_gpu.at("device_seconds"), 0);
       for (const char* key : {"device", "clock_mhz", "driver", "precision", "device_seconds"})
         on_gpu.erase(key);
@@ -492,20 +492,20 @@ TEST(Phase, RunsMotionsOnAGpuWithTheSameBitsOrSaysWhyNot) {
 TEST(Phase, BasinsHaveTheRowsThatAreAskedFor) {
   const Shell shell;
   const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --window -3,3,-3,3 --cells ";
-  EXPECT_EQ(phase(shell, basins + "6").at("cells"), Json({6, 5}));
-  EXPECT_EQ(phase(shell, basins + "4,7").at("cells"), Json({4, 7}));
+  EXPECT_EQ(phase(shell, basins + "6").at("cells"), AnyJson({6, 5}));
+  EXPECT_EQ(phase(shell, basins + "4,7").at("cells"), AnyJson({4, 7}));
 }
 
 /// A linear liver comes to rest from everywhere; a softening one breaks beyond its saddles, where the energy
 /// of the undamped motion says it must.
 TEST(Phase, BasinsEndWhereTheMotionBreaksAway) {
   const Shell shell;
-  const Json linear = phase(shell, "liver_linear --basins --cells 10 --window -5,5,-5,5");
+  const AnyJson linear = phase(shell, "liver_linear --basins --cells 10 --window -5,5,-5,5");
   EXPECT_EQ(linear.at("attractors")[0].at("share"), 1);
   const std::string soft = "liver_cubic --set k1=1 --set k3=-1 --set c=0.5 --basins --cells 10 --window ";
   // Within the lobe of the energy 1/4 of the saddles at (+-1, 0) nothing escapes.
   EXPECT_EQ(phase(shell, soft + "-0.4,0.4,-0.4,0.4").at("attractors")[0].at("share"), 1);
-  const Json wide = phase(shell, soft + "-3,3,-3,3");
+  const AnyJson wide = phase(shell, soft + "-3,3,-3,3");
   EXPECT_GT(wide.at("unbounded").get<double>(), 0.5);
   EXPECT_GT(wide.at("attractors")[0].at("share").get<double>(), 0);
 }
@@ -532,7 +532,7 @@ TEST(Phase, RefusesBasinsOfNothing) {
 
 TEST(Phase, StatesTheTolerancesOfMotions) {
   const Shell shell;
-  const auto both = [](double rtol, double atol) { return Json{{"rtol", rtol}, {"atol", atol}}; };
+  const auto both = [](double rtol, double atol) { return AnyJson{{"rtol", rtol}, {"atol", atol}}; };
   EXPECT_EQ(phase(shell, "liver_cubic").at("tolerances"), both(1e-6, 1e-8));
   const std::string basins = "liver_cubic --set k1=-1 --set c=0.5 --basins --cells 4 --window -3,3,-3,3";
   EXPECT_EQ(phase(shell, basins).at("tolerances"), both(1e-8, 1e-10));
@@ -567,7 +567,7 @@ TEST(Phase, OffersNoOptionThatCannotWork) {
     EXPECT_FALSE(says(help, option));
   write_text(shell / "K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n1 1 1\n1 1 4\n");
   write_text(shell / "M.mtx", "%%MatrixMarket matrix coordinate real symmetric\n1 1 1\n1 1 1\n");
-  const Json spring = shell.json("phase --matrices stiffness=K.mtx,mass=M.mtx --alpha 0.4");
+  const AnyJson spring = shell.json("phase --matrices stiffness=K.mtx,mass=M.mtx --alpha 0.4");
   // lambda^2 + 0.4 lambda + 4 = 0
   ASSERT_EQ(spring.at("equilibria").size(), 1U);
   EXPECT_NEAR(spring.at("equilibria")[0].at("eigenvalues")[0][0].get<double>(), -0.2, 1e-9);

@@ -8,12 +8,12 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// A document without what may differ between two runs of the same bits: times, and the name of the
 /// checkpoint.
-Json comparable(const Told& told) {
-  Json document = told.json();
+AnyJson comparable(const Told& told) {
+  AnyJson document = told.json();
   for (const char* key : {"cpu_seconds", "realtime_factor", "checkpoint"}) document.erase(key);
   return document;
 }

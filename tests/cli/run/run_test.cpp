@@ -9,7 +9,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(Run, HasDivergedWhereItsStateIsNoneOfTheProblem) {
   const Told body = Shell().hmax(
@@ -32,11 +32,11 @@ TEST(Run, StepsOnAGpuWithTheSameBitsOrSaysWhyNot) {
       "run --mesh cube:n=3 --model fem_green --method symplectic_euler --h 1e-4 --t-end 0.02";
   const Told told = shell.hmax(body + " --device gpu --json --full");
   if (told.exit_code == 0) {
-    const Json on_gpu = told.json(), here = shell.json(body + " --json --full");
+    const AnyJson on_gpu = told.json(), here = shell.json(body + " --json --full");
     EXPECT_EQ(on_gpu.at("y"), here.at("y"));
     EXPECT_TRUE(on_gpu.at("cpu_seconds").is_null());
     EXPECT_GT(on_gpu.at("device_seconds"), 0);
-    const Json two = shell.json(body + " --device gpu --json --full --bodies 2");
+    const AnyJson two = shell.json(body + " --device gpu --json --full --bodies 2");
     EXPECT_EQ(two.at("y"), here.at("y"));
     EXPECT_EQ(two.at("bodies"), 2);
   } else {
@@ -147,7 +147,7 @@ TEST(Run, DrawsMotionsInTheTimeOfTheUser) {
 
 TEST(Run, DrawsAMotionOfMoreStepsThanCanBeKept) {
   const Shell shell;
-  const Json told = shell.json(
+  const AnyJson told = shell.json(
       "run --problem liver_forced --method explicit_euler --h 4e-7 --t-end 4.4 --picture long.svg");
   EXPECT_GT(told.at("stats").at("steps"), 1e7);
   if (told.at("picture").is_null()) return;  // no gnuplot
@@ -170,7 +170,7 @@ TEST(Run, DrawsOrbitsOverThePositionWhateverAFileListsFirst) {
 /// Each jump takes a few hundred of a million steps; the velocity reaches 1300 in it.
 TEST(Run, DrawsShortPeaksOfLongMotions) {
   const Shell shell;
-  const Json told =
+  const AnyJson told =
       shell.json("run --problem van_der_pol --method ode45 --rtol 1e-6 --atol 1e-6 --picture jumps.svg");
   EXPECT_GT(told.at("stats").at("steps"), 1e6);
   if (told.at("picture").is_null()) return;  // no gnuplot
@@ -181,7 +181,7 @@ TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
   for (const char* method : {"radau_iia_5", "sdirk_4", "tr_bdf2"})
     for (const char* rtol : {"1e-2", "1e-3", "1e-4", "1e-6"})
       for (const char* atol : {"1e-4", "1e-6", "1e-8"}) {
-        const Json told = Shell().json(
+        const AnyJson told = Shell().json(
             fmt::format("run --problem robertson --method {} --rtol {} --atol {}", method, rtol, atol));
         EXPECT_NEAR(told.at("y").at(2).get<double>(), 1, 1e-4);
       }
@@ -189,7 +189,7 @@ TEST(Run, KeepsRobertsonsConcentrationsAtLooseTolerances) {
 
 TEST(Run, HasTheKeysOfTheContract) {
   const Told told = Shell().hmax("run --problem liver_linear --method rk4 --h 0.5 --json");
-  const Json run = told.json();
+  const AnyJson run = told.json();
   expect_keys(run, {"problem", "method", "outcome", "t", "y", "stats", "cpu_seconds"});
   expect_keys(run.at("stats"),
               {"steps", "rejected", "rhs", "jacobian", "factorisations", "newton", "linear_iterations"});
@@ -202,14 +202,14 @@ TEST(Run, HasTheKeysOfTheContract) {
 
 TEST(Run, SettingsChangeTheProblem) {
   const Shell shell;
-  const Json run = shell.json(
+  const AnyJson run = shell.json(
       "run --problem liver_benchmark --material female_fat:heavy --set c=6 --set P=0 "
       "--y0 -1,2 --method ode45 --rtol 1.0D-3 --atol 1e-6");
   EXPECT_EQ(run.at("method"), "dormand_prince_54");
   EXPECT_EQ(run.at("material"), "female_fat:heavy");
   EXPECT_EQ(run.at("parameters").at("c"), 6);
   EXPECT_EQ(run.at("parameters").at("P"), 0);
-  EXPECT_EQ(run.at("y0"), Json({-1, 2}));
+  EXPECT_EQ(run.at("y0"), AnyJson({-1, 2}));
   EXPECT_EQ(run.at("control"), "deadband");
   // The settings reach the integration: started elsewhere, damped more or unforced the liver ends elsewhere.
   const auto end = [&](const std::string& options) {
@@ -268,7 +268,7 @@ TEST(Run, TakesATableauAndASystemOfTheUser) {
   write_text(shell / "ralston.toml", "a = [[], [\"2/3\"]]\nb = [0.25, 0.75]\n");
   write_text(shell / "decay.toml",
              "[problem]\nt_end = 1\n[equations]\nx = \"-k*x\"\n[parameters]\nk = 2\n[initial]\nx = 1\n");
-  const Json told = shell.json("run --problem decay.toml --set k=1 --tableau ralston.toml --h 0.001");
+  const AnyJson told = shell.json("run --problem decay.toml --set k=1 --tableau ralston.toml --h 0.001");
   EXPECT_EQ(told.at("order"), 2);
   EXPECT_NEAR(told.at("y")[0].get<double>(), 0.36787944117144233, 1e-6);
   const Told people = shell.hmax("run --problem decay.toml --tableau ralston.toml --h 0.001");
@@ -465,7 +465,7 @@ TEST(Run, TakesTheFirstAndTheLongestStep) {
 /// Steps of 0.05 s in which a hanging beam doubles its length: three stages that lie far apart share one
 /// Jacobian.
 TEST(Run, RadauSolvesStepsInWhichTheBodyDeformsFar) {
-  const Json told = Shell().json(
+  const AnyJson told = Shell().json(
       "run --mesh beam:n=4 --model fem_neo_hookean --load gravity --set E=20000 --method radau_iia_5 --h 0.05 --t-end "
       "0.4");
   EXPECT_EQ(told.at("outcome"), "reached_end");

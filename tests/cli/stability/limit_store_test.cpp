@@ -7,16 +7,16 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(LimitStore, LooksUpWhatWasComputedBefore) {
   const Shell shell;
   const std::string command =
       "stability predict --problem liver_benchmark --materials male_slim,female_fat --out livers --methods rk4,newmark";
-  const Json first = shell.json(command);
+  const AnyJson first = shell.json(command);
   EXPECT_EQ(first.at("looked_up"), 0);
   EXPECT_EQ(first.at("store"), "results/runs/livers.sqlite");
-  const Json second = shell.json(command);
+  const AnyJson second = shell.json(command);
   EXPECT_EQ(second.at("looked_up"), 4);
   EXPECT_EQ(second.at("rows"), first.at("rows"));
   EXPECT_EQ(second.at("models"), first.at("models"));
@@ -27,10 +27,10 @@ TEST(LimitStore, LooksUpWhatWasComputedBefore) {
   EXPECT_EQ(words.out, without.out + "4 limits in results/runs/livers.sqlite: 0 computed, 4 looked up\n");
 
   // Only what is missing is computed: another method, and runs that nobody asked for before.
-  const Json more = shell.json(command + ",rk2_heun");
+  const AnyJson more = shell.json(command + ",rk2_heun");
   EXPECT_EQ(more.at("looked_up"), 4);
   EXPECT_EQ(more.at("rows").size(), 6U);
-  const Json verified = shell.json(command + " --verify");
+  const AnyJson verified = shell.json(command + " --verify");
   EXPECT_EQ(verified.at("looked_up"), 0);
   EXPECT_TRUE(verified.at("rows")[0].at("agrees").get<bool>());
   EXPECT_EQ(shell.json(command + " --verify").at("looked_up"), 4);

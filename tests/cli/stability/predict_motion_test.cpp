@@ -13,11 +13,11 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 /// The row of a method on x' = v, v' = acceleration.
-Json row_of(const std::string& acceleration, double t_end, const std::string& initial,
-            const std::string& options = "--methods rk4") {
+AnyJson row_of(const std::string& acceleration, double t_end, const std::string& initial,
+               const std::string& options = "--methods rk4") {
   const Shell shell;
   std::ofstream(shell / "own.toml") << fmt::format(
       "[problem]\nt_end = {}\n[equations]\nx = \"v\"\nv = \"{}\"\n[initial]\n{}\n", t_end, acceleration,
@@ -25,7 +25,7 @@ Json row_of(const std::string& acceleration, double t_end, const std::string& in
   return shell.json("stability predict --problem own.toml " + options).at("rows").at(0);
 }
 
-double least_of(const Json& row) {
+double least_of(const AnyJson& row) {
   return row.contains("along") ? row.at("along").at("h_min").get<double>() : 0;
 }
 
@@ -49,7 +49,7 @@ TEST(PredictAlongMotions, LooksAlongThePendulumAndNotAlongALinearModel) {
                    .contains("along"));
   // y0 and y0 + 1 have one Jacobian: x^2 is 1/4 at both.
   const auto least = [&](const char* y0) {
-    const Json row =
+    const AnyJson row =
         shell
             .json(
                 fmt::format("stability predict --problem liver_cubic --set k3=800 --y0 {} --methods rk4", y0))
@@ -70,7 +70,7 @@ TEST(PredictOfMatrices, TakesNegativeStiffnessWithinTheirDigitsForARigidMotion) 
   const Told told =
       shell.hmax("stability predict --matrices stiffness=K.mtx,mass=M.mtx --methods rk4 --verify --json");
   EXPECT_EQ(told.exit_code, 0) << told.err;
-  const Json row = told.json().at("rows").at(0);
+  const AnyJson row = told.json().at("rows").at(0);
   EXPECT_NEAR(row.at("h_max").get<double>(), 2.8284271, 1e-6);
   EXPECT_EQ(row.at("agrees"), true) << row;
   EXPECT_FALSE(row.contains("growth"));
@@ -82,7 +82,7 @@ TEST(PredictOfBodies, CentralDifferenceHasALimitAlongTheMotionWithMassDamping) {
   // limit.
   const Told told = Shell{}.hmax(
       "stability predict --mesh cube:n=4 --methods central_difference,explicit_newmark --alpha 5 --along motion --t-end 0.02 --json");
-  const Json rows = told.json().at("rows");
+  const AnyJson rows = told.json().at("rows");
   const double central = least_of(rows.at(0)), newmark = least_of(rows.at(1));
   EXPECT_GT(central, 0);
   EXPECT_NEAR(central, newmark, 1e-6 * newmark);
@@ -116,7 +116,7 @@ double first_step_too_far() {
 TEST(StabilityPredict, TellsTheSafeStepFromTheNecessaryOneWithoutBeingAsked) {
   const Shell shell;
   const std::string line = "stability predict --problem liver_cubic --set c=10 --methods central_difference";
-  const Json row = shell.json(line).at("rows").at(0), safe = row.at("safe");
+  const AnyJson row = shell.json(line).at("rows").at(0), safe = row.at("safe");
   EXPECT_NEAR(row.at("along").at("h_min").get<double>(), 1.889, 1e-3);
   EXPECT_EQ(safe.at("how"), "runs");
   EXPECT_EQ(safe.at("fails_beyond"), true);
@@ -136,16 +136,16 @@ TEST(StabilityPredict, TellsTheSafeStepFromTheNecessaryOneWithoutBeingAsked) {
   EXPECT_TRUE(
       says(shell.hmax(line + " --along none").out, "the model is not linear: h_max holds for small motions"));
   // No run tells of methods that choose their steps.
-  const Json adaptive = shell.json("stability predict --problem liver_cubic --methods adams_pece");
+  const AnyJson adaptive = shell.json("stability predict --problem liver_cubic --methods adams_pece");
   EXPECT_TRUE(adaptive.at("rows").at(0).at("safe").at("h").is_null());
   EXPECT_TRUE(adaptive.at("rows").at(0).at("safe").at("how").is_null());
 }
 
 TEST(StabilityPredict, ExcusesRunsOfImplicitExplicitStepsThatAForceDrivesAway) {
-  const Json row = Shell()
-                       .json("stability predict --problem liver_forced --methods imex_ark_324 --verify")
-                       .at("rows")
-                       .at(0);
+  const AnyJson row = Shell()
+                          .json("stability predict --problem liver_forced --methods imex_ark_324 --verify")
+                          .at("rows")
+                          .at(0);
   EXPECT_LT(row.at("observed"), row.at("h_max"));
   EXPECT_TRUE(row.at("gap").is_null());
   EXPECT_TRUE(says(row.at("status").get<std::string>(), "moves the model away"));

@@ -8,16 +8,16 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 const std::string pressed =
     "stability predict --mesh phantom --load press --set force=2 --set alpha=4 --methods ";
 
 TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
-  const Json rows = Shell().json(pressed + "rosenbrock_23,rodas_4 --jacobian frozen --verify").at("rows");
+  const AnyJson rows = Shell().json(pressed + "rosenbrock_23,rodas_4 --jacobian frozen --verify").at("rows");
   ASSERT_EQ(rows.size(), 2U);
-  for (const Json& row : rows) {
-    EXPECT_EQ(row.at("options"), Json({{"jacobian", "frozen"}, {"linear", "direct"}})) << row.dump();
+  for (const AnyJson& row : rows) {
+    EXPECT_EQ(row.at("options"), AnyJson({{"jacobian", "frozen"}, {"linear", "direct"}})) << row.dump();
     EXPECT_EQ(row.at("bound"), "stability");
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
     EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
@@ -25,7 +25,7 @@ TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
   }
   EXPECT_EQ(rows[0].at("method"), "rosenbrock_23");
   // At rest the Jacobian of the start is the exact one.
-  const Json resting =
+  const AnyJson resting =
       Shell()
           .json(
               "stability predict --mesh phantom --set g=0 --methods rosenbrock_23,rk4 --jacobian "
@@ -38,30 +38,30 @@ TEST(StabilityAsRun, PredictsWhatRunsWithAFrozenJacobianShow) {
 }
 
 TEST(StabilityAsRun, SeesSlowGrowthOfUndampedBodies) {
-  const Json rows =
+  const AnyJson rows =
       Shell()
           .json("stability predict --mesh phantom --methods rodas_4,rodas_5p --jacobian frozen --verify")
           .at("rows");
-  for (const Json& row : rows) {
+  for (const AnyJson& row : rows) {
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
     EXPECT_LE(std::abs(row.at("gap").get<double>()), 1e-2) << row.dump();
   }
 }
 
 TEST(StabilityAsRun, RunsWithTheOptionsThatWereAskedFor) {
-  const Json row =
+  const AnyJson row =
       Shell()
           .json(pressed + "linearly_implicit_euler --jacobian every:3 --linear cg:1e-3,20 --verify")
           .at("rows")[0];
-  EXPECT_EQ(row.at("options"), Json({{"jacobian", "every:3"}, {"linear", "cg:0.001,20"}}));
+  EXPECT_EQ(row.at("options"), AnyJson({{"jacobian", "every:3"}, {"linear", "cg:0.001,20"}}));
   EXPECT_EQ(row.at("h_max"), "unbounded");
   EXPECT_EQ(row.at("observed"), "unbounded");
   EXPECT_TRUE(says(row.at("status").get<std::string>(), "homogeneous"));
 }
 
 TEST(StabilityAsRun, HasLimitsOfImplicitExplicitMethodsOnLoadedBodies) {
-  const Json rows = Shell().json(pressed + "imex_euler,imex_ark_324 --verify").at("rows");
-  for (const Json& row : rows) {
+  const AnyJson rows = Shell().json(pressed + "imex_euler,imex_ark_324 --verify").at("rows");
+  for (const AnyJson& row : rows) {
     EXPECT_NE(row.at("bound"), "unknown") << row.dump();
     EXPECT_TRUE(row.at("agrees").get<bool>()) << row.dump();
     EXPECT_FALSE(row.contains("options"));

@@ -8,9 +8,9 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
-Json region(const Shell& shell, const std::string& options) {
+AnyJson region(const Shell& shell, const std::string& options) {
   return shell.json("stability region --method " + options);
 }
 
@@ -61,12 +61,14 @@ TEST(StabilityPictures, EqualWorkDividesThePlane) {
 TEST(StabilityPictures, AnOrderStarHasAFingerMoreThanItsOrder) {
   const Shell shell;
   const auto sectors = [&](const std::string& method) {
-    const Json document = region(shell, method + " --order-star --window -0.5,0.5,-0.5,0.5 --cells 200");
+    const AnyJson document = region(shell, method + " --order-star --window -0.5,0.5,-0.5,0.5 --cells 200");
     // Sign changes around a small circle: crossings of the rims with it.
     int crossings = 0;
-    for (const Json& curve : document.at("curves"))
+    for (const AnyJson& curve : document.at("curves"))
       for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
-        const auto radius = [&](const Json& p) { return std::hypot(p[0].get<double>(), p[1].get<double>()); };
+        const auto radius = [&](const AnyJson& p) {
+          return std::hypot(p[0].get<double>(), p[1].get<double>());
+        };
         crossings += (radius(curve[i]) < 0.4) != (radius(curve[i + 1]) < 0.4);
       }
     return crossings / 2;
@@ -97,7 +99,7 @@ TEST(StabilityPictures, MethodsOfPositionsAndVelocitiesAreChartedOverTheirDampin
 
 TEST(StabilityPictures, TheGalleryIsOnePageWithAllMethodsThatAreAskedFor) {
   const Shell shell;
-  const Json told = shell.json("stability gallery --methods bdf_2,newmark,rk4 --output gallery");
+  const AnyJson told = shell.json("stability gallery --methods bdf_2,newmark,rk4 --output gallery");
   EXPECT_EQ(told.at("methods"), 3);
   EXPECT_EQ(told.at("page"), "gallery/index.html");
   const std::string page = read_text(shell / "gallery/index.html");

@@ -11,9 +11,9 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
-Json stability(const std::string& options) {
+AnyJson stability(const std::string& options) {
   const Told told = Shell().hmax("stability " + options + " --json");
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_EQ(told.err, "");
@@ -30,15 +30,15 @@ TEST(StabilityPredict, SaysWhatItDoesNotVerifyOnAGpu) {
 TEST(StabilityLimits, HaveTheKeysOfTheContract) {
   const std::vector<std::string> keys{"method",        "real",     "imaginary", "imaginary_weak",
                                       "alpha_degrees", "a_stable", "l_stable",  "lobes"};
-  const Json euler = stability("limits --method implicit_euler");
+  const AnyJson euler = stability("limits --method implicit_euler");
   expect_keys(euler, keys);
   EXPECT_EQ(euler.at("real"), "unbounded");
   EXPECT_EQ(euler.at("imaginary"), "unbounded");
   EXPECT_EQ(euler.at("alpha_degrees"), 90);
   EXPECT_TRUE(euler.at("a_stable").get<bool>() && euler.at("l_stable").get<bool>());
-  EXPECT_EQ(euler.at("lobes"), Json::array());
+  EXPECT_EQ(euler.at("lobes"), AnyJson::array());
 
-  const Json bdf = stability("limits --method bdf_3,bdf_4,bdf_5");
+  const AnyJson bdf = stability("limits --method bdf_3,bdf_4,bdf_5");
   const double published[]{86.03, 73.35, 51.84};
   for (std::size_t i = 0; i < 3; ++i) {
     expect_keys(bdf[i], keys);
@@ -47,8 +47,8 @@ TEST(StabilityLimits, HaveTheKeysOfTheContract) {
   }
 
   // Positions and velocities: omega h, and no word on a real eigenvalue alone, but why.
-  const Json motion = stability("limits --method stormer_verlet,newmark:beta=0.16666666666666666");
-  for (const Json& row : motion) {
+  const AnyJson motion = stability("limits --method stormer_verlet,newmark:beta=0.16666666666666666");
+  for (const AnyJson& row : motion) {
     expect_keys(row, keys);
     EXPECT_TRUE(row.at("real").is_null());
     EXPECT_TRUE(says(row.at("status").get<std::string>(), "omega h"));
@@ -59,7 +59,7 @@ TEST(StabilityLimits, HaveTheKeysOfTheContract) {
 
 TEST(StabilityRegion, BesideAStiffPartIsACircleForImplicitExplicitEuler) {
   // |1 + z_slow| <= |1 - z_fast|
-  const Json regions = stability("region --method imex_euler --fast 0,-3,4i");
+  const AnyJson regions = stability("region --method imex_euler --fast 0,-3,4i");
   ASSERT_EQ(regions.size(), 3U);
   const double radii[]{1, 4, std::sqrt(17.0)};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -68,24 +68,24 @@ TEST(StabilityRegion, BesideAStiffPartIsACircleForImplicitExplicitEuler) {
     const double area = std::numbers::pi * radii[i] * radii[i];
     EXPECT_NEAR(regions[i].at("about")[0].at("area").get<double>(), area, 2e-3 * area);
   }
-  EXPECT_EQ(regions[1].at("fast"), Json({-3.0, 0.0}));
-  EXPECT_EQ(regions[2].at("fast"), Json({0.0, 4.0}));
+  EXPECT_EQ(regions[1].at("fast"), AnyJson({-3.0, 0.0}));
+  EXPECT_EQ(regions[2].at("fast"), AnyJson({0.0, 4.0}));
 }
 
 TEST(StabilityRegion, WithAnOldJacobianEndsWhereLinearlyImplicitEulerDoes) {
   // R = 1 + z / (1 - z / r) is -1 at z = -2 r / (r - 2).
-  const Json regions = stability("region --method linearly_implicit_euler --ratios 3,4");
+  const AnyJson regions = stability("region --method linearly_implicit_euler --ratios 3,4");
   ASSERT_EQ(regions.size(), 2U);
-  for (const Json& region : regions) {
+  for (const AnyJson& region : regions) {
     const double ratio = region.at("ratio");
     double leftmost = 0;
-    for (const Json& point : region.at("curves")[0]) leftmost = std::min(leftmost, point[0].get<double>());
+    for (const AnyJson& point : region.at("curves")[0]) leftmost = std::min(leftmost, point[0].get<double>());
     EXPECT_NEAR(leftmost, -2 * ratio / (ratio - 2), 1e-3) << ratio;
   }
 }
 
 TEST(NumericalDamping, OfImplicitEulerAtTenMillisecondsIsAQuarterOfCriticalOnEightHertz) {
-  const Json shown = stability("numerical-damping --method implicit_euler --h 0.01 --frequency 8");
+  const AnyJson shown = stability("numerical-damping --method implicit_euler --h 0.01 --frequency 8");
   expect_keys(shown, {"method", "zeta_shown", "zeta_added", "frequency_shown", "period_error"});
   // |R| = (1 + (omega h)^2)^(-1/2), arg R = atan(omega h)
   const double x = 2 * std::numbers::pi * 8 * 0.01, decay = 0.5 * std::log1p(x * x), turn = std::atan(x);
@@ -96,11 +96,11 @@ TEST(NumericalDamping, OfImplicitEulerAtTenMillisecondsIsAQuarterOfCriticalOnEig
 }
 
 TEST(StabilityPredict, HasTheKeysOfTheContractAndIsVerified) {
-  const Json document = stability(
+  const AnyJson document = stability(
       "predict --problem liver_benchmark --materials male_slim:light,female_fat:heavy --methods "
       "rk4,newmark,adams_pece,explicit_euler --verify");
   ASSERT_EQ(document.at("rows").size(), 8U);
-  for (const Json& row : document.at("rows")) {
+  for (const AnyJson& row : document.at("rows")) {
     expect_keys(row, {"problem", "material", "method", "h_max", "bound", "limiting", "observed", "gap",
                       "steps_used"});
     EXPECT_EQ(row.at("problem"), "liver_benchmark");
@@ -124,27 +124,27 @@ TEST(StabilityPredict, HasTheKeysOfTheContractAndIsVerified) {
 
 TEST(StabilityPredict, TellsBothRatesAndTheNaturalFrequencyOfAnOverdampedMode) {
   const std::string problem = "predict --problem liver_linear --set m=1 --set c=10 --set k1=16 --methods ";
-  const Json limiting = stability(problem + "rk4").at("rows")[0].at("limiting");
+  const AnyJson limiting = stability(problem + "rk4").at("rows")[0].at("limiting");
   EXPECT_EQ(limiting,
-            Json({{"re", -8.0}, {"im", 0.0}, {"omega", 4.0}, {"zeta", 1.25}, {"rates", {8.0, 2.0}}}));
+            AnyJson({{"re", -8.0}, {"im", 0.0}, {"omega", 4.0}, {"zeta", 1.25}, {"rates", {8.0, 2.0}}}));
   const Told told = Shell{}.hmax("stability " + problem + "rk4");
   EXPECT_TRUE(says(told.out, "rates [1/s]"));
   EXPECT_TRUE(says(told.out, "8 and 2"));
   // One that oscillates has none.
-  const Json swings = stability("predict --problem liver_linear --set c=1 --methods rk4").at("rows")[0];
+  const AnyJson swings = stability("predict --problem liver_linear --set c=1 --methods rk4").at("rows")[0];
   EXPECT_FALSE(swings.at("limiting").contains("rates"));
   // The rate of an equation of first order is no frequency.
-  const Json alone = stability("predict --problem dahlquist --methods rk4").at("rows")[0].at("limiting");
+  const AnyJson alone = stability("predict --problem dahlquist --methods rk4").at("rows")[0].at("limiting");
   EXPECT_TRUE(alone.at("omega").is_null() && alone.at("zeta").is_null()) << alone;
   EXPECT_TRUE(alone.contains("status") && !alone.contains("rates")) << alone;
 }
 
 TEST(StabilityMap, IsOfABodyOnAMeshAsWell) {
   const Shell shell;
-  const Json map = shell.json(
+  const AnyJson map = shell.json(
       "stability map --mesh phantom --model mass_spring --methods symplectic_euler --x "
       "E=5000:20000:2 --y mass=0.25:1:2");
-  const Json h = map.is_array() ? map.at(0).at("h_max") : map.at("h_max");
+  const AnyJson h = map.is_array() ? map.at(0).at("h_max") : map.at("h_max");
   // As the root of mass over stiffness, but for the weight that bends the body a little.
   const double ratio = h.at(0).at(0).get<double>() / h.at(1).at(1).get<double>();
   EXPECT_NEAR(ratio, 1, 1e-6) << "four times the mass and the stiffness: the same limit, the same shape";
@@ -153,15 +153,15 @@ TEST(StabilityMap, IsOfABodyOnAMeshAsWell) {
 
 TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
   const Shell shell;
-  const Json maps = shell.json(
+  const AnyJson maps = shell.json(
       "stability map --problem liver_linear --method rk4,newmark --x c=-1:10:12 --y k1=0.1:10:6 --output maps");
   ASSERT_EQ(maps.size(), 2U);
-  for (const Json& map : maps) {
+  for (const AnyJson& map : maps) {
     expect_keys(map, {"method", "x", "y", "h_max", "falling_share_x", "falling_share_y", "status", "figure"});
     EXPECT_EQ(map.at("x").at("name"), "c");
     EXPECT_EQ(map.at("x").at("values").size(), 12U);
     ASSERT_EQ(map.at("h_max").size(), 6U);
-    for (const Json& row : map.at("h_max")) {
+    for (const AnyJson& row : map.at("h_max")) {
       ASSERT_EQ(row.size(), 12U);
       EXPECT_TRUE(row[0].is_null());
     }
@@ -173,7 +173,7 @@ TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
   EXPECT_TRUE(says(script, "'c [N s/m]'"));
   EXPECT_TRUE(says(script, "'k1 [N/m]'"));
 
-  const Json one = stability(
+  const AnyJson one = stability(
       "map --problem liver_linear --method rk4 --rayleigh --log-x --log-y --x "
       "alpha=0.01:10:4 --y beta=0.01:10:3");
   EXPECT_EQ(one.at("x").at("name"), "alpha");
@@ -182,7 +182,7 @@ TEST(StabilityMap, HasTheKeysOfTheContractAndDrawsItself) {
 }
 
 TEST(StabilityFrozen, TellsTheRatiosAndTheStepsBeyondThem) {
-  const Json euler = stability("frozen --method linearly_implicit_euler --ratios 1.5,2.5,4 --every 10");
+  const AnyJson euler = stability("frozen --method linearly_implicit_euler --ratios 1.5,2.5,4 --every 10");
   expect_keys(euler, {"method", "decay", "spring", "ratios", "omega0_h", "every"});
   EXPECT_NEAR(euler.at("decay").at("most").get<double>(), 2, 1e-9);
   EXPECT_NEAR(euler.at("spring").at("most").get<double>(), 2, 1e-9);
@@ -203,7 +203,7 @@ TEST(Stability, TakesATableauOfTheUserWhereItTakesMethods) {
   EXPECT_EQ(told("limits --method rk4 --tableau mine.toml").size(), 2U);
   EXPECT_EQ(told("region --tableau mine.toml").at("curves").size(), 1U);
   EXPECT_EQ(told("numerical-damping --tableau mine.toml --h 0.01 --frequency 8").at("method"), "mine");
-  const Json row = told("predict --problem liver_linear --tableau mine.toml --verify").at("rows")[0];
+  const AnyJson row = told("predict --problem liver_linear --tableau mine.toml --verify").at("rows")[0];
   EXPECT_EQ(row.at("method"), "mine");
   EXPECT_TRUE(row.at("agrees").get<bool>());
   EXPECT_LT(row.at("step_defect").get<double>(), 1e-12);
@@ -214,7 +214,7 @@ TEST(StabilityPredict, TakesFormulasThatNothingStepsUnlessTheyAreToBeVerified) {
   const Shell shell;
   const std::string formulas =
       "predict --problem liver_linear --set c=8 --methods bdf_3,adams_bashforth_7,rkc_2:stages=5";
-  const Json rows = stability(formulas).at("rows");
+  const AnyJson rows = stability(formulas).at("rows");
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_EQ(rows[0].at("h_max"), "unbounded");
   EXPECT_GT(rows[1].at("h_max").get<double>(), 0);
@@ -248,7 +248,7 @@ TEST(StabilityPredict, EndsAMotionThatWouldTakeForEver) {
 TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
   const Shell shell;
   const std::string predict = "stability predict --methods rk4 --json ";
-  const Json small =
+  const AnyJson small =
       shell.hmax(predict + "--problem liver_forced --along").json().at("rows").at(0).at("along");
   EXPECT_EQ(small.at("y").size(), 2U);
   // 400 regular instants, and steps between them where the limit goes beyond.
@@ -262,7 +262,7 @@ TEST(StabilityPredict, LooksAlongTheMotionOfAnOscillatorAndOfABody) {
   // The word that is meant when none is given.
   EXPECT_EQ(shell.hmax(predict + "--problem liver_forced --along motion").json().at("rows").at(0).at("along"),
             small);
-  const Json body =
+  const AnyJson body =
       shell.hmax(predict + "--mesh phantom --along --t-end 0.1").json().at("rows").at(0).at("along");
   EXPECT_EQ(body.at("path").size(), 101U);
   EXPECT_GT(body.at("max_displacement"), 0);
@@ -286,7 +286,7 @@ TEST(StabilityPredict, LooksAlongTheMotionOfModelsThatAreNotLinear) {
 // 2.14 to 2.16 s diverge, 2.17 to 2.19 s do not: a stride of 2 % steps over that window.
 TEST(StabilityPredict, FindsTheFirstStepThatFailsFromTheStart) {
   const Shell shell;
-  const Json row =
+  const AnyJson row =
       shell.json("stability predict --problem liver_forced --methods ode45 --verify").at("rows").at(0);
   const double h = row.at("observed_from_start"), stride = row.at("observed_from_start_stride");
   EXPECT_LE(stride, 1e-3);
@@ -318,18 +318,18 @@ TEST(StabilityPredict, SaysOfEveryMaterialWhereItWasLinearised) {
 
 // Both were called wrong: what creeps or fades slowly hid the growth.
 TEST(StabilityPredict, ConfirmsLimitsBeyondWhichGrowthIsSlow) {
-  const Json creeping =
+  const AnyJson creeping =
       stability("predict --problem liver_linear --set c=6 --set k1=0 --methods velocity_verlet --verify");
   EXPECT_EQ(creeping.at("rows").at(0).at("agrees"), true);
   EXPECT_LT(std::abs(creeping.at("rows").at(0).at("gap").get<double>()), 1e-3);
-  const Json told =
+  const AnyJson told =
       Shell().json("stability predict --mesh liver --methods stormer_verlet --set beta=0.001 --verify");
   EXPECT_LT(std::abs(told.at("rows").at(0).at("gap").get<double>()), 1e-3);
 }
 
 TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
   const Shell shell;
-  const Json row =
+  const AnyJson row =
       shell
           .hmax(
               "stability predict --mesh phantom --load press --set force=2 --methods rk4 --along load "
@@ -337,9 +337,9 @@ TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
           .json()
           .at("rows")
           .at(0);
-  const Json along = row.at("along");
+  const AnyJson along = row.at("along");
   double least = 1;
-  for (const Json& point : along.at("path")) least = std::min(least, point.at(1).get<double>());
+  for (const AnyJson& point : along.at("path")) least = std::min(least, point.at(1).get<double>());
   EXPECT_EQ(along.at("h_min"), least);
   // The end of the path is the equilibrium that is linearised without it.
   EXPECT_EQ(along.at("path").back().at(0), 1);
@@ -347,7 +347,7 @@ TEST(StabilityPredict, LooksAtABodyUnderAGrowingLoad) {
   EXPECT_TRUE(along.contains("share"));
   EXPECT_EQ(along.at("growing_share"), 0);
   EXPECT_FALSE(along.contains("status"));
-  const Json broken =
+  const AnyJson broken =
       shell
           .hmax(
               "stability predict --mesh phantom --load press --set force=9 --methods rk4 --along load --json")
@@ -407,21 +407,22 @@ TEST(StabilityPredict, VerifiesFormulasOfManyStatesAndSaysWhereItDoesNot) {
   write_text(shell / "chain.toml",
              "[equations]\na = \"c\"\nb = \"d\"\nc = \"-2*a + b - 0.1*c\"\nd = \"a - 2*b - 0.1*d\"\n"
              "[initial]\na = 1\nb = 0\nc = 0\nd = 0\n");
-  const Json formulas =
+  const AnyJson formulas =
       shell.json("stability predict --problem chain.toml --methods explicit_runge_kutta --verify");
   int limits = 0;
-  for (const Json& row : formulas.at("rows")) {
+  for (const AnyJson& row : formulas.at("rows")) {
     if (row.at("gap").is_null()) continue;
     ++limits;
     EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
   }
   EXPECT_GE(limits, 10);
   // Less than a hundred degrees of freedom, and no damping.
-  const Json small = shell.json("stability predict --mesh cube:n=2 --methods rk4,adams_bashforth_3 --verify");
-  for (const Json& row : small.at("rows")) EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
-  const Json tool = shell.json("stability predict --mesh phantom --load tool --methods rk4 --verify");
+  const AnyJson small =
+      shell.json("stability predict --mesh cube:n=2 --methods rk4,adams_bashforth_3 --verify");
+  for (const AnyJson& row : small.at("rows")) EXPECT_LE(std::abs(row.at("gap").get<double>()), 5e-3) << row;
+  const AnyJson tool = shell.json("stability predict --mesh phantom --load tool --methods rk4 --verify");
   EXPECT_EQ(tool.at("rows").at(0).at("agrees"), true);
-  const Json moved =
+  const AnyJson moved =
       shell.hmax("stability predict --mesh phantom --load breathing --methods rk4 --verify --json").json();
   EXPECT_TRUE(says(moved.at("rows").at(0).at("status").get<std::string>(), "not verified"));
 }
@@ -432,7 +433,7 @@ TEST(StabilityPredict, LooksAlongTheMotionOfLoadsThatChangeWithTime) {
       "stability predict --mesh ball:n=2 --load tool --set tool_stiffness=3e11 --methods symplectic_euler --json ";
   const Told found = shell.hmax(line);
   ASSERT_EQ(found.exit_code, 0) << found.err;
-  const Json row = found.json().at("rows").at(0);
+  const AnyJson row = found.json().at("rows").at(0);
   const Told at_rest = shell.hmax(line + "--at rest");
   const double without_contact = at_rest.json().at("rows").at(0).at("h_max");
   EXPECT_LT(row.at("along").at("h_min").get<double>(), 0.9 * without_contact)
@@ -468,7 +469,7 @@ TEST(StabilityPredict, SaysWhatABodyWasTakenToBe) {
   EXPECT_EQ(people.err, "");
   const Told kilopascals = shell.hmax(line + "--set E=5.5 --at rest --json");
   EXPECT_TRUE(says(kilopascals.err, "E is 5.5 Pa"));
-  const Json body = kilopascals.json().at("models").at(0).at("body");
+  const AnyJson body = kilopascals.json().at("models").at(0).at("body");
   EXPECT_EQ(body.at("E"), 5.5);
   EXPECT_EQ(body.at("fixed"), body.at("held"));  // its old name
   EXPECT_EQ(body.at("unusual").size(), 1U);
@@ -487,10 +488,10 @@ TEST(StabilityPredict, KeepsWhatIsFinishedWhenItIsInterruptedAlongAMotion) {
       "--jobs 1 --t-end 20000 --json");
   EXPECT_EQ(told.exit_code, 124) << "`timeout` had to interrupt";
   EXPECT_EQ(told.err, "hmax: interrupted; the rows so far are printed\n");
-  const Json rows = told.json()["rows"];
+  const AnyJson rows = told.json()["rows"];
   ASSERT_GT(rows.size(), 0U);
   int unfinished = 0;
-  for (const Json& row : rows)
+  for (const AnyJson& row : rows)
     if (row["bound"] == "stability") {
       EXPECT_TRUE(row["along"]["h_min"].is_number());
       unfinished += row.contains("observed_from_start") ? 0 : 1;
@@ -523,11 +524,11 @@ TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
   };
   const std::string hanging = "--mesh phantom --model fem_green --set g=9.81 ";
   EXPECT_EQ(row_of(hanging).at("state_kind"), "equilibrium");
-  const Json at_rest = row_of(hanging + "--at rest");
+  const AnyJson at_rest = row_of(hanging + "--at rest");
   EXPECT_EQ(at_rest.at("state_kind"), "rest");
   EXPECT_FALSE(at_rest.contains("status"));
   EXPECT_EQ(at_rest.at("h_max"), row_of("--mesh phantom --model fem_green --set g=0").at("h_max"));
-  const Json lost = row_of("--mesh ball:n=2 --set g=30");
+  const AnyJson lost = row_of("--mesh ball:n=2 --set g=30");
   EXPECT_EQ(lost.at("state_kind"), "rest");
   EXPECT_TRUE(says(lost.at("status").get<std::string>(), "tetrahedron"));
   EXPECT_EQ(shell.json("stability modes --at rest " + hanging).at("state_kind"), "rest");
@@ -539,7 +540,7 @@ TEST(StabilityPredict, LinearisesABodyAtEquilibriumOrAtRestAndSaysWhere) {
 TEST(NumericalDamping, FollowsThePrincipalRootAndSaysWhereNyquistIsPassed) {
   const Shell shell;
   const std::string line = "stability numerical-damping --method hht_alpha --frequency 5 --zeta 0.9 --h 0.06";
-  const Json below = shell.json(line);
+  const AnyJson below = shell.json(line);
   EXPECT_NEAR(below.at("zeta_shown").get<double>(), 0.5622, 5e-5);
   EXPECT_NEAR(below.at("frequency_shown").get<double>(), 3.94, 5e-3);
   EXPECT_FALSE(below.at("aliased").get<bool>());
@@ -564,7 +565,7 @@ TEST(StabilityLimits, ShowEveryMethodOfAFamilyOrNameIt) {
   for (const char* id : {"rkc_2:stages=10", "rkl_2:stages=10"}) EXPECT_TRUE(says(stabilised.out, id));
   EXPECT_TRUE(says(stabilised.err, "hmax: note: rkc_2 chooses its number of stages"));
   const Told all = shell.hmax("stability limits --methods all");
-  for (const Json& method : shell.json("list methods"))
+  for (const AnyJson& method : shell.json("list methods"))
     EXPECT_TRUE(says((all.out + all.err), method.at("id").get<std::string>())) << method.at("id");
   EXPECT_EQ(shell.json("stability region --methods stabilised").size(), 2U);
 }

@@ -12,7 +12,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 TEST(StabilityPredict, LooksAlongAWholePeriodOrSaysThatItDoesNot) {
   const Shell shell;
@@ -38,12 +38,12 @@ TEST(StabilityPredict, PrintsAGapThatRoundsToNothingWithoutASign) {
 }
 
 TEST(StabilityPredict, HasNoGapBetweenLimitsOfDifferentStates) {
-  const Json rows =
+  const AnyJson rows =
       Shell{}
           .json("stability predict --problem liver_forced --methods explicit_runge_kutta,structural --verify")
           .at("rows");
   int moved = 0;
-  for (const Json& row : rows) {
+  for (const AnyJson& row : rows) {
     if (row.at("observed").is_null()) continue;
     const bool away = row.value("status", "").find("moves the model away") != std::string::npos;
     moved += away;
@@ -72,7 +72,7 @@ TEST(StabilityPredict, NamesTheFastestElementByTheNumbersOfTheMesh) {
       return (mesh.tetrahedra.col(tetrahedron).array() == static_cast<TetMesh::Index>(point - 1)).any();
     };
     const std::string line = "stability predict --at rest --methods rk4 --mesh " + name;
-    const Json mode = Shell{}.json(line).at("models").at(0).at("fastest_mode");
+    const AnyJson mode = Shell{}.json(line).at("models").at(0).at("fastest_mode");
     const std::vector<std::int64_t> corners = mode.at("points");
     ASSERT_EQ(corners.size(), 4);
     for (const auto corner : corners)
@@ -115,9 +115,9 @@ TEST(StabilityPredict, NamesAMisplacedPointByTheNumberOfItsFile) {
   write_text(shell / "cube.vtk", vtk_of_a_misplaced_point());
   const std::string line =
       "stability predict --at rest --methods rk4 --mesh cube.vtk --unit m --model fem_cauchy";
-  const Json mode = shell.json(line).at("models").at(0).at("fastest_mode");
+  const AnyJson mode = shell.json(line).at("models").at(0).at("fastest_mode");
   EXPECT_EQ(mode.at("gain").at("moved_point"), 13) << mode;
-  EXPECT_EQ(std::ranges::count(mode.at("points"), Json(13)), 1) << mode;
+  EXPECT_EQ(std::ranges::count(mode.at("points"), AnyJson(13)), 1) << mode;
   EXPECT_TRUE(says(shell.hmax(line).out, "with point 13 moved towards its neighbours"));
 }
 
@@ -132,7 +132,7 @@ TEST(StabilityModes, NameSpringsByTheirPoints) {
 
 /// Three translations and three rotations strain nothing: they have no frequency and no element.
 TEST(StabilityModes, OfABodyThatNothingHoldsBeginWithSixRigidMotions) {
-  const Json modes = Shell{}.json("stability modes --mesh cube:n=2 --set support=0 --count 8").at("modes");
+  const AnyJson modes = Shell{}.json("stability modes --mesh cube:n=2 --set support=0 --count 8").at("modes");
   ASSERT_EQ(modes.size(), 8U);
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(modes[i].at("frequency") == 0.0, i < 6) << modes[i];

@@ -15,7 +15,7 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 double largest(const std::vector<SpacePoint>& vectors) {
   double most = 0;
@@ -174,24 +174,24 @@ TEST(BodyScene, SaysHowItsPointsAreHeld) {
 }
 
 TEST(BodyScene, RefusesMalformedText) {
-  const Json good = Json::parse(scene_text(made_scene(2, 4)));
-  const auto refused = [](const Json& json, const std::string& fault) {
+  const AnyJson good = AnyJson::parse(scene_text(made_scene(2, 4)));
+  const auto refused = [](const AnyJson& json, const std::string& fault) {
     EXPECT_THROW(scene_of(json.dump()), InputError) << fault;
   };
   for (const char* text : {"", "{", "null", "[]", "7", "\"x\"", "{\"version\":1}", "\xff"})
     EXPECT_THROW(scene_of(text), InputError) << text;
-  const Json values[] = {
-      nullptr,       -1, 1e300, 2.5, "x", "AAAA", "AAAAAAA=", Json::array(), Json::array({nullptr}),
-      Json::object()};
+  const AnyJson values[] = {
+      nullptr,          -1, 1e300, 2.5, "x", "AAAA", "AAAAAAA=", AnyJson::array(), AnyJson::array({nullptr}),
+      AnyJson::object()};
   for (const auto& [name, old] : good.items()) {
-    Json without = good;
+    AnyJson without = good;
     without.erase(name);
     if (name != "motion") refused(without, "no " + name);
     if (name == "title" || name == "caption") continue;
-    for (const Json& value : values) {
+    for (const AnyJson& value : values) {
       // These say that there is none.
-      if (value == Json::array() && name == "modes") continue;
-      Json other = good;
+      if (value == AnyJson::array() && name == "modes") continue;
+      AnyJson other = good;
       other[name] = value;
       refused(other, name + " " + value.dump());
     }
@@ -199,13 +199,14 @@ TEST(BodyScene, RefusesMalformedText) {
   for (const char* part : {"/motion/t", "/motion/t/1", "/motion/largest", "/motion/displacements",
                            "/motion/displacements/1", "/motion/energy_largest", "/motion/energy_density/1",
                            "/modes/0/shape", "/modes/0/frequency", "/modes/0/owner", "/modes/1/owner/1"})
-    for (const Json& value : {Json("AAAB"), Json(nullptr), Json(Json::object()), Json(Json::array({1e6}))}) {
-      Json other = good;
-      other[Json::json_pointer(part)] = value;
+    for (const AnyJson& value :
+         {AnyJson("AAAB"), AnyJson(nullptr), AnyJson(AnyJson::object()), AnyJson(AnyJson::array({1e6}))}) {
+      AnyJson other = good;
+      other[AnyJson::json_pointer(part)] = value;
       refused(other, part + (" " + value.dump()));
     }
   // -32768 is no multiple of the largest.
-  Json other = good;
+  AnyJson other = good;
   std::string bytes = *decode_base64(good["motion"]["displacements"][1].get<std::string>());
   bytes[0] = '\0';
   bytes[1] = '\x80';
@@ -243,7 +244,7 @@ TEST(BodyScene, HasAPlaceInAPage) {
   EXPECT_NE(html.find("data-colours=\"#fcf3e1 "), std::string::npos);
   EXPECT_EQ(scene_of(text).title, "</script><b> & \"q\"\xef\xbf\xbd");
   // Text of others may have '<' itself.
-  Json json = Json::parse(text);
+  AnyJson json = AnyJson::parse(text);
   EXPECT_EQ(scene_html(json.dump(), "x"), scene_html(json.dump(), "x"));
   EXPECT_EQ(scene_html(json.dump(), "x").find("<b>"), std::string::npos);
 }

@@ -17,23 +17,23 @@
 namespace hmax {
 namespace {
 
-using Json = nlohmann::json;
+using AnyJson = nlohmann::json;
 
 std::string page_of(const std::vector<ReportedStore>& stores) { return store_report(stores, "1.2.3").html; }
 
 /// The data that the script of a page reads.
-Json data_in(const std::string& page) {
+AnyJson data_in(const std::string& page) {
   const std::string opening = "<script type=\"application/json\" id=\"data\">";
   const std::size_t begin = page.find(opening) + opening.size();
-  return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+  return AnyJson::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
 /// What a cell shows, a text as itself.
-Json cell(const Json& data, const Json& table, std::size_t row, const std::string& key) {
+AnyJson cell(const AnyJson& data, const AnyJson& table, std::size_t row, const std::string& key) {
   for (std::size_t i = 0; i < table.at("columns").size(); ++i) {
-    const Json& column = table.at("columns")[i];
+    const AnyJson& column = table.at("columns")[i];
     if (column.at("key") != key) continue;
-    const Json& value = table.at("rows")[row][i + 4];
+    const AnyJson& value = table.at("rows")[row][i + 4];
     return column.at("form") == "text" || column.at("form") == "long"
                ? data.at("words")[value.get<std::size_t>()]
                : value;
@@ -95,10 +95,10 @@ TEST(StoreReport, SaysThatNothingMeetsAQuestion) {
 }
 
 TEST(StoreReport, HoldsEveryRowWithItsNumberInItsStore) {
-  const Json data = data_in(page_of({made_store("a.sqlite"), made_store("b.sqlite", 3)}));
-  EXPECT_EQ(data.at("stores"), (Json{"a.sqlite", "b.sqlite"}));
+  const AnyJson data = data_in(page_of({made_store("a.sqlite"), made_store("b.sqlite", 3)}));
+  EXPECT_EQ(data.at("stores"), (AnyJson{"a.sqlite", "b.sqlite"}));
   ASSERT_EQ(data.at("tables").size(), 3U);
-  const Json& runs = data.at("tables")[1];
+  const AnyJson& runs = data.at("tables")[1];
   EXPECT_EQ(runs.at("id"), "rows");
   ASSERT_EQ(runs.at("rows").size(), 11U);
   EXPECT_EQ(runs.at("rows")[10][0], 1);
@@ -107,15 +107,15 @@ TEST(StoreReport, HoldsEveryRowWithItsNumberInItsStore) {
   EXPECT_EQ(cell(data, runs, 0, "h"), 500);
   EXPECT_EQ(cell(data, runs, 0, "cpu"), 0.002);
   EXPECT_EQ(cell(data, runs, 0, "rtol"), nullptr) << "a fixed step has no tolerance";
-  const Json& series = data.at("series")[runs.at("rows")[10][2].get<std::size_t>()];
+  const AnyJson& series = data.at("series")[runs.at("rows")[10][2].get<std::size_t>()];
   EXPECT_EQ(series.at("label"), "explicit_euler (b)");
   EXPECT_EQ(row_anchor(runs_table, 0, 17, 1), "rows-17");
   EXPECT_EQ(row_anchor(runs_table, 1, 17, 2), "rows-2-17");
 }
 
 TEST(StoreReport, TellsUnboundedLimitsFromMissingNumbers) {
-  const Json data = data_in(page_of({made_store("a.sqlite")}));
-  const Json& limits = data.at("tables")[2];
+  const AnyJson data = data_in(page_of({made_store("a.sqlite")}));
+  const AnyJson& limits = data.at("tables")[2];
   EXPECT_EQ(cell(data, limits, 1, "h_max"), "inf");
   EXPECT_EQ(cell(data, limits, 1, "observed"), nullptr);
   EXPECT_EQ(cell(data, limits, 0, "h_max"), 3.2);
@@ -214,7 +214,8 @@ TEST(StoreReport, ShowsTimesOfDevicesApart) {
   EXPECT_EQ(data.at("series")[1].at("label"), "rk4 on card");
   store.runs.erase(store.runs.begin());
   EXPECT_EQ(ids(), "device_work_precision time_steps ");
-  EXPECT_EQ(data_in(page_of({store})).at("figures").back().at("best"), Json::array({"error", "device_time"}));
+  EXPECT_EQ(data_in(page_of({store})).at("figures").back().at("best"),
+            AnyJson::array({"error", "device_time"}));
   EXPECT_FALSE(contains(page_of({store}), "id=\"figure-work_precision\""));
 }
 
@@ -238,7 +239,7 @@ TEST(ReportData, TheTimeStepOfARunThatDivergedIsItsOwn) {
   }
   store.runs.back().key.mode = "sampled";
   store.runs.back().t_reached = 3;
-  const Json data = Json::parse(report_data({&store, 1}).json);
+  const AnyJson data = AnyJson::parse(report_data({&store, 1}).json);
   EXPECT_EQ(cell(data, data.at("tables")[0], 0, "step"), 500);
   EXPECT_EQ(cell(data, data.at("tables")[0], 1, "step"), 1000);
 }
@@ -246,8 +247,8 @@ TEST(ReportData, TheTimeStepOfARunThatDivergedIsItsOwn) {
 TEST(ReportData, ModelsOfOneNameHaveFiguresOfTheirOwn) {
   ReportedStore store{.name = "a.sqlite", .runs = {made_run("rk4", 0.1), made_run("rk4", 0.1)}};
   store.runs.back().key.parameters = "m=2";
-  EXPECT_EQ(Json::parse(report_data({&store, 1}).json).at("cases"),
-            (Json{"liver_forced, to 10 s", "liver_forced, to 10 s (2)"}));
+  EXPECT_EQ(AnyJson::parse(report_data({&store, 1}).json).at("cases"),
+            (AnyJson{"liver_forced, to 10 s", "liver_forced, to 10 s (2)"}));
 }
 
 }  // namespace
