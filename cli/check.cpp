@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <set>
 
 #include <fmt/format.h>
@@ -151,20 +150,19 @@ void check_accuracy(const CheckOptions& options, Console& console) {
 }  // namespace
 
 void add_check(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "check",
       "Run the accuracy suite and compare it with the baseline; exit 1 when a row changed",
-      {"hmax check", "hmax check --methods rk4,ode45 --json", "hmax check --update --baseline mine.csv"});
-  auto options = std::make_shared<CheckOptions>();
-  add_flag(command, "--update", options->update, "Rewrite the baseline and show the changes");
-  add_text(command, "--methods", options->methods, "Only these ids, aliases or families", "A,B");
-  add_text(command, "--tableau", options->tableau,
+      {"hmax check", "hmax check --methods rk4,ode45 --json", "hmax check --update --baseline mine.csv"},
+      check_accuracy);
+  add_flag(command, "--update", options.update, "Rewrite the baseline and show the changes");
+  add_text(command, "--methods", options.methods, "Only these ids, aliases or families", "A,B");
+  add_text(command, "--tableau", options.tableau,
            "Only the method of this file with an explicit tableau of your own, beside --methods", "FILE");
-  add_text(command, "--baseline", options->baseline,
+  add_text(command, "--baseline", options.baseline,
            "File of the baseline; results/baseline/accuracy.csv of the source folder by default", "FILE");
   add_force(command);
   add_jobs(command);
-  set_callback(command, [options, &console] { check_accuracy(*options, console); });
 }
 
 }  // namespace hmax

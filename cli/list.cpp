@@ -126,25 +126,25 @@ void list_materials(Console& console) {
       tissues.text(console)));
 }
 
+void list_topic(const std::string& what, Console& console) {
+  if (what.empty())
+    throw InputError(fmt::format("say what to list, {} or {}; for instance `hmax list {}`",
+                                 fmt::join(list_topics.begin(), list_topics.end() - 1, ", "),
+                                 list_topics.back(), list_topics.front()));
+  const std::string chosen = parse_choice("what to list", what, list_topics);
+  if (chosen == "problems") return list_problems(console);
+  if (chosen == "methods") return list_methods(console);
+  if (chosen == "models") return list_models(console);
+  list_materials(console);
+}
+
 }  // namespace
 
 void add_list(CLI::App& app, Console& console) {
-  CLI::App& command =
+  const auto [command, what] =
       add_command(app, console, "list", "List the methods, problems, mesh models or materials",
-                  {"hmax list methods", "hmax list problems --json", "hmax list materials"});
-  auto what = std::make_shared<std::string>();
-  add_text(command, "what", *what, fmt::format("One of {}", fmt::join(list_topics, ", ")), "");
-  set_callback(command, [what, &console] {
-    if (what->empty())
-      throw InputError(fmt::format("say what to list, {} or {}; for instance `hmax list {}`",
-                                   fmt::join(list_topics.begin(), list_topics.end() - 1, ", "),
-                                   list_topics.back(), list_topics.front()));
-    const std::string chosen = parse_choice("what to list", *what, list_topics);
-    if (chosen == "problems") return list_problems(console);
-    if (chosen == "methods") return list_methods(console);
-    if (chosen == "models") return list_models(console);
-    list_materials(console);
-  });
+                  {"hmax list methods", "hmax list problems --json", "hmax list materials"}, list_topic);
+  add_text(command, "what", what, fmt::format("One of {}", fmt::join(list_topics, ", ")), "");
 }
 
 }  // namespace hmax

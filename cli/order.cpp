@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -258,18 +257,17 @@ void order(const OrderOptions& options, Console& console) {
 }  // namespace
 
 void add_order(CLI::App& app, Console& console) {
-  CLI::App& command =
+  const auto [command, options] =
       add_command(app, console, "order",
                   "Measure the order of convergence of a method; exit 1 when it is not the expected one",
                   {"hmax order --problem liver_forced --method rk4",
-                   "hmax order --problem liver_cubic --method dop_853 --json"});
-  auto options = std::make_shared<OrderOptions>();
-  options->problem.add_to(command);
-  options->method.add_to(command);
+                   "hmax order --problem liver_cubic --method dop_853 --json"},
+                  order);
+  options.problem.add_to(command);
+  options.method.add_to(command);
   add_number(
-      command, "--t-end", options->t_end,
+      command, "--t-end", options.t_end,
       "Time at which the error is measured [s]; that of seven within the first 10 s with the steadiest slope by default");
-  set_callback(command, [options, &console] { order(*options, console); });
 }
 
 }  // namespace hmax

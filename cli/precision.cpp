@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -213,41 +212,40 @@ void precision(const PrecisionOptions& options, Console& console) {
 }  // namespace
 
 void add_precision(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "precision",
       "Draw a work-precision diagram: CPU time and evaluations of f over the error; on liver_forced by default",
       {"hmax precision --problem liver_forced --methods ode45,dop_853 --rtol 1e-4,1e-8",
        "hmax precision --mesh phantom --methods rk4,newmark --h 1e-3,5e-4 --t-end 0.05",
        "hmax precision --problem liver_forced --methods explicit_runge_kutta --output "
-       "results/runs/precision"});
-  auto options = std::make_shared<PrecisionOptions>();
-  options->problem.add_to(command);
-  add_text(command, "--methods,--method", options->methods,
+       "results/runs/precision"},
+      precision);
+  options.problem.add_to(command);
+  add_text(command, "--methods,--method", options.methods,
            "Ids, aliases or families of `hmax list methods`, or all", "A,B");
-  add_text(command, "--rtol", options->rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default",
+  add_text(command, "--rtol", options.rtol, "Tolerances of adaptive methods; 1e-3 to 1e-12 by default",
            "NUMBERS");
-  add_text(command, "--h", options->h,
+  add_text(command, "--h", options.h,
            "Step sizes of methods without error estimate [s]; 1/32 of the run and smaller by default",
            "NUMBERS");
-  add_number(command, "--atol-over-rtol", options->atol_over_rtol,
+  add_number(command, "--atol-over-rtol", options.atol_over_rtol,
              "Absolute over relative tolerance; 1 by default");
   add_text(
-      command, "--error", options->error,
+      command, "--error", options.error,
       "Error: end, at the end; max, the largest at any accepted step; l2, the root mean square over time; end for "
       "stiff problems, else max, by default",
       "NAME");
-  add_number(command, "--budget", options->budget, "CPU time limit of a run [s]; 0.5 by default");
-  add_control(command, options->control);
-  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  add_text(command, "--repeats", options->repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
-  add_shard(command, options->shard);
-  add_text(command, "--store", options->store, "Keep the rows in this store, a file that ends in .sqlite",
+  add_number(command, "--budget", options.budget, "CPU time limit of a run [s]; 0.5 by default");
+  add_control(command, options.control);
+  add_number(command, "--t-end", options.t_end, "End time [s]; the problem's own by default");
+  add_text(command, "--repeats", options.repeats, "Timed repetitions, at least 9; 9 by default", "NUMBER");
+  add_shard(command, options.shard);
+  add_text(command, "--store", options.store, "Keep the rows in this store, a file that ends in .sqlite",
            "FILE");
-  add_text(command, "--output", options->output,
+  add_text(command, "--output", options.output,
            "Draw the figure precision.svg, .png and .pdf into this folder", "FOLDER");
   add_force(command);
   add_figure_style(command);
-  set_callback(command, [options, &console] { precision(*options, console); });
 }
 
 }  // namespace hmax

@@ -322,39 +322,38 @@ void add_body(CLI::App& command, ProblemChoice& body) {
 }  // namespace
 
 void add_probe(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "probe", "Find the largest stable step of a scene, or of your own step function",
       {"hmax probe model.xml --keyframe home", "hmax probe --example probe_example",
        "hmax probe robot.urdf --support base_link",
        "hmax probe body.vtk --unit m --set E=20000 --support 'z<0.01'",
        "hmax probe --plugin ./plugin_stepper.so --h0 1e-4 --h1 0.1",
        "hmax probe --plugin ./engine.so:bar:E=5000 --h0 1e-4 --h1 0.01 --stiffness E",
-       "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"});
-  const auto options = std::make_shared<ProbeOptions>();
+       "hmax probe --plugin ./engine.so:scene:ball.xml --h0 1e-4 --h1 0.01 --motion 2 --json"},
+      probe);
   add_text(
-      command, "scene", options->scene,
+      command, "scene", options.scene,
       "A scene of MuJoCo, a robot.urdf or a body.vtk, .vtu or .msh for Bullet, or a unit of FMI 2.0 (unit.fmu); h0 and "
       "h1 are a hundredth and a hundred times its timestep",
       "model.xml");
-  add_text(command, "--keyframe", options->keyframe,
+  add_text(command, "--keyframe", options.keyframe,
            "The scene settles from this keyframe, or begins --motion there", "NAME|NUMBER");
-  add_body(command, options->body);
-  add_text(command, "--plugin", options->plugin, "A shared library with a stepper, see hmax/plugin.h",
+  add_body(command, options.body);
+  add_text(command, "--plugin", options.plugin, "A shared library with a stepper, see hmax/plugin.h",
            "FILE.so[:NAME[:ARGUMENT]]");
-  add_number(command, "--h0", options->h0, "The smallest step size [s]");
-  add_number(command, "--h1", options->h1, "The largest step size [s]");
-  add_number(command, "--motion", options->motion,
+  add_number(command, "--h0", options.h0, "The smallest step size [s]");
+  add_number(command, "--h1", options.h1, "The largest step size [s]");
+  add_number(command, "--motion", options.motion,
              "Growth of neighbours along the motion of this length [s], instead of one step at the start");
-  add_number(command, "--timeout,--patience", options->timeout,
+  add_number(command, "--timeout,--patience", options.timeout,
              "Timeout of one call of the plugin [s], 60 of a scene; 10 by default");
-  add_time_limit(command, options->time_limit);
-  add_text(command, "--stiffness", options->stiffness,
+  add_time_limit(command, options.time_limit);
+  add_text(command, "--stiffness", options.stiffness,
            "A stiffness that stands as NAME=NUMBER in ARGUMENT: how much of it steps show, and at most",
            "NAME");
-  add_flag(command, "--no-runs", options->no_runs, "Do not run the engine on both sides of the limit");
-  add_text(command, "--example", options->example,
+  add_flag(command, "--no-runs", options.no_runs, "Do not run the engine on both sides of the limit");
+  add_text(command, "--example", options.example,
            "Write the header and two examples into this folder, and end", "FOLDER");
-  set_callback(command, [options, &console] { probe(*options, console); });
 }
 
 }  // namespace hmax

@@ -1,7 +1,6 @@
 /// hmax export, hmax compare and hmax merge: measured rows out of their stores, and into one.
 #include <algorithm>
 #include <array>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -148,7 +147,13 @@ std::string words_of(const LimitComparison& limits) {
   return text;
 }
 
-void compare_stores(const std::string& a, const std::string& b, bool all, Console& console) {
+struct CompareOptions {
+  std::string a, b;
+  bool all = false;
+};
+
+void compare_stores(const CompareOptions& options, Console& console) {
+  const auto& [a, b, all] = options;
   const Store store_a = open_store(a), store_b = open_store(b);
   const std::vector<Row> rows_a = store_a.rows(), rows_b = store_b.rows();
   Comparison found = compare(rows_a, rows_b);
@@ -195,13 +200,18 @@ void compare_stores(const std::string& a, const std::string& b, bool all, Consol
   for (const std::string& remark : found.remarks) console.print(remark + "\n");
 }
 
-void merge(const std::string& out, const std::vector<std::string>& inputs, Console& console) {
+struct MergeOptions {
+  std::string out;
+  std::vector<std::string> inputs;
+};
+
+void merge(const MergeOptions& options, Console& console) {
   refuse_copies("hmax merge");
   const auto& interrupted = interrupt_flag();
   // A wrong name is found before anything is written.
   std::vector<std::filesystem::path> files;
-  for (const std::string& input : inputs) files.push_back(open_store(input).file());
-  Store store = Store::open_or_create(store_path(out));
+  for (const std::string& input : options.inputs) files.push_back(open_store(input).file());
+  Store store = Store::open_or_create(store_path(options.out));
   Merger merger(store);
   {
     Progress progress(console, "merge");
@@ -236,62 +246,47 @@ void merge(const std::string& out, const std::vector<std::string>& inputs, Conso
 }  // namespace
 
 void add_export(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "export", "Export the rows of a store",
       {"hmax export study --format csv --output study.csv", "hmax export livers --of limits --format csv",
-       "hmax export results/runs/study.sqlite --format gbench"});
-  auto options = std::make_shared<ExportOptions>();
-  require(
-      add_text(command, "store", options->store, "File of the store, or its name under results/runs", ""));
-  add_text(command, "--format", options->format,
+       "hmax export results/runs/study.sqlite --format gbench"},
+      export_rows);
+  require(add_text(command, "store", options.store, "File of the store, or its name under results/runs", ""));
+  add_text(command, "--format", options.format,
            fmt::format("{} (Google Benchmark's JSON); {} by default", fmt::join(export_formats, ", "),
-                       options->format),
+                       options.format),
            "NAME");
   add_text(
-      command, "--of", options->of,
+      command, "--of", options.of,
       "runs, which `hmax sweep` measured; limits of `hmax stability predict --out`; advice of `hmax advise "
       "--out`; runs by default",
       "NAME");
-  add_text(command, "--output", options->output, "File to write; standard output by default", "FILE");
+  add_text(command, "--output", options.output, "File to write; standard output by default", "FILE");
   add_force(command);
-  set_callback(command, [options, &console] { export_rows(*options, console); });
 }
 
 void add_compare(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "compare",
       "Find the differences between two stores that are larger than the noise; exit 1 if there are any",
-      {"hmax compare before after", "hmax compare before.sqlite after.sqlite --json"});
-  struct Options {
-    std::string a, b;
-    bool all = false;
-  };
-  auto options = std::make_shared<Options>();
-  require(add_text(command, "A", options->a,
-                   "Store to compare with: its file, or its name under results/runs", ""));
-  require(add_text(command, "B", options->b,
+      {"hmax compare before after", "hmax compare before.sqlite after.sqlite --json"}, compare_stores);
+  require(add_text(command, "A", options.a, "Store to compare with: its file, or its name under results/runs",
+                   ""));
+  require(add_text(command, "B", options.b,
                    "Store that is compared: its file, or its name under results/runs", ""));
-  add_flag(command, "--all", options->all, "Also show the rows without a difference");
-  set_callback(command,
-               [options, &console] { compare_stores(options->a, options->b, options->all, console); });
+  add_flag(command, "--all", options.all, "Also show the rows without a difference");
 }
 
 void add_merge(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "merge",
       "Put several stores into one, such as those of the shards of a sweep; exit 1 if two differ in more than time",
-      {"hmax merge whole shard_1 shard_2 shard_3", "hmax merge whole.sqlite shards/*.sqlite"});
-  struct Options {
-    std::string out;
-    std::vector<std::string> inputs;
-  };
-  auto options = std::make_shared<Options>();
-  require(add_text(command, "OUT", options->out,
+      {"hmax merge whole shard_1 shard_2 shard_3", "hmax merge whole.sqlite shards/*.sqlite"}, merge);
+  require(add_text(command, "OUT", options.out,
                    "Store to write or to add to: a name under results/runs, or a file that ends in .sqlite",
                    ""));
-  require(add_arguments(command, "IN", options->inputs,
+  require(add_arguments(command, "IN", options.inputs,
                         "Stores to read: their files, or names under results/runs"));
-  set_callback(command, [options, &console] { merge(options->out, options->inputs, console); });
 }
 
 }  // namespace hmax

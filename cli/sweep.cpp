@@ -434,7 +434,7 @@ void add_step_options(CLI::App& command, SweepOptions& options) {
 }  // namespace
 
 void add_sweep(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "sweep",
       "Measure CPU time and error over steps or tolerances; without options the study's own step sweep, "
       "which takes about a minute",
@@ -443,47 +443,46 @@ void add_sweep(CLI::App& app, Console& console) {
        "hmax sweep --methods ode23,ode45,dop_853 --rtol 1e-4,1e-6,1e-8 --out tolerances --output "
        "results/runs/tolerances",
        "hmax sweep --mesh phantom --model mass_spring --methods rk4,symplectic_euler --h 2e-3,1e-3 --fixed --t-end 0.2 "
-       "--out phantom"});
+       "--out phantom"},
+      sweep);
   add_footer(command, "Under `mpirun -n N` the processes share the sweep, see docs/howto/cluster.md.");
-  auto options = std::make_shared<SweepOptions>();
-  add_text(command, "file", options->file,
+  add_text(command, "file", options.file,
            "A sweep in a file, see docs/reference/sweep.md; flags go before it", "FILE.toml");
-  add_text(command, "--problem,--problems", options->problems,
+  add_text(command, "--problem,--problems", options.problems,
            "Ids of `hmax list problems`, or files of formulas", "A,B");
-  options->body.add_to(command);
-  options->own.add_to(command);
-  add_text(command, "--materials,--material", options->materials, "Ids of `hmax list materials`, or all",
+  options.body.add_to(command);
+  options.own.add_to(command);
+  add_text(command, "--materials,--material", options.materials, "Ids of `hmax list materials`, or all",
            "A,B");
-  add_settings(command, options->set, options->y0);
-  add_text(command, "--methods,--method", options->methods,
+  add_settings(command, options.set, options.y0);
+  add_text(command, "--methods,--method", options.methods,
            "Ids, aliases or families of `hmax list methods`, or all; those of the study by default", "A,B");
-  add_text(command, "--tableau", options->tableaux, "Files with explicit tableaux of your own", "A,B");
-  add_step_options(command, *options);
-  add_number(command, "--t-end", options->t_end, "End time [s]; the problem's own by default");
-  add_text(command, "--repeats", options->repeats,
+  add_text(command, "--tableau", options.tableaux, "Files with explicit tableaux of your own", "A,B");
+  add_step_options(command, options);
+  add_number(command, "--t-end", options.t_end, "End time [s]; the problem's own by default");
+  add_text(command, "--repeats", options.repeats,
            "Timed repetitions, at least 9, or 1 with --explore; 9, or 1 with --explore, by default",
            "NUMBER");
-  add_shard(command, options->shard);
-  add_text(command, "--max-steps", options->max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
+  add_shard(command, options.shard);
+  add_text(command, "--max-steps", options.max_steps, "Steps allowed in a run; 1e9 by default", "NUMBER");
   add_text(
-      command, "--out", options->out,
+      command, "--out", options.out,
       "Name of the store under results/runs/, or a file that ends in .sqlite; sweep, or that of FILE.toml, by default",
       "NAME");
   add_text(
-      command, "--output", options->output,
+      command, "--output", options.output,
       "Draw cost and error into this folder: sweep.svg, .png and .pdf; of several problems sweep_1.svg and so on",
       "FOLDER");
   add_figure_style(command);
   add_force(command);
-  add_flag(command, "--resume", options->resume, "Continue an interrupted sweep: measure the missing rows");
-  add_flag(command, "--publish", options->publish,
+  add_flag(command, "--resume", options.resume, "Continue an interrupted sweep: measure the missing rows");
+  add_flag(command, "--publish", options.publish,
            "Mark the store as fit to publish; refused for debug builds");
   add_flag(
-      command, "--explore", options->explore,
+      command, "--explore", options.explore,
       "Measure on all cores, many rows at once: the times are approximate, and no figure or comparison takes them");
-  options->device.add_to(command, "fixed steps of bodies");
-  options->jobs = add_jobs(command);
-  set_callback(command, [options, &console] { sweep(*options, console); });
+  options.device.add_to(command, "fixed steps of bodies");
+  options.jobs = add_jobs(command);
 }
 
 }  // namespace hmax

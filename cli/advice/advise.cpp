@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <memory>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -332,55 +331,54 @@ void advise_on(const AdviseOptions& options, Console& console) {
 }  // namespace
 
 void add_advise(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "advise",
       "Which integrator, and how large a step: for a model and a frame rate; exit 1 where nothing suits",
       {"hmax advise --mesh liver --material male_normal --rate 100",
        "hmax advise --mesh phantom --load tool --rate 1000 --budget 0.5 --within 5 --json",
        "hmax advise --problem liver_forced --rate 100 --tolerance 1e-3",
-       "hmax advise --problem liver_forced --rate 100 --methods rk4,newmark --output advice.html"});
-  const auto options = std::make_shared<AdviseOptions>();
-  options->problem.add_to(command);
-  add_number(command, "--rate", options->rate, "Frame rate [Hz]; required");
+       "hmax advise --problem liver_forced --rate 100 --methods rk4,newmark --output advice.html"},
+      advise_on);
+  options.problem.add_to(command);
+  add_number(command, "--rate", options.rate, "Frame rate [Hz]; required");
   add_number(
-      command, "--tolerance", options->tolerance,
+      command, "--tolerance", options.tolerance,
       "Largest error of the motion, relative to the largest displacement of a body, or to the range of each "
       "state [1]; 0.01 by default");
   add_number(
-      command, "--budget", options->budget,
+      command, "--budget", options.budget,
       "CPU time that a frame may take [ms]; given without --tolerance, methods are ranked by error; the whole frame by "
       "default");
-  add_number(command, "--within", options->within,
+  add_number(command, "--within", options.within,
              "Time limit of the answer [s]: what is known by then is the answer; 60 by default");
-  add_text(command, "--methods", options->methods,
+  add_text(command, "--methods", options.methods,
            fmt::format("Ids, aliases or families of `hmax list methods`, or all; {} by default",
                        fmt::join(simulator_methods(), ", ")),
            "A,B");
-  add_text(command, "--frames", options->frames,
+  add_text(command, "--frames", options.frames,
            "Number of frames that the best methods are timed for; 1000 by default", "N");
-  add_text(command, "--motion", options->motion,
+  add_text(command, "--motion", options.motion,
            "Motion of a body in place of the test load: CSV with the columns t [s] and fx, fy, fz [N] or x, "
            "y, z [m], forces or displacements",
            "FILE");
   add_repeated(
-      command, "--motion-at", options->motion_at,
+      command, "--motion-at", options.motion_at,
       "Points that --motion acts on, as --support, which displacements need; the far end of the body by default; may be "
       "repeated",
       "SET");
   add_text(
-      command, "--out", options->out,
+      command, "--out", options.out,
       "Store of the advice, one row a method: a file that ends in .sqlite, or a name under results/runs; none "
       "by default",
       "STORE");
   add_text(
-      command, "--output", options->output,
+      command, "--output", options.output,
       "Page of HTML with the whole answer and its figures, which needs no other file; or FILE.scn, the body as a "
       "scene of SOFA with what is recommended of its solvers; none by default",
       "FILE");
-  options->device.add_to(command, "motions of a body");
+  options.device.add_to(command, "motions of a body");
   add_force(command);
   add_jobs(command);
-  set_callback(command, [options, &console] { advise_on(*options, console); });
 }
 
 }  // namespace hmax

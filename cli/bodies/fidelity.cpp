@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -212,29 +211,28 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
 }  // namespace
 
 void add_fidelity(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "fidelity", "Show what the steps of a method make of stiffness and damping",
       {"hmax fidelity --mesh cube:n=2 --model mass_spring --load press --rate 100",
        "hmax fidelity --mesh cube:n=2 --model fem_neo_hookean --load gravity --rate 60 --method vbd:iterations=5 --verify",
        "hmax fidelity --problem liver_cubic --rate 10 --method implicit_euler --method newmark",
-       "hmax fidelity --mesh phantom --load press --rate 60 --method vbd --map iterations,substeps --output vbd.svg"});
-  const auto options = std::make_shared<FidelityOptions>();
-  options->problem.add_to(command);
-  add_number(command, "--rate", options->rate, "frames a second, each one step of the method [1/s]");
-  add_repeated(command, "--method", options->methods,
+       "hmax fidelity --mesh phantom --load press --rate 60 --method vbd --map iterations,substeps --output vbd.svg"},
+      show_fidelity);
+  options.problem.add_to(command);
+  add_number(command, "--rate", options.rate, "frames a second, each one step of the method [1/s]");
+  add_repeated(command, "--method", options.methods,
                "a method with its parameters, like vbd:iterations=5,substeps=2; may be repeated; those that "
                "simulators use by default",
                "NAME");
-  add_flag(command, "--verify", options->verify, "observe runs as well: from rest, and from each mode");
-  add_flag(command, "--ceiling", options->ceiling, "the largest modulus that the steps can show [Pa]");
-  add_text(command, "--enter", options->enter,
+  add_flag(command, "--verify", options.verify, "observe runs as well: from rest, and from each mode");
+  add_flag(command, "--ceiling", options.ceiling, "the largest modulus that the steps can show [Pa]");
+  add_text(command, "--enter", options.enter,
            "a modulus that is to be shown, like 5kPa: which one to enter for it", "E");
-  add_text(command, "--map", options->map,
+  add_text(command, "--map", options.map,
            "one method over iterations,substeps, from 1 to 200 iterations a frame: what more work shows",
            "iterations,substeps");
-  add_text(command, "--output", options->output, "a figure of the map", "FILE.svg");
+  add_text(command, "--output", options.output, "a figure of the map", "FILE.svg");
   add_force(command);
-  set_callback(command, [options, &console] { show_fidelity(*options, console); });
 }
 
 }  // namespace hmax

@@ -1,7 +1,6 @@
 /// hmax static: where a body comes to rest under a load, and how fast each method finds it.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include <fmt/format.h>
@@ -427,46 +426,45 @@ void solve(const StaticOptions& options, Console& console) {
 }  // namespace
 
 void add_static(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "static", "Solve for the static equilibrium of a body on a mesh under a load",
       {"hmax static --mesh liver --model fem_green --material liver:male_normal --load gravity",
        "hmax static --mesh phantom --load press --load-scale 0.5 --solver modified_newton --linear sor",
        "hmax static --mesh liver --load press --set force=0.5 --picture results/runs/pressed_liver.svg",
        "hmax static --mesh phantom --load press --compare results/runs/static",
-       "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"});
-  auto options = std::make_shared<StaticOptions>();
-  options->problem.add_to(command);
-  add_number(command, "--load-scale", options->load_scale, "Factor of the load; 1 by default");
-  add_text(command, "--solver", options->solver,
+       "hmax static --mesh phantom --load press --pseudo-dynamic 1 --frames 50 --json"},
+      solve);
+  options.problem.add_to(command);
+  add_number(command, "--load-scale", options.load_scale, "Factor of the load; 1 by default");
+  add_text(command, "--solver", options.solver,
            "Solver: newton, modified_newton or linear; newton by default", "NAME");
-  add_text(command, "--linear", options->linear, "Linear solver: direct, sor or cg; direct by default",
+  add_text(command, "--linear", options.linear, "Linear solver: direct, sor or cg; direct by default",
            "NAME");
-  add_text(command, "--load-steps", options->load_steps,
+  add_text(command, "--load-steps", options.load_steps,
            "Number of load steps; 1, then 10, or 20 along the path of a tool, by default", "NUMBER");
-  add_text(command, "--iterations", options->iterations,
+  add_text(command, "--iterations", options.iterations,
            "Limit of iterations in each load step; 1000 by default", "NUMBER");
-  add_number(command, "--tolerance", options->tolerance,
+  add_number(command, "--tolerance", options.tolerance,
              "Tolerance of the residual, relative to the load; 1e-9 by default");
-  add_number(command, "--linear-tolerance", options->inner_tolerance,
+  add_number(command, "--linear-tolerance", options.inner_tolerance,
              "Tolerance of sor and cg; as Newton's method needs, in modified Newton 1e-4, by default");
   add_number(
-      command, "--relaxation", options->relaxation,
+      command, "--relaxation", options.relaxation,
       "Relaxation factor of sor, between 0 and 2; 1.5, with --compare the best for the stiffness at rest, by default");
-  add_flag(command, "--no-line-search", options->no_line_search, "Newton's method without line search");
+  add_flag(command, "--no-line-search", options.no_line_search, "Newton's method without line search");
   add_text(
-      command, "--pseudo-dynamic", options->per_frame,
+      command, "--pseudo-dynamic", options.per_frame,
       "Increase the load frame by frame with this number of iterations in each, and show the error of the frames",
       "NUMBER");
-  add_text(command, "--frames", options->frames, "Number of frames; 100 by default", "NUMBER");
-  add_text(command, "--output", options->output, "Write the history of residuals to a CSV file", "FILE");
-  add_text(command, "--compare", options->compare,
+  add_text(command, "--frames", options.frames, "Number of frames; 100 by default", "NUMBER");
+  add_text(command, "--output", options.output, "Write the history of residuals to a CSV file", "FILE");
+  add_text(command, "--compare", options.compare,
            "Solve with every solver and draw residuals against iterations and time into this folder",
            "FOLDER");
-  options->picture.add_to(command, "Draw the body in equilibrium and at rest");
-  options->jobs = add_jobs_of_timed(command);
+  options.picture.add_to(command, "Draw the body in equilibrium and at rest");
+  options.jobs = add_jobs_of_timed(command);
   add_force(command);
   add_figure_style(command);
-  set_callback(command, [options, &console] { solve(*options, console); });
 }
 
 }  // namespace hmax

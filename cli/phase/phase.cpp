@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include <fmt/format.h>
 
@@ -426,7 +425,7 @@ void deliver(const Figure& figure, const PhaseOptions& options, Json& document, 
 }
 
 void add_phase(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "phase", "Show the phase plane of a problem of two states, and that of a method on it",
       {"hmax phase --problem liver_cubic --set c=-0.2",
        ("hmax phase --problem liver_cubic --set k1=-1 --set c=0.3 --window -2,2,-2,2 "
@@ -440,22 +439,21 @@ void add_phase(CLI::App& app, Console& console) {
         "--set k3=1 --set m=1 --set w=1 --output results/runs/phase"),
        ("hmax phase --problem liver_forced --bifurcation P --from 5 --to 8 --points 400 --set c=0.05 --set k1=0 "
         "--set k3=1 --set m=1 --set w=1 --method rk4 --h 0.02"),
-       "hmax phase --problem liver_forced --at 3 --json"});
-  auto options = std::make_shared<PhaseOptions>();
-  options->problem.add_without_meshes_to(command);
-  add_view_options(command, *options);
-  add_plane_options(command, *options);
-  add_section_options(command, *options);
-  add_bifurcation_options(command, *options);
-  add_text(command, "--output", options->output,
+       "hmax phase --problem liver_forced --at 3 --json"},
+      phase);
+  options.problem.add_without_meshes_to(command);
+  add_view_options(command, options);
+  add_plane_options(command, options);
+  add_section_options(command, options);
+  add_bifurcation_options(command, options);
+  add_text(command, "--output", options.output,
            fmt::format("Draw the figure into this folder, as SVG, PNG and PDF; orbits have {}",
                        in_words(orbit_tolerances)),
            "FOLDER");
-  options->device.add_to(command, "the motions of --basins and --bifurcation");
+  options.device.add_to(command, "the motions of --basins and --bifurcation");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  set_callback(command, [options, &console] { phase(*options, console); });
 }
 
 }  // namespace hmax

@@ -1,7 +1,6 @@
 /// hmax report: result stores as one page of HTML.
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -97,16 +96,15 @@ void report(const ReportOptions& options, Console& console) {
 }  // namespace
 
 void add_report(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "report", "Write result stores as one page of HTML: advice, runs, limits",
-      {"hmax report --output report.html", "hmax report study limits.sqlite --output report.html --json"});
-  const auto options = std::make_shared<ReportOptions>();
+      {"hmax report --output report.html", "hmax report study limits.sqlite --output report.html --json"},
+      report);
   add_arguments(
-      command, "store", options->stores,
+      command, "store", options.stores,
       "Files of stores, or their names under results/runs; every store in results/runs and its folders by default");
-  require(add_text(command, "--output", options->output, "Page to write, a file that ends in .html", "FILE"));
+  require(add_text(command, "--output", options.output, "Page to write, a file that ends in .html", "FILE"));
   add_force(command);
-  set_callback(command, [options, &console] { report(*options, console); });
 }
 
 }  // namespace hmax

@@ -48,6 +48,7 @@ struct SliceOptions {
 };
 
 void write_slice(const SliceOptions& options, Console& console) {
+  refuse_copies("hmax reproduce slice");
   const std::vector<double> at = parse_numbers("--at", options.at);
   if (at.size() != 2)
     throw InputError(
@@ -99,30 +100,26 @@ void echographic_image(TissuePage& tissue, const std::function<void(const std::s
 }
 
 void add_slice(CLI::App& reproduce, Console& console) {
-  CLI::App& slice = add_command(reproduce, console, "slice",
-                                "Write a slice of the synthetic thigh of the tissue report as PNG",
-                                {"hmax reproduce slice --at 84,60 --angle 30 --output slice.png",
-                                 "hmax reproduce slice --rule elements --press 16 --output pressed.png"});
-  auto options = std::make_shared<SliceOptions>();
-  show_default(add_text(slice, "--at", options->at,
+  const auto [slice, options] = add_command(
+      reproduce, console, "slice", "Write a slice of the synthetic thigh of the tissue report as PNG",
+      {"hmax reproduce slice --at 84,60 --angle 30 --output slice.png",
+       "hmax reproduce slice --rule elements --press 16 --output pressed.png"},
+      write_slice);
+  show_default(add_text(slice, "--at", options.at,
                         "Middle of its upper edge on the skin, around and along the bone [mm]", "X,Y"));
-  add_number(slice, "--angle", options->angle,
+  add_number(slice, "--angle", options.angle,
              "Angle from the bone, about the normal of the skin [degree]; 0 by default");
-  add_number(slice, "--tilt", options->tilt, "Angle out of this normal [degree]; 0 by default");
-  add_flag(slice, "--images", options->images,
+  add_number(slice, "--tilt", options.tilt, "Angle out of this normal [degree]; 0 by default");
+  add_flag(slice, "--images", options.images,
            "Of the 64 images of the probe, with gaps filled, instead of the voxels");
   show_default(add_text(
-      slice, "--rule", options->rule,
+      slice, "--rule", options.rule,
       "How the probe deforms it: rest, linear (to the foot of the image), bone (linear to the bone), elements"));
-  add_number(slice, "--press", options->press,
+  add_number(slice, "--press", options.press,
              "Depth of the probe with another rule than rest [mm]; 16 by default");
   show_default(
-      add_text(slice, "--output", options->output, "File of 256 x 256 pixels, 80 mm wide", "FILE.png"));
+      add_text(slice, "--output", options.output, "File of 256 x 256 pixels, 80 mm wide", "FILE.png"));
   add_force(slice);
-  set_callback(slice, [options, &console] {
-    refuse_copies("hmax reproduce slice");
-    write_slice(*options, console);
-  });
 }
 
 }  // namespace hmax

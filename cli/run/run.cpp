@@ -595,7 +595,7 @@ void run_or_stop(const RunOptions& options, Console& console) {
 }  // namespace
 
 void add_run(CLI::App& app, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       app, console, "run", "Integrate one problem with one method",
       {"hmax run --problem liver_forced --method dop_853 --rtol 1e-13 --atol 1e-13 --t-end 10",
        "hmax run --problem liver_benchmark --material female_fat:heavy --method rk4 --h 0.05",
@@ -606,52 +606,51 @@ void add_run(CLI::App& app, Console& console) {
        "hmax run --mesh liver --load breathing --method symplectic_euler --h 0.001 --t-end 4 --output "
        "results/runs/breathing.pvd --every 0.1",
        "hmax run --problem liver_linear --set c=6 --y0 0.1,0 --method ode45 --rtol 1e-3 --atol 1e-6 "
-       "--control matlab --output motion.csv --every 0.1"});
-  auto options = std::make_shared<RunOptions>();
-  options->problem.add_to(command);
-  options->method.add_to(command);
-  add_number(command, "--h", options->h, "Fixed step size [s]");
-  add_number(command, "--rtol", options->rtol,
+       "--control matlab --output motion.csv --every 0.1"},
+      run_or_stop);
+  options.problem.add_to(command);
+  options.method.add_to(command);
+  add_number(command, "--h", options.h, "Fixed step size [s]");
+  add_number(command, "--rtol", options.rtol,
              "Relative tolerance of an adaptive run, which needs --atol too; no default");
-  add_number(command, "--atol", options->atol,
+  add_number(command, "--atol", options.atol,
              "Absolute tolerance of an adaptive run, which needs --rtol too; no default");
-  add_number(command, "--h0", options->h0,
+  add_number(command, "--h0", options.h0,
              "First step of an adaptive run [s]; chosen from the right-hand side by default");
-  add_number(command, "--h-max", options->h_max,
+  add_number(command, "--h-max", options.h_max,
              "Longest step of an adaptive run [s]; a tenth of the span by default");
-  add_control(command, options->control);
+  add_control(command, options.control);
   add_text(
-      command, "--jacobian", options->jacobian,
+      command, "--jacobian", options.jacobian,
       "When an implicit method updates its Jacobian: auto, exact, every:K steps or frozen; auto by default",
       "POLICY");
-  add_text(command, "--linear", options->linear,
+  add_text(command, "--linear", options.linear,
            "Linear solver of implicit methods on sparse mechanical systems: auto, direct, cg, "
            "cg:TOLERANCE or cg:TOLERANCE,ITERATIONS; auto by default",
            "SOLVER");
-  add_number(command, "--newton-tolerance", options->newton_tolerance,
+  add_number(command, "--newton-tolerance", options.newton_tolerance,
              "Error tolerance of Newton's method at fixed steps, relative to the largest number of the "
              "state; the rounding error of the forces by default");
-  add_text(command, "--newton-iterations", options->newton_iterations,
+  add_text(command, "--newton-iterations", options.newton_iterations,
            "Limit of Newton's method for each stage; 50, adaptive 7 by default", "NUMBER");
-  add_flag(command, "--full", options->full, "With --json and a mesh: print the whole end state");
-  options->picture.add_to(
+  add_flag(command, "--full", options.full, "With --json and a mesh: print the whole end state");
+  options.picture.add_to(
       command,
       "Draw the body at the end of the run; without a mesh the states over time and the orbit of one position");
-  add_number(command, "--t-start", options->t_start,
+  add_number(command, "--t-start", options.t_start,
              "Start time of a file of formulas [s]; its t0 by default");
-  add_number(command, "--t-end", options->t_end,
+  add_number(command, "--t-end", options.t_end,
              "End time [s], of a file of formulas also before the start; the problem's own by default");
-  add_text(command, "--output", options->output,
+  add_text(command, "--output", options.output,
            "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView", "FILE");
-  add_number(command, "--every", options->every, "Interval of the written points [s]; every step by default");
-  add_text(command, "--max-steps", options->max_steps,
+  add_number(command, "--every", options.every, "Interval of the written points [s]; every step by default");
+  add_text(command, "--max-steps", options.max_steps,
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
-  options->checkpoint.add_to(command);
-  options->device.add_to(command, "steps of a body");
-  options->device.add_kinds_to(command);
-  options->jobs = add_jobs_of_timed(command);
+  options.checkpoint.add_to(command);
+  options.device.add_to(command, "steps of a body");
+  options.device.add_kinds_to(command);
+  options.jobs = add_jobs_of_timed(command);
   add_force(command);
-  set_callback(command, [options, &console] { run_or_stop(*options, console); });
 }
 
 }  // namespace hmax

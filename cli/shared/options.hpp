@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): not ours
@@ -21,6 +23,19 @@ class Console;
 /// @param examples  whole command lines, one each
 CLI::App& add_command(CLI::App& parent, Console& console, const std::string& name,
                       const std::string& description, const std::vector<std::string>& examples);
+/// What the subcommand does, after parsing.
+void set_callback(CLI::App& command, std::function<void()> callback);
+/// A subcommand that does `function` with options, which are returned beside it and live as long.
+template <class Options>
+std::pair<CLI::App&, Options&> add_command(CLI::App& parent, Console& console, const std::string& name,
+                                           const std::string& description,
+                                           const std::vector<std::string>& examples,
+                                           void (*function)(const Options&, Console&)) {
+  CLI::App& command = add_command(parent, console, name, description, examples);
+  const auto options = std::make_shared<Options>();
+  set_callback(command, [options, function, &console] { function(*options, console); });
+  return {command, *options};
+}
 /// A subcommand that is there for its own subcommands.
 CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string& description);
 /// One of the subcommands must be given.
@@ -43,9 +58,6 @@ class HelpGroup {
   CLI::App& command_;
   std::string before_;
 };
-
-/// What the subcommand does, after parsing.
-void set_callback(CLI::App& command, std::function<void()> callback);
 
 /// An option with a value; without dashes in its name, an argument. Further names follow after commas.
 /// @param type  what --help shows for the value, "FILE"; nothing when empty

@@ -115,13 +115,12 @@ void add_stability(CLI::App& app, Console& console) {
   const std::string formulas = "Ids, aliases or families of `hmax list methods`, all, or " +
                                fmt::format("{}", fmt::join(formula_patterns(), ", "));
 
-  CLI::App& limits_command = add_command(
+  const auto [command, methods] = add_command(
       stability, console, "limits", "Show the stable intervals of the axes, A(alpha), A- and L-stability",
       {"hmax stability limits --method rk4",
-       "hmax stability limits --method bdf_3,adams_pece:order=4 --json"});
-  const auto methods = std::make_shared<MethodsChoice>();
-  methods->add_to(limits_command, formulas);
-  set_callback(limits_command, [methods, &console] { limits(*methods, console); });
+       "hmax stability limits --method bdf_3,adams_pece:order=4 --json"},
+      limits);
+  methods.add_to(command, formulas);
 
   add_stability_region(stability, console, formulas);
 

@@ -1,6 +1,5 @@
 /// hmax stability numerical-damping: of one mode by formula, of a body by steps
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <optional>
 
@@ -155,26 +154,27 @@ void damping_of_body(const DampingOptions& options, double h, Console& console) 
                             body_in_words(problem), short_number(h, 4), table_of(rows, console)));
 }
 
+void show_damping(const DampingOptions& options, Console& console) {
+  const double h = positive(options.h, "the step --h [s]", "--h 0.01");
+  if (options.problem.empty())
+    damping_of_mode(options, h, console);
+  else
+    damping_of_body(options, h, console);
+}
+
 }  // namespace
 
 void add_stability_damping(CLI::App& stability, Console& console, const std::string& formulas) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "numerical-damping", "Show the numerical damping and the period error of a method",
       {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8",
-       "hmax stability numerical-damping --method vbd,implicit_euler --h 0.01 --mesh cube:n=2 --load press"});
-  const auto options = std::make_shared<DampingOptions>();
-  options->methods.add_to(command, formulas);
-  add_number(command, "--h", options->h, "Step size [s]");
-  add_number(command, "--frequency", options->frequency, "Undamped frequency of the mode [Hz]");
-  add_number(command, "--zeta", options->zeta, "Damping ratio of the mode; 0 by default");
-  options->problem.add_to(command);
-  set_callback(command, [options, &console] {
-    const double h = positive(options->h, "the step --h [s]", "--h 0.01");
-    if (options->problem.empty())
-      damping_of_mode(*options, h, console);
-    else
-      damping_of_body(*options, h, console);
-  });
+       "hmax stability numerical-damping --method vbd,implicit_euler --h 0.01 --mesh cube:n=2 --load press"},
+      show_damping);
+  options.methods.add_to(command, formulas);
+  add_number(command, "--h", options.h, "Step size [s]");
+  add_number(command, "--frequency", options.frequency, "Undamped frequency of the mode [Hz]");
+  add_number(command, "--zeta", options.zeta, "Damping ratio of the mode; 0 by default");
+  options.problem.add_to(command);
 }
 
 }  // namespace hmax

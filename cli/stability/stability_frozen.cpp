@@ -91,20 +91,19 @@ void frozen(const FrozenOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_frozen(CLI::App& stability, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "frozen",
       "Show the stiffening up to which a method with a frozen Jacobian is stable",
       {"hmax stability frozen --method linearly_implicit_euler",
-       "hmax stability frozen --method linearly_implicit_euler,rosenbrock_23 --every 5 --ratios 1.5,3 --json"});
-  const auto options = std::make_shared<FrozenOptions>();
-  add_text(command, "--method,--methods", options->methods,
+       "hmax stability frozen --method linearly_implicit_euler,rosenbrock_23 --every 5 --ratios 1.5,3 --json"},
+      frozen);
+  add_text(command, "--method,--methods", options.methods,
            "Ids of `hmax list methods`, or the family rosenbrock", "A,B");
-  add_text(command, "--ratios", options->ratios,
-           fmt::format("True stiffness relative to that of the Jacobian; {} by default", options->ratios),
+  add_text(command, "--ratios", options.ratios,
+           fmt::format("True stiffness relative to that of the Jacobian; {} by default", options.ratios),
            "NUMBERS");
-  add_text(command, "--every", options->every,
+  add_text(command, "--every", options.every,
            "Also with a Jacobian that is updated every K steps while the stiffness rises", "K");
-  set_callback(command, [options, &console] { frozen(*options, console); });
 }
 
 }  // namespace hmax

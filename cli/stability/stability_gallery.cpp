@@ -272,7 +272,12 @@ std::vector<PageSection> sections_of(const std::vector<Chapter>& chapters, const
   return sections;
 }
 
-void gallery(const std::string& names, const std::string& output, Console& console) {
+struct GalleryOptions {
+  std::string methods = "all", output;
+};
+
+void gallery(const GalleryOptions& options, Console& console) {
+  const auto& [names, output] = options;
   if (output.empty()) throw InputError("no folder is given; say where the page goes, like --output gallery");
   check_report_place(output);
   const std::vector<Chapter> chapters = chapters_of(names, console);
@@ -303,17 +308,14 @@ void gallery(const std::string& names, const std::string& output, Console& conso
 }  // namespace
 
 void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas) {
-  CLI::App& command =
+  const auto [command, options] =
       add_command(stability, console, "gallery", "Draw a page with the stability regions of all methods",
-                  {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"});
-  const auto methods = std::make_shared<std::string>("all");
-  const auto output = std::make_shared<std::string>();
-  add_text(command, "--method,--methods", *methods, formulas + "; all by default", "A,B");
-  add_text(command, "--output", *output, "Folder of the page and its figures", "FOLDER");
+                  {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"}, gallery);
+  add_text(command, "--method,--methods", options.methods, formulas + "; all by default", "A,B");
+  add_text(command, "--output", options.output, "Folder of the page and its figures", "FOLDER");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  set_callback(command, [methods, output, &console] { gallery(*methods, *output, console); });
 }
 
 }  // namespace hmax

@@ -319,30 +319,29 @@ void map(const MapOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_map(CLI::App& stability, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "map", "Map the largest stable step over two parameters, or over Rayleigh damping",
       {"hmax stability map --problem liver_linear --method rk4,newmark --x c=0:10:41 --y k1=0.1:10:31",
        "hmax stability map --problem liver_linear --method rk4 --rayleigh --x alpha=0.01:10:21 --y "
-       "beta=0.01:10:21 --log-x --log-y --output results/runs/map"});
-  const auto options = std::make_shared<MapOptions>();
-  options->problem.add_to(command);
-  options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
-                                       fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  add_text(command, "--x", options->x, "Parameter of the horizontal axis and its values, like c=0:10:81",
+       "beta=0.01:10:21 --log-x --log-y --output results/runs/map"},
+      map);
+  options.problem.add_to(command);
+  options.methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
+                                      fmt::format("{}", fmt::join(formula_patterns(), ", ")));
+  add_text(command, "--x", options.x, "Parameter of the horizontal axis and its values, like c=0:10:81",
            "NAME=FROM:TO:COUNT");
-  add_text(command, "--y", options->y, "Parameter of the vertical axis and its values, like k1=0.1:10:61",
+  add_text(command, "--y", options.y, "Parameter of the vertical axis and its values, like k1=0.1:10:61",
            "NAME=FROM:TO:COUNT");
-  add_flag(command, "--log-x", options->log_x, "Logarithmic x axis");
-  add_flag(command, "--log-y", options->log_y, "Logarithmic y axis");
-  add_flag(command, "--rayleigh", options->rayleigh,
+  add_flag(command, "--log-x", options.log_x, "Logarithmic x axis");
+  add_flag(command, "--log-y", options.log_y, "Logarithmic y axis");
+  add_flag(command, "--rayleigh", options.rayleigh,
            "Rayleigh damping c = alpha m + beta k1: x is alpha in 1/s, y is beta in s");
-  add_time_limit(command, options->time_limit);
-  add_text(command, "--output", options->output, "Draw map.svg, map.png and map.pdf into this folder",
+  add_time_limit(command, options.time_limit);
+  add_text(command, "--output", options.output, "Draw map.svg, map.png and map.pdf into this folder",
            "FOLDER");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  set_callback(command, [options, &console] { map(*options, console); });
 }
 
 }  // namespace hmax

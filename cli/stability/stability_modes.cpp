@@ -269,40 +269,38 @@ void matrices(const MatricesOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_modes(CLI::App& stability, Console& console) {
-  CLI::App& command =
+  const auto [command, options] =
       add_command(stability, console, "modes",
                   "Compute the slowest or the fastest modes of a body on a mesh, or of matrices",
                   {"hmax stability modes --mesh liver --material liver:male_normal --output modes.vtu",
-                   "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"});
-  const auto options = std::make_shared<ModesOptions>();
-  options->problem.add_to(command);
-  options->at.add_to(command);
-  add_text(command, "--count", options->count, "Number of modes; 6 by default", "NUMBER");
-  add_flag(command, "--fastest", options->fastest,
+                   "hmax stability modes --mesh phantom --model mass_spring --fastest --count 3 --json"},
+                  modes);
+  options.problem.add_to(command);
+  options.at.add_to(command);
+  add_text(command, "--count", options.count, "Number of modes; 6 by default", "NUMBER");
+  add_flag(command, "--fastest", options.fastest,
            "The fastest modes, which limit the step size, instead of the slowest");
-  add_text(command, "--output", options->output,
+  add_text(command, "--output", options.output,
            "Write the mode shapes for ParaView, scaled to at most a tenth of the body", "FILE.vtu");
   add_force(command);
   add_jobs(command);
-  set_callback(command, [options, &console] { modes(*options, console); });
 }
 
 void add_stability_matrices(CLI::App& stability, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "matrices", "Write stiffness, mass and damping of a model as Matrix Market files",
       {"hmax stability matrices --mesh phantom --material liver:male_normal --at rest --output phantom",
-       "hmax stability matrices --problem spring_chain --output chain --json"});
-  const auto options = std::make_shared<MatricesOptions>();
-  options->problem.add_to(command);
-  options->at.add_to(command);
+       "hmax stability matrices --problem spring_chain --output chain --json"},
+      matrices);
+  options.problem.add_to(command);
+  options.at.add_to(command);
   add_text(
-      command, "--output", options->output,
+      command, "--output", options.output,
       "Folder of stiffness.mtx, mass.mtx and damping.mtx, or of jacobian.mtx of a first-order model; it is "
       "made if needed; of a body stiffness.dof names the unknowns",
       "FOLDER");
   add_force(command);
   add_jobs(command);
-  set_callback(command, [options, &console] { matrices(*options, console); });
 }
 
 }  // namespace hmax

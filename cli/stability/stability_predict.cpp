@@ -350,42 +350,42 @@ void predict(const PredictOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_predict(CLI::App& stability, Console& console) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "predict",
       "Predict the largest stable step of methods on a model, and the mode that limits it",
       {"hmax stability predict --problem liver_benchmark --materials all --methods rk4,ode45",
        "hmax stability predict --problem liver_benchmark --methods explicit_runge_kutta,structural --verify --json",
        "hmax stability predict --problem liver_forced --methods rk4,symplectic_euler --along --verify",
        "hmax stability predict --mesh phantom --load press --methods rk4 --along load",
-       "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"});
-  const auto options = std::make_shared<PredictOptions>();
-  options->problem.add_to(command);
-  add_text(command, "--materials", options->materials,
+       "hmax stability predict --mesh phantom --methods rosenbrock --jacobian frozen --verify"},
+      predict);
+  options.problem.add_to(command);
+  add_text(command, "--materials", options.materials,
            "Ids of `hmax list materials`; all: both ends of the mass range of each", "A,B");
-  options->methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
-                                       fmt::format("{}", fmt::join(formula_patterns(), ", ")));
-  add_flag(command, "--verify", options->verify,
+  options.methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
+                                      fmt::format("{}", fmt::join(formula_patterns(), ", ")));
+  add_flag(command, "--verify", options.verify,
            "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
            "could be verified");
   add_text(
-      command, "--engine", options->engine,
+      command, "--engine", options.engine,
       "What finds the eigenvalues of --matrices, and of a mesh --at rest: hmax, or petsc, which under `mpirun -n N` "
       "distributes the rows over N processes; hmax by default",
       "hmax|petsc");
-  options->device.add_to(command, "the steps of --verify");
-  options->at.add_to(command);
+  options.device.add_to(command, "the steps of --verify");
+  options.at.add_to(command);
   add_text(
-      command, "--jacobian", options->jacobian,
+      command, "--jacobian", options.jacobian,
       "Jacobian of linearly implicit methods: exact, every:K steps, or frozen, that of the initial state; "
       "exact by default",
       "POLICY");
-  add_text(command, "--linear", options->linear,
+  add_text(command, "--linear", options.linear,
            "Linear solver of linearly implicit methods on bodies: direct, cg:TOLERANCE or "
            "cg:TOLERANCE,ITERATIONS; direct by default",
            "SOLVER");
   set_implicit_value(
       add_text(
-          command, "--along", options->along,
+          command, "--along", options.along,
           "Also the smallest limit along the motion from the initial state, at " + in_words(motion_shares) +
               " of the size of the motion, and the largest step that runs of it show to be safe (of large models with --verify), or the limit of a "
               "body while its load grows; "
@@ -393,14 +393,13 @@ void add_stability_predict(CLI::App& stability, Console& console) {
           "motion|load|none"),
       std::string(path_names[0]));
   add_number(
-      command, "--t-end", options->t_end,
+      command, "--t-end", options.t_end,
       "End of the motion of --along [s]; the problem's own, and at least a period of its load, by default");
-  add_text(command, "--out", options->out,
+  add_text(command, "--out", options.out,
            "Store of the limits; those that it has are looked up: a file that ends in .sqlite, or a name "
            "under results/runs; none by default",
            "STORE");
-  options->jobs = add_jobs(command);
-  set_callback(command, [options, &console] { predict(*options, console); });
+  options.jobs = add_jobs(command);
 }
 
 }  // namespace hmax

@@ -161,35 +161,34 @@ void region(const RegionOptions& options, Console& console) {
 }  // namespace
 
 void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas) {
-  CLI::App& command = add_command(
+  const auto [command, options] = add_command(
       stability, console, "region", "Compute and draw the boundary of the stability region",
       {"hmax stability region --method dormand_prince_54",
        "hmax stability region --method rk4 --window -4,1,-4,4 --json",
        "hmax stability region --method explicit_euler,rk4,adams_bashforth_2 --output results/runs/stability",
        "hmax stability region --method rk4 --order-star --output results/runs/stability",
        "hmax stability region --method imex_ark_324 --fast 0,-1,-3,-10 --output results/runs/stability",
-       "hmax stability region --method rosenbrock_23 --ratios 1,1.5,2,4 --output results/runs/stability"});
-  const auto options = std::make_shared<RegionOptions>();
-  options->methods.add_to(command, formulas);
-  options->parts.add_to(command);
-  add_text(command, "--window", options->window,
+       "hmax stability region --method rosenbrock_23 --ratios 1,1.5,2,4 --output results/runs/stability"},
+      region);
+  options.methods.add_to(command, formulas);
+  options.parts.add_to(command);
+  add_text(command, "--window", options.window,
            "Part of the plane, re_from,re_to,im_from,im_to; fitted to the region by default", "NUMBERS");
-  add_count(command, "--cells", options->cells, 2, 4000,
+  add_count(command, "--cells", options.cells, 2, 4000,
             "Cells along the longer side of the grid; 400 by default");
   add_text(
-      command, "--output", options->output,
+      command, "--output", options.output,
       "Draw into this folder, one method filled, several as outlines; or write the points of the curves to "
       "FILE.csv",
       "FOLDER");
-  add_flag(command, "--per-evaluation", options->per_evaluation,
+  add_flag(command, "--per-evaluation", options.per_evaluation,
            "Divide the plane by the evaluations of f of a step; explicit methods only");
-  add_flag(command, "--field", options->field, "Draw also levels of the spectral radius");
-  add_flag(command, "--order-star", options->order_star,
+  add_flag(command, "--field", options.field, "Draw also levels of the spectral radius");
+  add_flag(command, "--order-star", options.order_star,
            "Draw the order star, |R(z) e^-z| > 1; one-step methods only");
   add_force(command);
   add_jobs(command);
   add_figure_style(command);
-  set_callback(command, [options, &console] { region(*options, console); });
 }
 
 }  // namespace hmax
