@@ -169,8 +169,7 @@ void add_completion(CLI::App& app, Console& console) {
   set_callback(command, [shell, &app, &console] {
     const std::string chosen = parse_choice("the shell", *shell, shells);
     const std::string text = chosen == "bash" ? bash(app) : chosen == "zsh" ? zsh(app) : fish(app);
-    if (console.json) return console.print_json({{"shell", chosen}, {"script", text}});
-    console.print(text);
+    console.show({{"shell", chosen}, {"script", text}}, text);
   });
 }
 

@@ -42,9 +42,8 @@ void list_problems(Console& console) {
                problem.has_exact_solution ? "yes" : "no", describe(problem.parameters)});
     notes += fmt::format("{}: {}\n", id, problem.note);
   }
-  if (console.json) return console.print_json(document);
-  console.print(table.text(console));
-  console.print("\n" + notes + "\nA system of your own: --problem FILE.toml, see docs/howto/own_model.md.\n");
+  console.show(document, table.text(console) + "\n" + notes +
+                             "\nA system of your own: --problem FILE.toml, see docs/howto/own_model.md.\n");
 }
 
 void list_methods(Console& console) {
@@ -76,11 +75,11 @@ void list_models(Console& console) {
                         HMAX_KEYS(model, resists_inversion, resists_locking)});
     table.add({std::string(model.id), std::string(model.note)});
   }
-  if (console.json) return console.print_json(document);
-  console.print(table.text(console));
-  console.print(
-      fmt::format("\nModels of a body on a mesh: `--mesh liver --model {0}`, or `--problem {0}@liver`.\n",
-                  tissue_models().front().id));
+  console.show(
+      document,
+      table.text(console) +
+          fmt::format("\nModels of a body on a mesh: `--mesh liver --model {0}`, or `--problem {0}@liver`.\n",
+                      tissue_models().front().id));
 }
 
 void list_materials(Console& console) {

@@ -250,8 +250,7 @@ void order(const OrderOptions& options, Console& console) {
   check({.t_end = times.back(), .h = times.back()}, method, problem);
   const OrderReport report = measured(method, problem, times, console);
   if (!report.shown()) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(to_json(report, method, problem));
-  console.print(in_words(report, method, problem, console));
+  console.show(to_json(report, method, problem), in_words(report, method, problem, console));
 }
 
 }  // namespace

@@ -145,8 +145,8 @@ SweepPlan plan_of(const PrecisionOptions& options) {
 /// it.
 void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& console) {
   open_sweep_store(plan, options.store, true);
-  if (console.json) return console.print_json(Json::array());
-  console.print(fmt::format("shard {} has nothing to measure; {} is empty\n", options.shard, options.store));
+  console.show(Json::array(),
+               fmt::format("shard {} has nothing to measure; {} is empty\n", options.shard, options.store));
 }
 
 void precision(const PrecisionOptions& options, Console& console) {
@@ -202,11 +202,9 @@ void precision(const PrecisionOptions& options, Console& console) {
     else
       console.remark(files.problem);
   }
-  if (console.json)
-    console.print_json(to_json(rows, limits, words));
-  else
-    console.print(fmt::format("{}\nerror: {}\n{}{}", for_people(rows, which, console), words,
-                              words_of_atol(rows, options.atol_over_rtol.value_or(1)), drawn));
+  console.show(to_json(rows, limits, words),
+               fmt::format("{}\nerror: {}\n{}{}", for_people(rows, which, console), words,
+                           words_of_atol(rows, options.atol_over_rtol.value_or(1)), drawn));
 }
 
 }  // namespace

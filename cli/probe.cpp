@@ -184,8 +184,7 @@ void write_examples(const ProbeOptions& options, Console& console) {
     files.push_back(file.string());
     text += file.string() + "\n";
   }
-  if (console.json) return console.print_json({{"files", files}});
-  console.print(text);
+  console.show({{"files", files}}, text);
 }
 
 /// What is asked of, and between which step sizes: those of a scene are derived from its own.

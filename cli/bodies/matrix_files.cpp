@@ -90,8 +90,7 @@ void write_matrices(const Problem& problem, const OperatingPoint& point, const s
   document["matrices"] = option;
   // The matrices are not those that were asked for, as the limits of `hmax stability predict`.
   if (point.kind == StateKind::rest && !point.status.empty()) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(document);
-  console.print(text + fmt::format("use them with --matrices {}\n", option));
+  console.show(document, text + fmt::format("use them with --matrices {}\n", option));
 }
 
 }  // namespace hmax

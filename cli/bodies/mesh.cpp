@@ -241,8 +241,7 @@ void info(const MeshCommand& options, Console& console) {
   options.picture.check();
   const MeshReport report = report_of(options);
   if (options.picture.wanted()) write_picture(report, options);
-  if (console.json) return console.print_json(to_json(report, options));
-  console.print(in_words(report, options, console));
+  console.show(to_json(report, options), in_words(report, options, console));
 }
 
 /// At most some of the things that are wrong, one a line.
@@ -456,11 +455,11 @@ void check_mesh(const MeshCommand& options, Console& console) {
   const MeshFindings found = findings_of(opened, angle, options);
   const bool good = found.good();
   if (!good) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(to_json(found, opened.file, options));
-  console.print(in_words(found, opened) +
-                (good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n",
-                                    options.mesh, found.topology.tetrahedra, short_number(angle))
-                      : console.alarming(fmt::format("{} is not good", options.mesh)) + "\n"));
+  console.show(to_json(found, opened.file, options),
+               in_words(found, opened) +
+                   (good ? fmt::format("{}: {} tetrahedra, none is wrong or flatter than {} degrees\n",
+                                       options.mesh, found.topology.tetrahedra, short_number(angle))
+                         : console.alarming(fmt::format("{} is not good", options.mesh)) + "\n"));
 }
 
 }  // namespace

@@ -418,9 +418,8 @@ void solve(const StaticOptions& options, Console& console) {
     options.picture.write(picture_of(options, problem, settings, answer.solution, answer.outcome));
   if (answer.solution.converged && !answer.solution.stable.value_or(true)) console.remark(answer.status);
   if (answer.solution.converged) warn_of_tool(console, problem, equilibrium_time(problem), answer.solution.q);
-  if (console.json)
-    return console.print_json(json_of(answer, options.picture.wanted() ? options.picture.file : ""));
-  console.print(words_of(answer, console));
+  console.show(json_of(answer, options.picture.wanted() ? options.picture.file : ""),
+               words_of(answer, console));
 }
 
 }  // namespace

@@ -127,8 +127,7 @@ void phase(const PhaseOptions& options, Console& console) {
     deliver(phase_portrait(view), options, document, text, console);
   }
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
-  if (console.json) return console.print_json(document);
-  console.print(text);
+  console.show(document, text);
 }
 
 /// Which view.

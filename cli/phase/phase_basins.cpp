@@ -132,8 +132,7 @@ void phase_basins(const PhaseOptions& options, Console& console) {
                      fmt::format("motions: {}\n", in_words(basin_tolerances));
   add_time(device.get(), document, text);
   if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
-  if (console.json) return console.print_json(document);
-  console.print(text);
+  console.show(document, text);
 }
 
 }  // namespace hmax

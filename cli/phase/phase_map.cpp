@@ -170,8 +170,7 @@ void phase_map(const PhaseOptions& options, Console& console) {
   std::string text = headline(view.problem) + equilibria_table(view, console) + table_of(view, seen, console);
   if (!options.output.empty()) deliver(picture(view, seen), options, document, text, console);
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
-  if (console.json) return console.print_json(document);
-  console.print(text);
+  console.show(document, text);
 }
 
 }  // namespace hmax

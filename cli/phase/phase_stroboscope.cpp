@@ -424,8 +424,7 @@ void phase_poincare(const PhaseOptions& options, Console& console) {
   if (!options.output.empty() && !section.points.empty())
     deliver(picture(problem, section), options, document, text, console);
   if (section.diverges()) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(document);
-  console.print(text);
+  console.show(document, text);
 }
 
 void phase_bifurcation(const PhaseOptions& options, Console& console) {
@@ -483,8 +482,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
              .panel_height = 440},
             options, document, text, console);
   }
-  if (console.json) return console.print_json(document);
-  console.print(text);
+  console.show(document, text);
 }
 
 }  // namespace hmax

@@ -88,9 +88,8 @@ void report(const ReportOptions& options, Console& console) {
     console.remark(fmt::format(
         "{} rows are left out, since the page would be larger than 5 MB; name fewer stores", page.left_out));
   const Json document = to_json(options, stores);
-  if (console.json) return console.print_json(document);
-  console.print(fmt::format("{} rows of {} {} in {}\n", document.at("rows").get<std::size_t>(), stores.size(),
-                            stores.size() == 1 ? "store" : "stores", options.output));
+  console.show(document, fmt::format("{} rows of {} {} in {}\n", document.at("rows").get<std::size_t>(),
+                                     stores.size(), stores.size() == 1 ? "store" : "stores", options.output));
 }
 
 }  // namespace

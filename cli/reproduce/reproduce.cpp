@@ -29,9 +29,9 @@ namespace {
 
 void show(const ReproducedPart& part, Console& console) {
   if (part.failed) console.exit_code = Exit::failed;
-  if (console.json) return console.print_json(part.document);
-  console.print(part.words + "\n");
-  if (!part.report.empty()) console.print(fmt::format("Open {}\n", part.report.string()));
+  console.show(
+      part.document,
+      part.words + "\n" + (part.report.empty() ? "" : fmt::format("Open {}\n", part.report.string())));
 }
 
 /// A part of `reproduce all`, in a folder of its own.
@@ -152,8 +152,7 @@ void reproduce_all(const AllOptions& options, Console& console) {
   std::string text = page.text();
   lead_to_parts(text, folder);
   const std::filesystem::path written = write_report(text, folder);
-  if (console.json) return console.print_json({{"report", written.string()}, {"parts", listed}});
-  console.print(fmt::format("Open {}\n", written.string()));
+  console.show({{"report", written.string()}, {"parts", listed}}, fmt::format("Open {}\n", written.string()));
 }
 
 void add_all(CLI::App& reproduce, Console& console) {

@@ -68,8 +68,7 @@ void write_slice(const SliceOptions& options, Console& console) {
   if (options.press) choice.depth = *options.press / 1000;
   const std::vector<std::uint8_t> grey = chosen_slice(choice);
   write_file(options.output, png_of(grey, 256));
-  if (console.json) return console.print_json({{"slice", options.output}, {"pixels", 256}});
-  console.print(fmt::format("Open {}\n", options.output));
+  console.show({{"slice", options.output}, {"pixels", 256}}, fmt::format("Open {}\n", options.output));
 }
 
 }  // namespace

@@ -34,6 +34,8 @@ class Console {
   void print(std::string_view text);
   /// Writes one JSON document and a line break; called exactly once by a subcommand when `json` is set.
   void print_json(const Json& document);
+  /// One result: the document where `json` is set, else the text.
+  void show(const Json& document, std::string_view text) { json ? print_json(document) : print(text); }
   /// Pushes out what is buffered; @throws InputError like print
   void flush();
 

@@ -299,9 +299,8 @@ void gallery(const GalleryOptions& options, Console& console) {
       "with, or from steps of external integrators that show none. Scales are equal on both axes.\n\n";
   for (const PageSection& section : sections) text += markdown_of(section, output);
   const fs::path page = write_report(text, output);
-  if (console.json)
-    return console.print_json({{"page", page.string()}, {"methods", shown}, {"figures", files}});
-  console.print(
+  console.show(
+      {{"page", page.string()}, {"methods", shown}, {"figures", files}},
       fmt::format("The page: {} with {} methods in {} sections\n", page.string(), shown, chapters.size()));
 }
 

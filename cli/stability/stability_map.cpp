@@ -312,8 +312,7 @@ void map(const MapOptions& options, Console& console) {
   options.problem.remark_idle(console, study.bare);
   if (!options.output.empty()) study.figure = drawn(study, options);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
-  if (console.json) return console.print_json(to_json(study));
-  console.print(in_words(study, console));
+  console.show(to_json(study), in_words(study, console));
 }
 
 }  // namespace

@@ -249,8 +249,7 @@ void modes(const ModesOptions& options, Console& console) {
     throw InputError("the stiffness of this body is not symmetric here, so it has no modes of free motion");
   const std::vector<ModeReport> reports = reports_of(problem, part, count, options.fastest);
   if (!options.output.empty()) write_shapes(options.output, body, reports);
-  if (console.json) return console.print_json(to_json(options, problem, point, reports));
-  console.print(in_words(problem, point, reports, console));
+  console.show(to_json(options, problem, point, reports), in_words(problem, point, reports, console));
 }
 
 struct MatricesOptions {

@@ -149,13 +149,12 @@ void region(const RegionOptions& options, Console& console) {
   if (options.wants_figure()) study.figure = drawn(study, options, look);
   if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
   if (wants_points) write_file(options.output, csv_of(study), csv_header);
-  if (console.json) return console.print_json(to_json(study, options));
   std::string text;
   for (const DrawnRegion& each : study.regions) text += in_words(each);
   if (study.figure && study.figure->drawn())
     text += fmt::format("The figure: {}.svg\n", study.figure->base.string());
   if (wants_points) text += fmt::format("The points: {}\n", options.output);
-  console.print(text);
+  console.show(to_json(study, options), text);
 }
 
 }  // namespace
