@@ -114,15 +114,7 @@ void check_accuracy(const CheckOptions& options, Console& console) {
           "'{}' has no rows of {}; write a baseline of its own with hmax check --tableau FILE.toml --baseline mine.csv --update",
           file.string(), fmt::join(chosen, ", ")));
   }
-  const auto& interrupted = interrupt_flag();
-  std::vector<AccuracyRow> rows;
-  {
-    Progress progress(console, "check");
-    rows = run_accuracy_suite(plan, [&](double share, const std::string& name) {
-      if (interrupted) throw Interrupted{};
-      progress.update(share, name);
-    });
-  }
+  const std::vector<AccuracyRow> rows = run_accuracy_suite(plan, Progress(console, "check").watcher());
   const AccuracyComparison comparison = compare(baseline, rows);
   if (options.update) {
     others.insert(others.end(), rows.begin(), rows.end());

@@ -151,7 +151,6 @@ void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& 
 
 void precision(const PrecisionOptions& options, Console& console) {
   if (!options.store.empty() && options.shard.empty()) refuse_copies("hmax precision --store");
-  const auto& interrupted = interrupt_flag();
   if (!options.output.empty())
     check_figure_files(options.output, "precision");
   else
@@ -169,14 +168,7 @@ void precision(const PrecisionOptions& options, Console& console) {
   std::optional<double> size;  // of the solution at the end
   {
     Progress progress(console, "precision");
-    const SweepSummary summary = run_sweep(
-        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
-        [&] { return interrupted.load(); });
-    if (summary.interrupted) {
-      if (options.store.empty()) throw Interrupted{};
-      throw Interrupted::with_store(options.store, store.size());
-    }
-    for (const std::string& warning : summary.warnings) console.remark(warning);
+    run_shown_sweep(plan, store, options.store, progress, console);
     progress.update(1, "limits of the step");
     const double t_end = plan.blocks.front().run.t_end;
     const Reference reference = make_reference(plan.problems.front(), t_end);

@@ -1,17 +1,19 @@
 #include "cli/reproduce/parts.hpp"
 
 #include <array>
-#include <chrono>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "bench/timing/sweep.hpp"
+#include "bench/timing/timing.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "cli/reproduce/reproduce_oscillators.hpp"
 #include "cli/reproduce/reproduce_stability.hpp"
 #include "cli/reproduce/tissue_page.hpp"
+#include "cli/shared/outputs.hpp"
 #include "cli/stability/stability.hpp"
+#include "core/errors.hpp"
 #include "limits/documents/number_json.hpp"
 #include "plots/pages/report.hpp"
 #include "plots/pages/store_report.hpp"
@@ -26,10 +28,6 @@ namespace {
 
 constexpr const char *self_exciting_store = "damping_minus_2.sqlite", *sweep_store = "step_sweep.sqlite",
                      *limit_store = "limits.sqlite";
-
-double elapsed_since(std::chrono::steady_clock::time_point started) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-}
 
 /// Writes the page of all rows of stores in a folder.
 void write_rows(const std::filesystem::path& folder, const std::vector<std::string>& stores,
@@ -48,10 +46,10 @@ void write_rows(const std::filesystem::path& folder, const std::vector<std::stri
 
 /// What a shard has stored in a folder.
 ReproducedPart stored_shard(const std::filesystem::path& folder, const std::vector<const char*>& stores,
-                            std::size_t rows, std::chrono::steady_clock::time_point started) {
+                            std::size_t rows, double started) {
   std::vector<std::string> files;
   for (const char* store : stores) files.push_back((folder / store).string());
-  const double seconds = elapsed_since(started);
+  const double seconds = elapsed_seconds() - started;
   return {.rows = static_cast<std::int64_t>(rows),
           .seconds = seconds,
           .document = {{"stores", files}, {"rows", rows}, {"seconds", seconds}},
@@ -84,15 +82,9 @@ std::vector<Row> measured(const SweepSpec& spec, const std::filesystem::path& fi
                                old.string()));
   }
   Store store = open_sweep_store(plan, file, true);
-  const std::atomic<bool>& interrupted = interrupt_flag();
   {
     Progress progress(console, task);
-    const SweepSummary done = run_sweep(
-        plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
-        [&] { return interrupted.load(); });
-    if (done.interrupted) throw Interrupted::with_store(file.string(), store.size());
-    for (const std::string& warning : done.warnings) console.remark(warning);
-    count += done.measured;
+    count += run_shown_sweep(plan, store, file.string(), progress, console).measured;
   }
   // A shard may have no row.
   if (const std::vector<Session> sessions = store.sessions(); !sessions.empty())
@@ -106,7 +98,8 @@ constexpr std::array nonlinear_methods{"explicit_euler",    "rk2_heun",         
                                        "abm_pece_3",        "symplectic_euler", "stormer_verlet",
                                        "central_difference"};
 
-/// Infinity as a word, as every document has it.
+}  // namespace
+
 void tell_infinity(Json& value) {
   if (value.is_structured())
     for (auto& inner : value) tell_infinity(inner);
@@ -114,12 +107,11 @@ void tell_infinity(Json& value) {
     value = number_or_word(value.get<double>());
 }
 
-}  // namespace
-
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console,
-                                std::optional<Shard> shard) {
+ReproducedPart reproduce_limits(const StudyOptions& options, Console& console) {
+  const std::filesystem::path folder = options.folder;
+  const std::optional<Shard> shard = shard_from(options.shard);
   check_report_place(folder);
-  const auto started = std::chrono::steady_clock::now();
+  const double started = elapsed_seconds();
   const auto& interrupted = interrupt_flag();
   const auto stop = [&] { return interrupted.load(); };
   const std::vector<LimitCase> cases = limit_cases();
@@ -144,7 +136,7 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
   const std::filesystem::path report =
       reproduce_stability(cases, rows, nonlinear, summary(fingerprint()), folder);
   const LimitSummary found = summary_of(cases, rows);
-  const double seconds = elapsed_since(started);
+  const double seconds = elapsed_seconds() - started;
   Json document{{"report", report.string()}, {"seconds", seconds}};
   document.update(Json(found));
   return {.report = report,
@@ -158,26 +150,22 @@ ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& co
               found.rows, found.with_number, 100 * found.worst_gap, found.unbounded, found.disagreeing)};
 }
 
-ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
-                                     Console& console) {
-  check_report_place(folder);
-  const auto started = std::chrono::steady_clock::now();
-  const auto& interrupted = interrupt_flag();
-  Json document;
-  {
-    Progress progress(console, "tissue");
-    options.machine = summary(fingerprint());
-    document = reproduce_tissue(folder, options, [&](double share, const std::string& what) {
-      if (interrupted) throw Interrupted{};
-      progress.update(share, what);
-    });
-  }
+ReproducedPart reproduce_tissue_part(const StudyOptions& options, Console& console) {
+  options.device.check({});
+  TissueOptions tissue = options.tissue;
+  if (options.device.is_gpu() && !tissue.scale)
+    throw InputError("--device gpu is for the costs of --scale; add it, or leave --device out");
+  tissue.device = options.device.open();
+  check_report_place(options.folder);
+  const double started = elapsed_seconds();
+  tissue.machine = summary(fingerprint());
+  Json document = reproduce_tissue(options.folder, tissue, Progress(console, "tissue").watcher());
   const auto number = [&](const char* key) { return document[key].get<double>(); };
   ReproducedPart part{
       .report = document["report"].get<std::string>(),
       .rows = static_cast<std::int64_t>(document["particles"].size() + document["paths"].size() +
                                         document["sizes"].size()),
-      .seconds = elapsed_since(started),
+      .seconds = elapsed_seconds() - started,
       .failed = document["unsolved"] > 0,
       .words = fmt::format(
           "Finite elements cost {:.2g} times the forces and {:.2g} times the step of springs; under "
@@ -189,10 +177,11 @@ ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, Tissue
   return part;
 }
 
-ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
-                                         std::optional<Shard> shard) {
+ReproducedPart reproduce_oscillator_part(const StudyOptions& options, Console& console) {
+  const std::filesystem::path folder = options.folder;
+  const std::optional<Shard> shard = shard_from(options.shard);
   check_report_place(folder);
-  const auto started = std::chrono::steady_clock::now();
+  const double started = elapsed_seconds();
   StudyRows rows;
   std::int64_t count = 0;
   rows.self_exciting = measured(self_exciting_sweep(), folder / self_exciting_store,
@@ -214,7 +203,7 @@ ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Co
   }
   return {.report = report,
           .rows = static_cast<std::int64_t>(rows.published_model.size() + rows.self_exciting.size()),
-          .seconds = elapsed_since(started),
+          .seconds = elapsed_seconds() - started,
           .document = {{"report", report.string()}, {"measured", count}},
           .words = fmt::format("{} rows measured, the others were there already.", count)};
 }

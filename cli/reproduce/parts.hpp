@@ -2,13 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/timing/sweep.hpp"
 #include "cli/reproduce/tissue_page.hpp"
 #include "cli/shared/commands.hpp"
+#include "cli/shared/device_option.hpp"
 #include "results/json.hpp"
 
 namespace hmax {
@@ -23,29 +22,34 @@ struct ReproducedPart {
   std::string words = {};             ///< the same for people
 };
 
+/// What is asked of one.
+struct StudyOptions {
+  std::string folder;                   ///< where its report goes
+  std::string shard = {};               ///< "3/8": only these rows are measured, and no page is written
+  std::vector<std::string> files = {};  ///< reports of a user in place of those of hmax, of the docket
+  DeviceChoice device = {};             ///< of the tissue
+  TissueOptions tissue = {};            ///< its `quick` is that of every study
+};
+
 /// The liver oscillator study. Rows that the stores of the folder hold are not measured again.
-/// @param shard  only these rows are measured, and no page is written
-ReproducedPart reproduce_oscillator_part(const std::filesystem::path& folder, Console& console,
-                                         std::optional<Shard> shard = {});
+ReproducedPart reproduce_oscillator_part(const StudyOptions& options, Console& console);
 
 /// The step limits of every method on every model of that study; those that the store of the folder holds are
 /// looked up.
-/// @param shard  only these rows are computed, and no page is written
-ReproducedPart reproduce_limits(const std::filesystem::path& folder, Console& console,
-                                std::optional<Shard> shard = {});
+ReproducedPart reproduce_limits(const StudyOptions& options, Console& console);
 
 /// Springs and finite elements of the thesis.
-ReproducedPart reproduce_tissue_part(const std::filesystem::path& folder, TissueOptions options,
-                                     Console& console);
+ReproducedPart reproduce_tissue_part(const StudyOptions& options, Console& console);
 
-/// Methods of simulators at 60, 100 and 1000 frames a second: error, time of a frame, stiffness shown.
-/// @param quick  the phantom at one rate
-ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool quick, Console& console);
+/// Methods of simulators at 60, 100 and 1000 frames a second: error, time of a frame, stiffness shown. Quick
+/// it is the phantom at one rate.
+ReproducedPart reproduce_real_time(const StudyOptions& options, Console& console);
 
 /// Public reports of runs that failed, judged from their numbers.
-/// @param files  reports of a user in place of those of hmax
-ReproducedPart reproduce_docket(const std::filesystem::path& folder, const std::vector<std::string>& files,
-                                Console& console);
+ReproducedPart reproduce_docket(const StudyOptions& options, Console& console);
+
+/// Infinity as a word and NaN as null, as every document has them.
+void tell_infinity(Json& value);
 
 /// `hmax reproduce slice`: any slice of the synthetic thigh as PNG.
 void add_slice(CLI::App& reproduce, Console& console);

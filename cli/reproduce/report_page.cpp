@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "core/own_files.hpp"
 #include "plots/pages/report.hpp"
+#include "results/table.hpp"
 
 namespace hmax {
 
@@ -22,6 +24,11 @@ void ReportPage::show(const std::string& name, const Table& table) {
 
 void ReportPage::link(const std::string& name, const std::string& file, const std::string& words) {
   pieces_["link " + name] = fmt::format("[{}]({})", markdown_text(words.empty() ? file : words), file);
+}
+
+void ReportPage::write_numbers(const std::string& file, const std::string& name, const Json& numbers) {
+  write_file(folder / file, Json{{"made", own_mark}, {name, numbers}}.dump(2) + "\n");
+  link(file, file);
 }
 
 void ReportPage::link_to_rows() {

@@ -25,6 +25,8 @@ class ReportPage {
   void show(const std::string& name, const Table& table);
   /// {{link name}} with these words, to a file of the folder. Without words the link is called as the file.
   void link(const std::string& name, const std::string& file, const std::string& words = {});
+  /// Writes numbers for programs, under this name in an object, and links them: {{link file}}.
+  void write_numbers(const std::string& file, const std::string& name, const Json& numbers);
   /// {{link rows.html}}, which vanishes where the folder has no such page.
   void link_to_rows();
 

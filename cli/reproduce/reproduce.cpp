@@ -1,10 +1,10 @@
 /// `hmax reproduce`: published studies done again, figure by figure.
 #include <algorithm>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,7 +12,6 @@
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "cli/shared/commands.hpp"
-#include "cli/shared/device_option.hpp"
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
@@ -37,24 +36,16 @@ void show(const ReproducedPart& part, Console& console) {
 /// A part of `reproduce all`, in a folder of its own.
 struct ReportPart {
   std::string name, title;
-  std::function<ReproducedPart(const std::filesystem::path& folder, bool quick, Console& console)> make;
+  ReproducedPart (*make)(const StudyOptions&, Console&);
 };
 
 const std::vector<ReportPart>& parts() {
   static const std::vector<ReportPart> all{
-      {"oscillators", "The liver oscillator study",
-       [](const auto& folder, bool, Console& console) { return reproduce_oscillator_part(folder, console); }},
-      {"stability", "Step limits of every method on every model of that study",
-       [](const auto& folder, bool, Console& console) { return reproduce_limits(folder, console); }},
-      {"tissue", "Springs and finite elements, after the thesis on deformable organs",
-       [](const auto& folder, bool quick, Console& console) {
-         TissueOptions options;
-         options.quick = quick;
-         return reproduce_tissue_part(folder, options, console);
-       }},
+      {"oscillators", "The liver oscillator study", reproduce_oscillator_part},
+      {"stability", "Step limits of every method on every model of that study", reproduce_limits},
+      {"tissue", "Springs and finite elements, after the thesis on deformable organs", reproduce_tissue_part},
       {"real-time", "A liver in real time: what each setting makes of its material", reproduce_real_time},
-      {"docket", "Public reports of runs that failed, judged from their numbers",
-       [](const auto& folder, bool, Console& console) { return reproduce_docket(folder, {}, console); }}};
+      {"docket", "Public reports of runs that failed, judged from their numbers", reproduce_docket}};
   return all;
 }
 
@@ -127,6 +118,7 @@ void lead_to_parts(std::string& text, const std::filesystem::path& folder) {
 }
 
 void reproduce_all(const AllOptions& options, Console& console) {
+  refuse_copies("hmax reproduce");
   const std::filesystem::path folder = options.folder;
   const std::vector<ReportPart> chosen = chosen_parts(options.names);
   check_report_place(folder);
@@ -136,7 +128,8 @@ void reproduce_all(const AllOptions& options, Console& console) {
   for (const ReportPart& part : chosen) {
     auto done = finished.find(part.name);
     if (!done) {
-      done = part.make(folder / part.name, options.quick, console);
+      done =
+          part.make({.folder = (folder / part.name).string(), .tissue = {.quick = options.quick}}, console);
       finished.keep(part.name, *done);
     }
     if (done->failed) console.exit_code = Exit::failed;
@@ -156,102 +149,74 @@ void reproduce_all(const AllOptions& options, Console& console) {
 }
 
 void add_all(CLI::App& reproduce, Console& console) {
-  CLI::App& all =
-      add_command(reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
-                  {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"});
-  auto options = std::make_shared<AllOptions>();
-  show_default(add_text(all, "--output", options->folder, "Folder of the page and of the parts"));
-  add_list(all, "--part", options->names,
+  const auto [all, options] = add_command(
+      reproduce, console, "all", "Reproduce both sources, with one page that links their parts",
+      {"hmax reproduce all --quick", "hmax reproduce all --part oscillators,tissue"}, reproduce_all);
+  show_default(add_text(all, "--output", options.folder, "Folder of the page and of the parts"));
+  add_list(all, "--part", options.names,
            "Parts: oscillators, stability, tissue, real-time, docket; all by default", "A,B");
-  add_flag(all, "--quick", options->quick,
+  add_flag(all, "--quick", options.quick,
            "The quick form of tissue and real-time: coarser meshes, fewer points");
   add_footer(all, "A part that the same program has finished in FOLDER is not made again.");
   add_force(all);
   add_figure_style(all);
   add_jobs(all);
-  set_callback(all, [options, &console] {
-    refuse_copies("hmax reproduce");
-    reproduce_all(*options, console);
-  });
 }
 
-/// A study whose rows shards may share out.
-CLI::App& add_sharded_study(CLI::App& reproduce, Console& console, const std::string& name,
-                            const std::string& description, const char* about_folder,
-                            decltype(reproduce_limits)* make) {
-  const auto folder = std::make_shared<std::string>("results/runs/" + name),
-             shard = std::make_shared<std::string>();
+/// One part alone.
+std::pair<CLI::App&, StudyOptions&> add_study(CLI::App& reproduce, Console& console, const std::string& name,
+                                              const std::string& description,
+                                              const std::string& about_folder = "Folder of the report") {
+  const auto make = std::ranges::find(parts(), name, &ReportPart::name)->make;
+  const std::string folder = "results/runs/" + name;
   CLI::App& study = add_command(reproduce, console, name, description,
-                                {fmt::format("hmax reproduce {} --output {}", name, *folder)});
-  show_default(add_text(study, "--output", *folder, about_folder));
+                                {fmt::format("hmax reproduce {} --output {}", name, folder)});
+  const auto options = std::make_shared<StudyOptions>(StudyOptions{.folder = folder});
+  show_default(add_text(study, "--output", options->folder, about_folder));
   add_force(study);
-  add_figure_style(study);
+  if (make != reproduce_docket) add_figure_style(study);
   add_jobs(study);
-  add_shard(study, *shard);
-  set_callback(study, [&console, folder, shard, make] {
-    if (shard->empty()) refuse_copies("hmax reproduce");
-    show(make(*folder, console, shard_from(*shard)), console);
+  set_callback(study, [&console, options, make] {
+    // Shards are made beside one another.
+    if (options->shard.empty()) refuse_copies("hmax reproduce");
+    show(make(*options, console), console);
   });
-  return study;
+  return {study, *options};
+}
+
+void add_oscillator_studies(CLI::App& reproduce, Console& console) {
+  const auto [oscillators, rows] = add_study(reproduce, console, "oscillators",
+                                             "Reproduce every figure and table of the liver oscillator study",
+                                             "Folder of the report and of its stores");
+  add_shard(oscillators, rows.shard);
+  add_footer(oscillators, "What was measured before is kept in FOLDER/*.sqlite and not measured again.");
+  const auto [stability, limits] =
+      add_study(reproduce, console, "stability",
+                "Predict and observe the step limits of every method on every model of the study");
+  add_shard(stability, limits.shard);
 }
 
 void add_tissue_study(CLI::App& reproduce, Console& console) {
-  CLI::App& tissue = add_command(reproduce, console, "tissue",
-                                 "Compare springs with finite elements on the phantom and the liver",
-                                 {"hmax reproduce tissue --output results/runs/tissue"});
-  auto folder = std::make_shared<std::string>("results/runs/tissue");
-  show_default(add_text(tissue, "--output", *folder, "Folder of the report"));
-  auto options = std::make_shared<TissueOptions>();
-  add_flag(tissue, "--quick", options->quick,
+  const auto [tissue, options] = add_study(
+      reproduce, console, "tissue", "Compare springs with finite elements on the phantom and the liver");
+  add_flag(tissue, "--quick", options.tissue.quick,
            "Step limits on the phantom instead of the liver and at a few points; takes seconds");
-  add_flag(tissue, "--scale", options->scale,
+  add_flag(tissue, "--scale", options.tissue.scale,
            "Also costs of meshes of a thousand to a million tetrahedra; takes minutes and gigabytes");
-  auto device = std::make_shared<DeviceChoice>();
-  device->add_to(tissue, "explicit steps of --scale also");
-  add_force(tissue);
-  add_figure_style(tissue);
-  add_jobs(tissue);
-  set_callback(tissue, [&console, folder, options, device] {
-    refuse_copies("hmax reproduce");
-    device->check({});
-    if (device->is_gpu() && !options->scale)
-      throw InputError("--device gpu is for the costs of --scale; add it, or leave --device out");
-    options->device = device->open();
-    show(reproduce_tissue_part(*folder, *options, console), console);
-  });
+  options.device.add_to(tissue, "explicit steps of --scale also");
 }
 
 void add_real_time_study(CLI::App& reproduce, Console& console) {
-  CLI::App& study = add_command(reproduce, console, "real-time",
-                                "Show what methods of simulators make of a liver at 60, 100 and 1000 Hz",
-                                {"hmax reproduce real-time --output results/runs/real-time"});
-  auto folder = std::make_shared<std::string>("results/runs/real-time");
-  show_default(add_text(study, "--output", *folder, "Folder of the report"));
-  const auto quick = std::make_shared<bool>(false);
-  add_flag(study, "--quick", *quick, "The phantom at one rate; takes seconds");
-  add_force(study);
-  add_figure_style(study);
-  add_jobs(study);
-  set_callback(study, [&console, folder, quick] {
-    refuse_copies("hmax reproduce");
-    show(reproduce_real_time(*folder, *quick, console), console);
-  });
+  const auto [study, options] =
+      add_study(reproduce, console, "real-time",
+                "Show what methods of simulators make of a liver at 60, 100 and 1000 Hz");
+  add_flag(study, "--quick", options.tissue.quick, "The phantom at one rate; takes seconds");
 }
 
 void add_docket_study(CLI::App& reproduce, Console& console) {
-  CLI::App& study =
-      add_command(reproduce, console, "docket", "Judge public reports of runs that failed from their numbers",
-                  {"hmax reproduce docket --output results/runs/docket"});
-  auto folder = std::make_shared<std::string>("results/runs/docket");
-  show_default(add_text(study, "--output", *folder, "Folder of the report"));
-  const auto files = std::make_shared<std::vector<std::string>>();
-  add_list(study, "--files", *files, "Reports of your own in place of those of hmax, TOML", "A,B");
-  add_force(study);
-  add_jobs(study);
-  set_callback(study, [&console, folder, files] {
-    refuse_copies("hmax reproduce");
-    show(reproduce_docket(*folder, *files, console), console);
-  });
+  const auto [study, options] =
+      add_study(reproduce, console, "docket", "Judge public reports of runs that failed from their numbers");
+  add_list(study, "--files", options.files, "Reports of your own in place of those of hmax, TOML", "A,B");
 }
 
 }  // namespace
@@ -263,13 +228,7 @@ void add_reproduce(CLI::App& app, Console& console) {
                    "hmax reproduce tissue", "hmax reproduce real-time", "hmax reproduce docket"});
   require_subcommand(reproduce);
   add_all(reproduce, console);
-  CLI::App& oscillators = add_sharded_study(
-      reproduce, console, "oscillators", "Reproduce every figure and table of the liver oscillator study",
-      "Folder of the report and of its stores", reproduce_oscillator_part);
-  add_footer(oscillators, "What was measured before is kept in FOLDER/*.sqlite and not measured again.");
-  add_sharded_study(reproduce, console, "stability",
-                    "Predict and observe the step limits of every method on every model of the study",
-                    "Folder of the report", reproduce_limits);
+  add_oscillator_studies(reproduce, console);
   add_tissue_study(reproduce, console);
   add_real_time_study(reproduce, console);
   add_docket_study(reproduce, console);

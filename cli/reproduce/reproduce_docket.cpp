@@ -1,12 +1,11 @@
 /// `hmax reproduce docket`: public reports of runs that failed, judged from their numbers.
 #include <algorithm>
-#include <chrono>
 
 #include <fmt/format.h>
 
+#include "bench/timing/timing.hpp"
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
-#include "core/own_files.hpp"
 #include "plots/pages/markdown_page.hpp"
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
@@ -16,8 +15,6 @@
 namespace hmax {
 
 namespace {
-
-constexpr const char* docket_numbers = "docket.json";
 
 std::vector<TomlDocument> docket_documents(const std::vector<std::string>& files) {
   std::vector<TomlDocument> all;
@@ -95,28 +92,26 @@ void fill_docket(ReportPage& page, const std::vector<DocketReport>& reports) {
 
 }  // namespace
 
-ReproducedPart reproduce_docket(const std::filesystem::path& folder, const std::vector<std::string>& files,
-                                Console& console) {
+ReproducedPart reproduce_docket(const StudyOptions& options, Console& console) {
+  const std::filesystem::path folder = options.folder;
   check_report_place(folder);
-  const auto started = std::chrono::steady_clock::now();
+  const double started = elapsed_seconds();
   std::vector<DocketReport> reports;
   {
     Progress progress(console, "docket");
-    const std::vector<TomlDocument> all = docket_documents(files);
+    const std::vector<TomlDocument> all = docket_documents(options.files);
+    const auto watch = progress.watcher();
     for (const TomlDocument& document : all) {
-      if (interrupt_flag()) throw Interrupted{};
-      progress.update(static_cast<double>(reports.size()) / static_cast<double>(all.size()), document.name);
+      watch(static_cast<double>(reports.size()) / static_cast<double>(all.size()), document.name);
       reports.push_back(docket_report(document));
     }
   }
   ReportPage page("docket", folder);
   fill_docket(page, reports);
   const Json document = reports;
-  const Json numbers{{"made", own_mark}, {"reports", document}};
-  write_file(folder / docket_numbers, numbers.dump(2) + "\n");
-  page.link(docket_numbers, docket_numbers);
+  page.write_numbers("docket.json", "reports", document);
   ReproducedPart part{.report = page.write(), .rows = page.values["runs"].get<std::int64_t>()};
-  part.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  part.seconds = elapsed_seconds() - started;
   const auto right = std::ranges::count(reports, true, &DocketReport::right);
   part.document = {
       {"report", part.report.string()}, {"seconds", part.seconds}, {"right", right}, {"reports", document}};

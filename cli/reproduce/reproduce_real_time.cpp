@@ -1,15 +1,13 @@
 /// `hmax reproduce real-time`: methods of simulators at frame rates, and what they make of a material.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "bench/timing/timing.hpp"
 #include "cli/reproduce/parts.hpp"
 #include "cli/reproduce/report_page.hpp"
-#include "core/own_files.hpp"
-#include "limits/documents/number_json.hpp"
 #include "plots/pages/report.hpp"
 #include "results/exports.hpp"
 #include "results/fingerprint.hpp"
@@ -19,8 +17,6 @@
 namespace hmax {
 
 namespace {
-
-constexpr const char* numbers_file = "real_time.json";
 
 std::vector<RealTimeRow> rows_at(double rate, const std::vector<RealTimeRow>& rows) {
   std::vector<RealTimeRow> chosen;
@@ -114,14 +110,6 @@ Json best_of(const std::vector<RealTimeRow>& rows) {
   return best ? chosen(*best, {"method", "error_pressed", "stiffness_shown", "frame_p99"}) : Json();
 }
 
-Json document_of(const std::vector<RealTimeRow>& rows) {
-  Json list = rows;
-  for (Json& row : list)
-    for (auto& [key, value] : row.items())
-      if (value.is_number_float()) value = number_or_word(value.get<double>());
-  return list;
-}
-
 void fill(ReportPage& page, const RealTimeQuestion& question, const std::vector<RealTimeRow>& rows) {
   page.values["rates"] = page.values["remarks"] = Json::array();
   for (const double rate : question.rates) {
@@ -145,9 +133,11 @@ void fill(ReportPage& page, const RealTimeQuestion& question, const std::vector<
 
 }  // namespace
 
-ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool quick, Console& console) {
+ReproducedPart reproduce_real_time(const StudyOptions& options, Console& console) {
+  const std::filesystem::path folder = options.folder;
   check_report_place(folder);
-  const auto started = std::chrono::steady_clock::now();
+  const double started = elapsed_seconds();
+  const bool quick = options.tissue.quick;
   RealTimeQuestion question;
   if (quick) {
     question.body = "phantom";
@@ -155,25 +145,18 @@ ReproducedPart reproduce_real_time(const std::filesystem::path& folder, bool qui
     question.frames = 30;
     question.ceilings_up_to = 0;
   }
-  std::vector<RealTimeRow> rows;
-  {
-    Progress progress(console, "real time");
-    rows = real_time_study(question, real_time_candidates(), [&](double share, const std::string& what) {
-      if (interrupt_flag()) throw Interrupted{};
-      progress.update(share, what);
-    });
-  }
+  const std::vector<RealTimeRow> rows =
+      real_time_study(question, real_time_candidates(), Progress(console, "real time").watcher());
   const std::string machine = summary(fingerprint());
   ReportPage page("real_time", folder);
   page.values = {{"machine", machine}, {"quick", quick}, HMAX_KEYS(question, body, material)};
   fill(page, question, rows);
   page.draw(figure_of(question, rows, machine), "real_time");
-  const Json document = document_of(rows);
-  const Json numbers{{"made", own_mark}, {"rows", document}};
-  write_file(folder / numbers_file, numbers.dump(2) + "\n");
-  page.link(numbers_file, numbers_file);
+  Json document = rows;
+  tell_infinity(document);
+  page.write_numbers("real_time.json", "rows", document);
   ReproducedPart part{.report = page.write(), .rows = std::ssize(rows)};
-  part.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  part.seconds = elapsed_seconds() - started;
   part.document = {{"report", part.report.string()}, {"seconds", part.seconds}, {"rows", document}};
   const auto soft =
       std::ranges::count_if(rows, [](const RealTimeRow& row) { return row.stiffness_shown < 0.95; });

@@ -21,7 +21,7 @@ namespace hmax {
 
 /// What is made.
 struct TissueOptions {
-  std::string machine;  ///< one line: where it is done
+  std::string machine{};  ///< one line: where it is done
   bool quick = false;  ///< limits of the step on the phantom and at a few points of each curve, a small thigh
   bool scale = false;  ///< also what meshes of up to a million tetrahedra cost
   std::shared_ptr<Device> device = nullptr;  ///< takes steps of them too

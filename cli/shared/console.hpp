@@ -57,29 +57,6 @@ class Console {
   bool colour_, progress_, reader_left_ = false;
 };
 
-/// One line on standard error that says how far a long task is and how long it will still take. It shows
-/// nothing during the first second and on anything but a terminal, and wipes itself out at the end.
-class Progress {
- public:
-  Progress(const Console& console, std::string task);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  /// Wipes the line, for text to take its place.
-  void clear();
-  /// @param share   of the work that is done, 0 to 1
-  /// @param detail  what is being done now
-  void update(double share, std::string_view detail = {});
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::string task_;
-  bool active_;
-  bool drawn_ = false;
-  Clock::time_point start_, last_;
-};
-
 /// Thrown to leave a long task after Ctrl-C; the program ends with 130 and says what is kept of the work, if
 /// anything is.
 struct Interrupted {
@@ -96,6 +73,36 @@ struct Interrupted {
 /// moment; a second Ctrl-C, more than a second later, ends the program at once. Without a call the first one
 /// does.
 const std::atomic<bool>& interrupt_flag();
+
+/// One line on standard error that says how far a long task is and how long it will still take. It shows
+/// nothing during the first second and on anything but a terminal, and wipes itself out at the end.
+class Progress {
+ public:
+  Progress(const Console& console, std::string task);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Wipes the line, for text to take its place.
+  void clear();
+  /// @param share   of the work that is done, 0 to 1
+  /// @param detail  what is being done now
+  void update(double share, std::string_view detail = {});
+  /// update() for a task that Ctrl-C ends from now on. The function throws Interrupted then.
+  [[nodiscard]] auto watcher() {
+    return [this, &interrupted = interrupt_flag()](double share, std::string_view detail = {}) {
+      if (interrupted) throw Interrupted{};
+      update(share, detail);
+    };
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string task_;
+  bool active_;
+  bool drawn_ = false;
+  Clock::time_point start_, last_;
+};
 
 /// While one lives, Ctrl-C, SIGTERM and SIGHUP set a flag in place of ending the program: for a task that
 /// saves its state before it ends. A second signal ends the program at once.

@@ -1,6 +1,7 @@
 #include "cli/shared/outputs.hpp"
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -117,6 +118,17 @@ std::optional<Shard> shard_from(const std::string& text) {
     throw InputError(
         fmt::format("--shard {} does not exist; shards count from 1 to N, and N is at most {}", text, most));
   return Shard{.index = static_cast<int>(index), .count = static_cast<int>(count)};
+}
+
+SweepSummary run_shown_sweep(const SweepPlan& plan, Store& store, const std::string& kept, Progress& progress,
+                             Console& console) {
+  const std::atomic<bool>& interrupted = interrupt_flag();
+  SweepSummary summary = run_sweep(
+      plan, store, [&](const SweepProgress& p) { progress.update(p.fraction, p.what); },
+      [&] { return interrupted.load(); });
+  if (summary.interrupted) throw kept.empty() ? Interrupted{} : Interrupted::with_store(kept, store.size());
+  for (const std::string& warning : summary.warnings) console.remark(warning);
+  return summary;
 }
 
 namespace {

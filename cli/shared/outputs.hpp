@@ -57,6 +57,12 @@ void add_shard(CLI::App& command, std::string& shard);
 /// @throws InputError  for another form, and shards that do not exist
 std::optional<Shard> shard_from(const std::string& text);
 
+/// Runs a sweep with a line of progress; its warnings are remarks.
+/// @param kept  the file of the store, where it stays
+/// @throws Interrupted  after Ctrl-C
+SweepSummary run_shown_sweep(const SweepPlan& plan, Store& store, const std::string& kept, Progress& progress,
+                             Console& console);
+
 /// Draws a figure as one SVG file by gnuplot, or says on standard error why it is not drawn.
 /// @param name  as of draw(): letters, digits, '_', '-'
 /// @param what  "picture", "figure"

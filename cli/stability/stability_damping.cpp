@@ -133,9 +133,8 @@ void damping_of_body(const DampingOptions& options, double h, Console& console) 
   std::vector<ShownDamping> rows;
   const FidelityModel model = [&] {
     Progress progress(console, "numerical damping");
-    const auto watch = [&] {
-      if (interrupt_flag()) throw Interrupted{};
-      progress.update(static_cast<double>(rows.size()) / static_cast<double>(methods.size()));
+    const auto watch = [&, tell = progress.watcher()] {
+      tell(static_cast<double>(rows.size()) / static_cast<double>(methods.size()));
     };
     FidelityModel found = settled_model(problem, watch);
     for (const Method& method : methods) rows.push_back(shown_damping(method, found, h, watch));

@@ -245,12 +245,8 @@ MapStudy study_of(const MapOptions& options, Console& console) {
                                    : over_parameters(options.problem.id(), settings, study.x, study.y);
   const std::vector<Method> methods = options.methods.methods({study.bare}, console);
   check_length(options, study, problem_at, methods);
-  const auto& interrupted = interrupt_flag();
   Progress progress(console, "map");
-  study.maps = stability_maps(methods, problem_at, study.x, study.y, [&](double share) {
-    if (interrupted) throw Interrupted{};
-    progress.update(share);
-  });
+  study.maps = stability_maps(methods, problem_at, study.x, study.y, progress.watcher());
   return study;
 }
 
