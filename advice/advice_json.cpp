@@ -76,7 +76,7 @@ Json to_json(const AdviceRow& row, const AdviceQuestion& question, const std::st
             {"expected", number_or_word(1e3 * row.expected_frame)}}},
           HMAX_KEYS(row, missed, frames, disturbed),
           {"realtime_factor", number_or_word(row.realtime_factor(question.rate))},
-          {"memory_bytes", row.memory ? Json(*row.memory) : Json()},
+          {"memory_bytes", json_or_null(row.memory)},
           {"damping_added", numbers(row.damping_added)},
           {"frequency_shift", numbers(row.frequency_shift)},
           {"stiffness_shown", number_or_word(row.stiffness_shown)},

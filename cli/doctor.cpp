@@ -27,7 +27,7 @@ namespace {
 
 Json to_json(const Part& part) {
   return {{"name", part.name},
-          {"version", part.version.empty() ? Json() : Json(part.version)},
+          {"version", json_or_null(part.version)},
           {"present", !part.version.empty()},
           HMAX_KEYS(part, needed_for, debian_package)};
 }

@@ -138,26 +138,11 @@ Exit run(int argc, char** argv) {
   app.require_subcommand(0, 1);
   app.footer("`hmax COMMAND --help` shows the options of a command and examples.");
 
-  add_advise(app, console);
-  add_list(app, console);
-  add_run(app, console);
-  add_static(app, console);
-  add_fidelity(app, console);
-  add_order(app, console);
-  add_sweep(app, console);
-  add_precision(app, console);
-  add_check(app, console);
-  add_probe(app, console);
-  add_phase(app, console);
-  add_stability(app, console);
-  add_mesh(app, console);
-  add_reproduce(app, console);
-  add_export(app, console);
-  add_compare(app, console);
-  add_merge(app, console);
-  add_report(app, console);
-  add_doctor(app, console);
-  add_completion(app, console);
+  for (const auto add :
+       {add_advise,    add_list,    add_run,   add_static, add_fidelity,  add_order,     add_sweep,
+        add_precision, add_check,   add_probe, add_phase,  add_stability, add_mesh,      add_reproduce,
+        add_export,    add_compare, add_merge, add_report, add_doctor,    add_completion})
+    add(app, console);
 
   try {
     refuse_missing_values(app, argc, argv);

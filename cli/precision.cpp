@@ -151,10 +151,7 @@ void say_empty(const PrecisionOptions& options, const SweepPlan& plan, Console& 
 
 void precision(const PrecisionOptions& options, Console& console) {
   if (!options.store.empty() && options.shard.empty()) refuse_copies("hmax precision --store");
-  if (!options.output.empty())
-    check_figure_files(options.output, "precision");
-  else
-    refuse_style_without_figure("--output FOLDER");
+  check_figure(options.output, "precision");
   const SweepPlan plan = plan_of(options);
   if (plan.blocks.empty()) return say_empty(options, plan, console);
   options.problem.body.remark_scene(console);
@@ -188,11 +185,8 @@ void precision(const PrecisionOptions& options, Console& console) {
           {.id = method.id, .order = method.order, .stable_step = limits.at(method.id).value_or(0)});
     Figure figure = work_precision_figure(useful(rows, which, *size), shown, words);
     figure.footer = summary(store.sessions().back().fingerprint);
-    const FigureFiles files = draw(figure, options.output, "precision");
-    if (files.drawn())
-      drawn = fmt::format("The figure: {}\n", (files.base.string() + ".svg"));
-    else
-      console.remark(files.problem);
+    const std::string svg = drawn_svg(figure, options.output, "precision", console);
+    if (!svg.empty()) drawn = fmt::format("The figure: {}\n", svg);
   }
   console.show(to_json(rows, limits, words),
                fmt::format("{}\nerror: {}\n{}{}", for_people(rows, which, console), words,

@@ -282,10 +282,7 @@ Answer answer_of(const ProbeOptions& options, Question question, Console& consol
   PluginStepper engine(question.plugin, question.settings);
   if (!options.stiffness.empty()) place_of_number(question.plugin.argument, options.stiffness);
   Progress progress(console, "probe");
-  const auto watch = [&](double share, std::string_view detail) {
-    leave();
-    progress.update(share, detail);
-  };
+  const auto watch = progress.watcher();
   ProbeSettings settings = sizes_of(options, engine.own_step());
   settings.watch = watch;
   Answer answer{.note = engine.note(), .limit = probe_steps(engine, settings), .own = {}, .stiffness = {}};

@@ -291,11 +291,8 @@ std::vector<std::string> draw_sweep(const SweepPlan& plan, const Store& store, c
     Figure figure = over_steps ? step_figure(own, shown) : work_precision_figure(own, shown);
     figure.title = problem.id + (problem.material.empty() ? "" : " of " + problem.material);
     figure.footer = summary(store.sessions().back().fingerprint);
-    const FigureFiles drawn = draw(figure, folder, figure_name(plan, i));
-    if (drawn.drawn())
-      files.push_back(drawn.base.string() + ".svg");
-    else
-      console.remark(drawn.problem);
+    std::string svg = drawn_svg(figure, folder, figure_name(plan, i), console);
+    if (!svg.empty()) files.push_back(std::move(svg));
   }
   return files;
 }
@@ -384,11 +381,7 @@ void sweep(const SweepOptions& options, Console& console) {
   look_over(plan, console);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();
-  if (options.output.empty())
-    refuse_style_without_figure("--output FOLDER");
-  else
-    for (std::size_t i = 0; i < plan.problems.size(); ++i)
-      check_figure_files(options.output, figure_name(plan, i));
+  for (std::size_t i = 0; i < plan.problems.size(); ++i) check_figure(options.output, figure_name(plan, i));
   Store store = open_sweep_store(plan, file, options.resume);
   if (options.publish) mark_published(store);
 

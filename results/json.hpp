@@ -1,6 +1,9 @@
 /// JSON documents, whose keys keep their order.
 #pragma once
 
+#include <optional>
+#include <string_view>
+
 #include <nlohmann/json.hpp>
 
 #include "results/fields.hpp"
@@ -8,6 +11,13 @@
 namespace hmax {
 
 using Json = nlohmann::ordered_json;
+
+/// Null for what there is not: an empty text, an optional without a value.
+inline Json json_or_null(std::string_view text) { return text.empty() ? Json() : Json(text); }
+template <class Value>
+Json json_or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
 
 }  // namespace hmax
 

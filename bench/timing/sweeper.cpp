@@ -1,13 +1,13 @@
 #include "bench/timing/sweeper.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bench/timing/timing.hpp"
 #include "core/errors.hpp"
 
 namespace hmax {
@@ -54,7 +54,7 @@ void Sweeper::begin_session() {
 }
 
 SweepSummary Sweeper::run(const std::function<void(const std::vector<SweepTask>& tasks)>& measure) {
-  const auto started = std::chrono::steady_clock::now();
+  const double started = elapsed_seconds();
   std::vector<SweepTask> tasks;
   for (const SweepBlock& block : plan_.blocks) {
     std::vector<std::size_t> methods = missing(block);
@@ -68,7 +68,7 @@ SweepSummary Sweeper::run(const std::function<void(const std::vector<SweepTask>&
     summary_.interrupted = true;
   }
   summary_.rows = store_.size();
-  summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  summary_.seconds = elapsed_seconds() - started;
   return summary_;
 }
 

@@ -78,7 +78,7 @@ void write_matrices(const Problem& problem, const OperatingPoint& point, const s
   std::string option;
   Json document{{"problem", point.problem},
                 {"state_kind", name_of(point.kind)},
-                {"status", point.status.empty() ? Json() : Json(point.status)},
+                {"status", json_or_null(point.status)},
                 {"unknowns", files.front().matrix.rows()}};
   std::string text = fmt::format("{}: {}\n", point.problem, point.state);
   for (const Written& each : files) {

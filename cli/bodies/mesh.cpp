@@ -85,7 +85,7 @@ Json groups_json(const MeshFile& file) {
     const auto [elements, points] = size_of(group);
     list.push_back({{"kind", group_kinds[static_cast<std::size_t>(group.dimension)]},
                     {"number", group.number},
-                    {"name", group.name.empty() ? Json() : Json(group.name)},
+                    {"name", json_or_null(group.name)},
                     {"elements", elements},
                     {"points", points}});
   }
@@ -172,7 +172,7 @@ Json to_json(const MeshReport& report, const MeshCommand& options) {
   return {
       {"mesh", options.mesh},
       {"format", opened.file.format},
-      {"unit", unit ? Json(*unit) : Json()},
+      {"unit", json_or_null(unit)},
       {"status", unit ? Json() : Json("the unit is not stated; lengths are in that of the file")},
       HMAX_KEYS(topology, points, edges, faces, tetrahedra, surface_points, surface_edges, surface_triangles),
       {"volume", quality.volume},

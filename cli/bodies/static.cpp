@@ -126,7 +126,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!bounded) console.print(status + "\n");
 }
 
-Json stable_json(const StaticSolution& solution) { return solution.stable ? Json(*solution.stable) : Json(); }
+Json stable_json(const StaticSolution& solution) { return json_or_null(solution.stable); }
 
 /// Every solver on the same equilibrium: a table, and the figure of their residuals.
 void print_comparison(const StaticOptions& options, const Problem& problem, const StaticModel& model,
@@ -161,12 +161,11 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   }
   const std::string file = figure.base.string() + ".svg";
   if (console.json)
-    return console.print_json(
-        {{"problem", problem.id},
-         {"relaxation", settings.relaxation},
-         {"linear_tolerance", settings.inner_tolerance ? Json(*settings.inner_tolerance) : Json()},
-         {"ways", list},
-         {"figure", figure.drawn() ? Json(file) : Json()}});
+    return console.print_json({{"problem", problem.id},
+                               {"relaxation", settings.relaxation},
+                               {"linear_tolerance", json_or_null(settings.inner_tolerance)},
+                               {"ways", list},
+                               {"figure", figure.drawn() ? Json(file) : Json()}});
   console.print(fmt::format("{} with {}\n{}\n{}{}\n\n{}", problem.id, describe_acting(problem), problem.note,
                             iterations, options.relaxation ? "" : ", the best for the stiffness at rest",
                             table.text(console)));
@@ -344,7 +343,7 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
     times.push_back(row.seconds);
   }
   Json document{{"problem", problem.id},
-                {"material", problem.material.empty() ? Json() : Json(problem.material)},
+                {"material", json_or_null(problem.material)},
                 {"parameters", parameters_json(problem.parameters)},
                 {"load_scale", answer.load_scale},
                 {"solver", name_of(answer.settings.method)},
@@ -359,7 +358,7 @@ Json json_of(const StaticAnswer& answer, const std::string& picture) {
                 HMAX_KEYS(answer, energy, least_volume),
                 {"suggested_support", suggested_support_json(answer.suggested_support)},
                 {"body", body_json(problem)},
-                {"picture", picture.empty() ? Json() : Json(picture)}};
+                {"picture", json_or_null(picture)}};
   if (answer.threads) document["threads"] = *answer.threads;
   if (answer.tool) document["tool"] = answer.tool->json();
   return document;

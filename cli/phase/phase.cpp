@@ -108,10 +108,7 @@ std::string figure_name(const PhaseOptions& options) {
 
 void phase(const PhaseOptions& options, Console& console) {
   require_one_view(options);
-  if (!options.output.empty())
-    check_figure_files(options.output, figure_name(options));
-  else
-    refuse_style_without_figure("--output FOLDER");
+  check_figure(options.output, figure_name(options));
   if (shows_map(options)) return phase_map(options, console);
   if (!options.basins && !options.cells.empty())
     throw InputError("--cells is the grid of --basins; add --basins, or leave it out");
@@ -258,10 +255,9 @@ std::string guarantee(const PhaseView& view) {
 }
 
 Json search_document(const Window& w, const DegreeCheck& check, const std::string& status) {
-  const auto or_null = [](std::optional<int> value) { return value ? Json(*value) : Json(); };
   return {{"window", {w.lower(0), w.upper(0), w.lower(1), w.upper(1)}},
-          {"index_sum", or_null(check.index_sum)},
-          {"degree", or_null(check.degree)},
+          {"index_sum", json_or_null(check.index_sum)},
+          {"degree", json_or_null(check.degree)},
           {"cut_short", !check.whole},
           {"status", status}};
 }
@@ -312,7 +308,7 @@ Json document_of(const Problem& problem) {
   Json parameters = Json::object();
   for (const auto& [name, value] : problem.parameters) parameters[name] = value;
   return {{"problem", problem.id},
-          {"material", problem.material.empty() ? Json() : Json(problem.material)},
+          {"material", json_or_null(problem.material)},
           {"parameters", parameters},
           {"states", problem.states}};
 }
@@ -320,7 +316,7 @@ Json document_of(const Problem& problem) {
 Json document_of(const PhaseView& view) {
   Json document = document_of(view.problem);
   const Window& w = view.window;
-  document["t"] = view.t ? Json(*view.t) : Json();
+  document["t"] = json_or_null(view.t);
   document["window"] = {w.lower(0), w.upper(0), w.lower(1), w.upper(1)};
   document["remarks"] = view.remarks;
   document["equilibria"] = to_json(view.equilibria);
@@ -415,12 +411,9 @@ void add_time(Device* device, Json& document, std::string& text) {
 
 void deliver(const Figure& figure, const PhaseOptions& options, Json& document, std::string& text,
              Console& console) {
-  const FigureFiles files = draw(figure, options.output, figure_name(options));
-  document["figure"] = files.drawn() ? Json(files.base.string() + ".svg") : Json();
-  if (files.drawn())
-    text += fmt::format("\nThe figure: {}.svg\n", files.base.string());
-  else
-    console.remark(files.problem);
+  const std::string svg = drawn_svg(figure, options.output, figure_name(options), console);
+  document["figure"] = json_or_null(svg);
+  if (!svg.empty()) text += fmt::format("\nThe figure: {}\n", svg);
 }
 
 void add_phase(CLI::App& app, Console& console) {

@@ -350,7 +350,7 @@ Json column_document(const BifurcationColumn& column, double period) {
   return {{"value", column.value},
           {"x", xs},
           {"status", name_of(motion.settling)},
-          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"period", json_or_null(motion.period)},
           {"lyapunov", exponent(&Exponent::value)},
           {"lyapunov_error", exponent(&Exponent::error)},
           {"followed", motion.followed}};
@@ -362,7 +362,7 @@ Json fixed_point_document(const FixedPoint& point) {
           {"v", point.state(1)},
           {"multipliers", eigenvalues_document(point.multipliers)},
           {"type", name_of(point.type)},
-          {"index", index ? Json(*index) : Json()}};
+          {"index", json_or_null(index)}};
 }
 
 Json section_document(const Problem& problem, const Section& section) {
@@ -375,7 +375,7 @@ Json section_document(const Problem& problem, const Section& section) {
           {"skip", section.looks.skip},
           {"section", points},
           {"settling", name_of(motion.settling)},
-          {"period", motion.period ? Json(*motion.period) : Json()},
+          {"period", json_or_null(motion.period)},
           {"followed", motion.followed},
           {"lyapunov", section.exponent ? Json(section.lyapunov()) : Json()},
           {"lyapunov_error", section.exponent ? Json(section.lyapunov_error()) : Json()},

@@ -74,6 +74,21 @@ void refuse_style_without_figure(std::string_view option) {
         fmt::format("--style is of figures, and none is drawn; add {}, or leave it out", option));
 }
 
+void check_figure(const std::string& folder, const std::string& name) {
+  if (folder.empty())
+    refuse_style_without_figure("--output FOLDER");
+  else
+    check_figure_files(folder, name);
+}
+
+std::string drawn_svg(const Figure& figure, const std::string& folder, const std::string& name,
+                      Console& console) {
+  const FigureFiles files = draw(figure, folder, name);
+  if (files.drawn()) return files.base.string() + ".svg";
+  console.remark(files.problem);
+  return {};
+}
+
 std::string_view form_of(const std::string& file, std::initializer_list<FileForm> forms) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending.empty()) return forms.begin()->ending;

@@ -32,6 +32,15 @@ void add_figure_style(CLI::App& command);
 /// @param option  that asks for a figure, and is not given: "--output FOLDER"
 void refuse_style_without_figure(std::string_view option);
 
+/// Checks the folder of a figure before anything is computed: --output FOLDER, empty where nothing is drawn.
+/// @throws InputError  as check_figure_files() of plots/draw.hpp and refuse_style_without_figure()
+void check_figure(const std::string& folder, const std::string& name);
+
+/// Draws a figure into a folder by draw(), or says on standard error why it is not drawn.
+/// @returns its SVG; empty where it is not drawn
+std::string drawn_svg(const Figure& figure, const std::string& folder, const std::string& name,
+                      Console& console);
+
 struct FileForm {
   std::string_view ending;  ///< ".csv"
   std::string_view holds;   ///< what is written so, for the error

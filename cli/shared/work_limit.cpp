@@ -1,9 +1,8 @@
 #include "cli/shared/work_limit.hpp"
 
-#include <chrono>
-
 #include <fmt/format.h>
 
+#include "bench/timing/timing.hpp"
 #include "cli/shared/console.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -43,9 +42,9 @@ double time_limit_of(const std::optional<double>& seconds) {
 }
 
 double seconds_of(const std::function<void()>& call) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = elapsed_seconds();
   call();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return elapsed_seconds() - start;
 }
 
 }  // namespace hmax

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/timing/timing.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/matrix_problem.hpp"
@@ -181,7 +182,7 @@ void judge_runs(const std::vector<LimitRow>& rows, Console& console) {
 LimitProgress::LimitProgress(Console& console, const LimitQuestion& question)
     : console_(console),
       question_(question),
-      since_(std::chrono::steady_clock::now()),
+      since_(elapsed_seconds()),
       progress_(console, "predict"),
       ticker_(1, [this](int) { show(); }) {}
 
@@ -189,7 +190,7 @@ void LimitProgress::enter(LimitStage stage, const Problem& problem) {
   if (stage == LimitStage::state) announce_equilibrium(console_, problem, question_.at);
   const std::lock_guard lock(mutex_);
   stage_ = stage;
-  since_ = std::chrono::steady_clock::now();
+  since_ = elapsed_seconds();
   residual_ = 0;
   material_ = problem.material + (problem.material.empty() ? "" : " ");
   if (stage == LimitStage::path) task_ = task_along(question_, problem, "finding");
@@ -209,7 +210,7 @@ void LimitProgress::residual(double of_forces) {
 
 void LimitProgress::begin_row(const std::string& method) {
   const std::lock_guard lock(mutex_);
-  running_.push_back({method, std::chrono::steady_clock::now()});
+  running_.push_back({method, elapsed_seconds()});
 }
 
 void LimitProgress::end_row(const std::string& method) {

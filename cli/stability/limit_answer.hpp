@@ -1,7 +1,6 @@
 /// The answer of a query of step limits for people, its progress, and the exit code that follows from it.
 #pragma once
 
-#include <chrono>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -34,7 +33,7 @@ class LimitProgress : public LimitWatcher {
   std::string task_, material_;      ///< words of the stage, and what names its model
   double share_ = 0, residual_ = 0;  ///< 0 before the first
   std::vector<RunningRow> running_;  ///< in the order in which they began
-  std::chrono::steady_clock::time_point since_;
+  double since_;
   Progress progress_;
   Ticker ticker_;  // last: the others must be there
 };

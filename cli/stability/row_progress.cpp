@@ -1,5 +1,6 @@
 #include "cli/stability/row_progress.hpp"
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <new>
@@ -8,6 +9,8 @@
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "bench/timing/timing.hpp"
 
 namespace hmax {
 
@@ -35,9 +38,7 @@ Ticker::Ticker(int first, std::function<void(int seconds)> show) {
   }
 }
 
-long seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - start).count();
-}
+long seconds_since(double start) { return static_cast<long>(elapsed_seconds() - start); }
 
 std::string words_of_search(double residual, long seconds) {
   const std::string search =

@@ -1,7 +1,6 @@
 /// Lines of progress from a thread of their own, for computations that call nobody while they go on.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <string>
 #include <thread>
@@ -22,11 +21,11 @@ class Ticker {
 /// A row that is being computed.
 struct RunningRow {
   std::string row;
-  std::chrono::steady_clock::time_point start;
+  double start;  ///< by elapsed_seconds()
 };
 
-/// Whole seconds.
-long seconds_since(std::chrono::steady_clock::time_point start);
+/// Whole seconds since a time by elapsed_seconds().
+long seconds_since(double start);
 
 /// "static equilibrium (residual 1.2e-03), fastest modes, 7 s"
 /// @param residual  0 before the first iterate

@@ -196,7 +196,7 @@ struct MapStudy {
   MapAxis x, y;
   Problem bare;  ///< where the axes vary nothing
   std::vector<StabilityMap> maps{};
-  std::optional<FigureFiles> figure{};
+  std::optional<std::string> figure{};
 };
 
 /// The axes, which have to be given and to fit together.
@@ -250,23 +250,23 @@ MapStudy study_of(const MapOptions& options, Console& console) {
   return study;
 }
 
-FigureFiles drawn(const MapStudy& study, const MapOptions& options) {
+std::string drawn(const MapStudy& study, const MapOptions& options, Console& console) {
   // What the axes vary is no constant.
   Parameters fixed = study.bare.parameters;
   std::erase_if(fixed, [&](const auto& entry) {
     return entry.first == study.x.name || entry.first == study.y.name ||
            (options.rayleigh && entry.first == "c");
   });
-  return draw(picture(study.maps, options, study.bare, fmt::format("{}: {}", study.bare.id, describe(fixed))),
-              options.output, "map");
+  return drawn_svg(
+      picture(study.maps, options, study.bare, fmt::format("{}: {}", study.bare.id, describe(fixed))),
+      options.output, "map", console);
 }
 
 Json to_json(const MapStudy& study) {
   Json documents = Json::array();
   for (const StabilityMap& each : study.maps) {
     Json document = to_json(each);
-    if (study.figure)
-      document["figure"] = study.figure->drawn() ? Json(study.figure->base.string() + ".svg") : Json();
+    if (study.figure) document["figure"] = json_or_null(*study.figure);
     documents.push_back(std::move(document));
   }
   return documents.size() == 1 ? documents.front() : documents;
@@ -293,21 +293,16 @@ std::string in_words(const MapStudy& study, const Console& console) {
                          "stable step gets smaller.\n",
                          study.x.values.size(), study.y.values.size(), study.bare.id) +
                      remarks;
-  if (study.figure && study.figure->drawn())
-    text += fmt::format("The figure: {}.svg\n", study.figure->base.string());
+  if (study.figure && !study.figure->empty()) text += fmt::format("The figure: {}\n", *study.figure);
   return text;
 }
 
 void map(const MapOptions& options, Console& console) {
-  if (!options.output.empty())
-    check_figure_files(options.output, "map");
-  else
-    refuse_style_without_figure("--output FOLDER");
+  check_figure(options.output, "map");
   MapStudy study = study_of(options, console);
   remark_unusual(console, study.bare);
   options.problem.remark_idle(console, study.bare);
-  if (!options.output.empty()) study.figure = drawn(study, options);
-  if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
+  if (!options.output.empty()) study.figure = drawn(study, options, console);
   console.show(to_json(study), in_words(study, console));
 }
 

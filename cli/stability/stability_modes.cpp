@@ -154,13 +154,13 @@ Json to_json(const ModesOptions& options, const Problem& problem, const Operatin
   Json list = Json::array();
   for (const ModeReport& mode : modes) list.push_back(to_json(mode));
   return {{"problem", problem.id},
-          {"material", problem.material.empty() ? Json() : Json(problem.material)},
+          {"material", json_or_null(problem.material)},
           {"dofs", problem.body->dofs()},
           {"state_kind", name_of(point.kind)},
-          {"status", status.empty() ? Json() : Json(status)},
+          {"status", json_or_null(status)},
           {"end", options.fastest ? "fastest" : "slowest"},
           {"modes", list},
-          {"output", options.output.empty() ? Json() : Json(options.output)}};
+          {"output", json_or_null(options.output)}};
 }
 
 std::string in_words(const Problem& problem, const OperatingPoint& point,

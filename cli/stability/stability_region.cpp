@@ -71,7 +71,7 @@ struct RegionStudy {
   std::vector<Formula> chosen;
   std::vector<PartRegion> parts;  ///< of the one method, where it is told numbers
   std::vector<DrawnRegion> regions;
-  std::optional<FigureFiles> figure;
+  std::optional<std::string> figure;
 
   [[nodiscard]] std::vector<Formula> formulas() const {
     std::vector<Formula> formulas;
@@ -95,10 +95,11 @@ RegionStudy study_of(const RegionOptions& options, const PlaneLook& look, Consol
   return study;
 }
 
-FigureFiles drawn(const RegionStudy& study, const RegionOptions& options, const PlaneLook& look) {
+std::string drawn(const RegionStudy& study, const RegionOptions& options, const PlaneLook& look,
+                  Console& console) {
   const NamedFigure picture = study.parts.empty() ? picture_of(study.chosen, look)
                                                   : picture_of(study.chosen.front(), study.parts, look);
-  return draw(picture.figure, options.output, picture.name);
+  return drawn_svg(picture.figure, options.output, picture.name, console);
 }
 
 std::string csv_of(const RegionStudy& study) {
@@ -119,8 +120,7 @@ Json to_json(const RegionStudy& study, const RegionOptions& options) {
     if (!options.parts.fast.empty())
       document["fast"] = {study.parts[i].fast.real(), study.parts[i].fast.imag()};
     if (!options.parts.ratios.empty()) document["ratio"] = study.parts[i].ratio;
-    if (study.figure)
-      document["figure"] = study.figure->drawn() ? Json(study.figure->base.string() + ".svg") : Json();
+    if (study.figure) document["figure"] = json_or_null(*study.figure);
     documents.push_back(std::move(document));
   }
   return documents.size() == 1 ? documents.front() : documents;
@@ -146,13 +146,11 @@ void region(const RegionOptions& options, Console& console) {
   if (!options.wants_figure()) refuse_style_without_figure("--output FOLDER");
   RegionStudy study = study_of(options, look, console);
   const bool wants_points = !options.output.empty() && !options.wants_figure();
-  if (options.wants_figure()) study.figure = drawn(study, options, look);
-  if (study.figure && !study.figure->drawn()) console.remark(study.figure->problem);
+  if (options.wants_figure()) study.figure = drawn(study, options, look, console);
   if (wants_points) write_file(options.output, csv_of(study), csv_header);
   std::string text;
   for (const DrawnRegion& each : study.regions) text += in_words(each);
-  if (study.figure && study.figure->drawn())
-    text += fmt::format("The figure: {}.svg\n", study.figure->base.string());
+  if (study.figure && !study.figure->empty()) text += fmt::format("The figure: {}\n", *study.figure);
   if (wants_points) text += fmt::format("The points: {}\n", options.output);
   console.show(to_json(study, options), text);
 }
