@@ -41,8 +41,7 @@ std::string number(double value) {
 }
 
 std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& lambda) {
-  // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
-  if (std::abs(lambda[0].imag()) <= 1e-7 * std::abs(lambda[0]))
+  if (!are_conjugate(lambda))
     return fmt::format("λ = {}, {} 1/s", number(lambda[0].real()), number(lambda[1].real()));
   const std::string real = number(lambda[0].real());
   return fmt::format("λ = {}{}i 1/s", real == "0" ? "±" : real + " ± ", number(std::abs(lambda[0].imag())));
@@ -57,6 +56,10 @@ std::string axis_label(std::string name) {
 }
 
 }  // namespace
+
+bool are_conjugate(const std::array<std::complex<double>, 2>& eigenvalues) {
+  return std::abs(eigenvalues[0].imag()) > 1e-7 * std::abs(eigenvalues[0]);
+}
 
 std::string type_in_words(std::string type) {
   std::replace(type.begin(), type.end(), '_', ' ');

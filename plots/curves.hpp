@@ -58,6 +58,10 @@ std::vector<PlaneCurve> plane_curves(const Polylines& polylines) {
   return curves;
 }
 
+/// Whether two eigenvalues are a conjugate pair. Rounding splits a double one into a pair about
+/// sqrt(epsilon) apart.
+bool are_conjugate(const std::array<std::complex<double>, 2>& eigenvalues);
+
 /// What a phase plane shows; everything but the orbits may be absent.
 struct PhasePlane {
   std::string title = {};

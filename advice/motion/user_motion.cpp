@@ -8,6 +8,7 @@
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
+#include "core/text/counted.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/table.hpp"
 
@@ -83,11 +84,10 @@ ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, con
     else
       settings.supports.push_back({.points = points, .travel = unit, .profile = profile});
   }
-  ProbingMotion motion{
-      .problem = with_settings(problem, std::move(settings)),
-      .t_end = user.t_end,
-      .words = fmt::format("{} of {} on {} point{}", presses ? "the forces" : "the displacements", user.name,
-                           points.size(), points.size() == 1 ? "" : "s")};
+  ProbingMotion motion{.problem = with_settings(problem, std::move(settings)),
+                       .t_end = user.t_end,
+                       .words = fmt::format("{} of {} on {}", presses ? "the forces" : "the displacements",
+                                            user.name, counted(points.size(), "point"))};
   // The state has the size of what moves freely.
   motion.problem.y0.setZero(2 * unknowns_of(motion.problem));
   const RestingBody resting = resting_under_gravity(motion.problem, watcher);

@@ -11,6 +11,7 @@
 #include "advice/step_search.hpp"
 #include "catalogue/models/body_summary.hpp"
 #include "catalogue/models/tissue_problem.hpp"
+#include "core/text/counted.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/fingerprint.hpp"
 
@@ -73,8 +74,8 @@ std::string words_of_limit(const AdviceRow& row) {
 }
 
 std::string words_of_step(const AdviceRow& row) {
-  return fmt::format("take {} with h = {} ms, {} step{} per frame", row.candidate.words(),
-                     milliseconds(row.h, 5), row.steps_per_frame, row.steps_per_frame == 1 ? "" : "s");
+  return fmt::format("take {} with h = {} ms, {} per frame", row.candidate.words(), milliseconds(row.h, 5),
+                     counted(row.steps_per_frame, "step"));
 }
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
@@ -347,9 +348,8 @@ std::string words_of_missing(const Advice& advice, bool interrupted) {
 /// What is likely to be the answer where nothing was run to its end.
 std::string words_of_prediction(const AdviceRow& row, const AdviceQuestion& question) {
   if (row.verdict != AdviceVerdict::predicted) return {};
-  return fmt::format("Predicted, not run: {} with h = {} ms, {} step{} per frame{}. Take a longer --within",
-                     row.candidate.words(), milliseconds(row.h, 4), row.steps_per_frame,
-                     row.steps_per_frame == 1 ? "" : "s",
+  return fmt::format("Predicted, not run: {} with h = {} ms, {} per frame{}. Take a longer --within",
+                     row.candidate.words(), milliseconds(row.h, 4), counted(row.steps_per_frame, "step"),
                      std::isnan(row.expected_frame)
                          ? ""
                          : fmt::format(", at least {} of {} ms per frame", milliseconds(row.expected_frame),

@@ -19,6 +19,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/process/leaving.hpp"
+#include "core/text/counted.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/documents/fidelity_json.hpp"
 #include "plots/curves.hpp"
@@ -74,7 +75,7 @@ Figure figure_of(const std::vector<Fidelity>& rows, const Problem& problem, cons
     const double iterations = *row.method.parameter("iterations"),
                  substeps = *row.method.parameter("substeps");
     if (substeps != std::exchange(substeps_before, substeps))
-      curves.emplace_back().label = fmt::format("{} substep{}", substeps, substeps == 1 ? "" : "s");
+      curves.emplace_back().label = counted(substeps, "substep");
     curves.back().work.push_back(iterations * substeps);
     curves.back().stiffness.push_back(row.stiffness_shown);
     curves.back().damping.push_back(

@@ -21,6 +21,7 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
+#include "core/text/counted.hpp"
 #include "limits/documents/model_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "plots/draw.hpp"
@@ -119,9 +120,9 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                short_number(rows[i].error, 3),
                fmt::format("{} ms", short_number(1000 * rows[i].seconds, 3))});
   console.print(
-      fmt::format("{}: {} frames with {} iteration{} of {} each\n\n{}\nlargest error {}, longest "
+      fmt::format("{}: {} frames with {} of {} each\n\n{}\nlargest error {}, longest "
                   "frame {} ms\n",
-                  problem.id, frames, each, each == 1 ? "" : "s", name_of(settings.method),
+                  problem.id, frames, counted(each, "iteration"), name_of(settings.method),
                   table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
   if (!bounded) console.print(status + "\n");
 }
@@ -187,17 +188,17 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
   const char* no_equilibrium = outcome == "inverted"  ? "equilibrium with inverted elements, "
                                : outcome == "buckles" ? "unstable equilibrium, "
                                                       : "no equilibrium, ";
-  BodyPicture picture{.title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
-                                           problem.material.empty() ? "" : " of " + problem.material,
-                                           outcome != "converged"           ? no_equilibrium
-                                           : solution.stable.value_or(true) ? ""
-                                                                            : "unstable equilibrium, ",
-                                           short_number(1000 * largest_displacement(solution.q), 3)),
-                      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}, in {} load step{}.",
-                                             problem.note, describe_acting(problem), name_of(settings.method),
-                                             name_of(settings.inner), solution.history.back().load_steps,
-                                             solution.history.back().load_steps == 1 ? "" : "s"),
-                      .views = {body_view(*problem.body, equilibrium_time(problem), solution.q, value)}};
+  BodyPicture picture{
+      .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
+                           problem.material.empty() ? "" : " of " + problem.material,
+                           outcome != "converged"           ? no_equilibrium
+                           : solution.stable.value_or(true) ? ""
+                                                            : "unstable equilibrium, ",
+                           short_number(1000 * largest_displacement(solution.q), 3)),
+      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}, in {}.", problem.note,
+                             describe_acting(problem), name_of(settings.method), name_of(settings.inner),
+                             counted(solution.history.back().load_steps, "load step")),
+      .views = {body_view(*problem.body, equilibrium_time(problem), solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
 }
@@ -375,8 +376,7 @@ std::string words_of(const StaticAnswer& answer, const Console& console) {
   constexpr std::size_t all = 40, ends = 10;  // of a long history the first and the last rows are shown
   const std::vector<StaticIterate>& history = answer.solution.history;
   const std::string time =
-      answer.threads ? fmt::format("elapsed ({} thread{})", *answer.threads, *answer.threads == 1 ? "" : "s")
-                     : "time";
+      answer.threads ? fmt::format("elapsed ({})", counted(*answer.threads, "thread")) : "time";
   TextTable table({"iteration", "load step", "residual", time, "inner iterations"});
   for (std::size_t i = 0; i < history.size(); ++i) {
     const StaticIterate& row = history[i];

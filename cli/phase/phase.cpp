@@ -344,8 +344,7 @@ Json to_json(const std::vector<Equilibrium>& equilibria) {
 
 std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eigenvalues) {
   const auto& [first, second] = eigenvalues;
-  // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
-  if (std::abs(first.imag()) <= 1e-7 * std::abs(first))
+  if (!are_conjugate(eigenvalues))
     return fmt::format("{}, {}", short_name(first.real()), short_name(second.real()));
   return fmt::format("{}±{}i", first.real() == 0 ? "" : short_name(first.real()) + " ",
                      (first.real() == 0 ? "" : " ") + short_name(std::abs(first.imag())));
@@ -379,17 +378,7 @@ std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, boo
 }
 
 PhasePlane plane_of(const PhaseView& view) {
-  const auto names = states_with_units(view.problem);
-  PhasePlane plane{.x = names[0],
-                   .v = names[1],
-                   .x_range = Range{view.window.lower(0), view.window.upper(0)},
-                   .v_range = Range{view.window.lower(1), view.window.upper(1)},
-                   .direction_field = direction_field(view.field, view.window, names)};
-  for (const int component : {0, 1})
-    plane.nullclines[static_cast<std::size_t>(component)] =
-        plane_curves(nullcline(view.field, component, view.window));
-  for (const Equilibrium& e : view.equilibria)
-    plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
+  PhasePlane plane = plane_of(view.field, view.window, states_with_units(view.problem), view.equilibria);
   for (const Vector2d& start : starts_of(view))
     plane.orbits.push_back({fmt::format("from ({}, {})", short_name(start(0)), short_name(start(1))),
                             orbit(view.still, start, view.problem.t_end, view.window, 12)});

@@ -9,6 +9,7 @@
 #include "analysis/dynamics/fixed_point_search.hpp"
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/methods/method.hpp"
+#include "cli/phase/plane.hpp"
 #include "cli/shared/choices.hpp"
 #include "cli/shared/console.hpp"
 #include "cli/shared/device_option.hpp"

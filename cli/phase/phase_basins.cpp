@@ -67,10 +67,11 @@ Figure picture(const PhaseView& view, const Basins& found) {
   for (const int fate : found.fate)
     map.attractor.push_back(fate < 0 ? -1 : number[static_cast<std::size_t>(fate)]);
   const auto names = states_with_units(view.problem);
-  PhasePlane plane{.x = names[0], .v = names[1], .x_range = map.x, .v_range = map.v};
-  for (const Equilibrium& e : view.equilibria)
-    plane.rest_points.push_back({e.state(0), e.state(1), std::string(name_of(e.type)), e.eigenvalues});
-  Panel panel = phase_panel(plane);
+  Panel panel = phase_panel({.x = names[0],
+                             .v = names[1],
+                             .x_range = map.x,
+                             .v_range = map.v,
+                             .rest_points = rest_points_of(view.equilibria)});
   panel.areas = basin_areas(map, labels, "leaves, or settles elsewhere");
   for (const Equilibrium& e : view.equilibria)
     if (e.type == EquilibriumType::saddle)

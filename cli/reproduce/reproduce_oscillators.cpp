@@ -11,6 +11,7 @@
 #include "bench/timing/sweep.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/series.hpp"
+#include "cli/phase/plane.hpp"
 #include "cli/reproduce/report_page.hpp"
 #include "plots/curves.hpp"
 #include "plots/running_totals.hpp"
@@ -52,8 +53,7 @@ PlanarField unforced(OscillatorParameters parameters) {
 /// "-0.69 ± 0.085i", "-0.186 and -2.59"
 std::string eigenvalues_of(const Equilibrium& equilibrium) {
   const auto& [first, second] = equilibrium.eigenvalues;
-  // Rounding splits a double eigenvalue into a pair about sqrt(epsilon) apart.
-  return std::abs(first.imag()) > 1e-7 * std::abs(first)
+  return are_conjugate(equilibrium.eigenvalues)
              ? fmt::format("{:.4g} ± {:.4g}i", first.real(), std::abs(first.imag()))
              : fmt::format("{:.4g} and {:.4g}", first.real(), second.real());
 }
@@ -77,17 +77,11 @@ Json equilibria_of(const LiverFamily& family, const Window& window) {
 PhasePlane phase_plane_of(const LiverFamilyMember& member, const std::vector<Eigen::Vector2d>& starts,
                           double t_end, const Window& window) {
   const PlanarField field = unforced(member.parameters);
-  PhasePlane plane{.title = member.label,
-                   .x_range = Range{window.lower[0], window.upper[0]},
-                   .v_range = Range{window.lower[1], window.upper[1]},
-                   .direction_field = direction_field(field, window, {"x [m]", "v [m/s]"})};
+  PhasePlane plane = plane_of(field, window, {"x [m]", "v [m/s]"}, find_equilibria(field, window));
+  plane.title = member.label;
   for (const Eigen::Vector2d& start : starts)
     plane.orbits.push_back(
         {fmt::format("from ({:g}, {:g})", start[0], start[1]), curve_of(member, start, t_end).table});
-  for (const int component : {0, 1})
-    plane.nullclines[static_cast<std::size_t>(component)] = plane_curves(nullcline(field, component, window));
-  for (const Equilibrium& e : find_equilibria(field, window))
-    plane.rest_points.push_back({e.state[0], e.state[1], std::string(name_of(e.type)), e.eigenvalues});
   return plane;
 }
 

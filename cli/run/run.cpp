@@ -28,6 +28,7 @@
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "core/process/leaving.hpp"
+#include "core/text/counted.hpp"
 #include "integrators/control.hpp"
 #include "integrators/implicit/newton.hpp"
 #include "integrators/run_end.hpp"
@@ -189,8 +190,8 @@ std::string remedy_of_step(const Problem& problem, const RunRecord& record, cons
 /// Why the equations of a fixed step were not solved, and what to do about it.
 std::string unsolved_in_words(const Problem& problem, const RunRecord& record, const RunSpec& spec) {
   if (stopped_by_limit(record, spec))
-    return fmt::format("Newton's method has not converged within {} iteration{}; raise --newton-iterations",
-                       spec.newton.iterations, spec.newton.iterations == 1 ? "" : "s");
+    return fmt::format("Newton's method has not converged within {}; raise --newton-iterations",
+                       counted(spec.newton.iterations, "iteration"));
   return fmt::format("{}; {}", record.note.empty() ? "the equations of a step are not solved" : record.note,
                      remedy_of_step(problem, record, spec));
 }
@@ -329,8 +330,8 @@ std::string costs_in_words(const Method& method, const TimedRun& run) {
   if (stats.linear_iterations > 0) text += fmt::format("   linear iterations {}", stats.linear_iterations);
   text += run.device ? run.device->words() : fmt::format("   cpu {} s", short_number(run.cpu_seconds, 3));
   if (run.threads)
-    text += fmt::format("   elapsed {} s on {} thread{}", short_number(run.elapsed_seconds, 3), *run.threads,
-                        *run.threads == 1 ? "" : "s");
+    text += fmt::format("   elapsed {} s on {}", short_number(run.elapsed_seconds, 3),
+                        counted(*run.threads, "thread"));
   return text + "\n";
 }
 

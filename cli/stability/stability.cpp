@@ -26,6 +26,27 @@ std::string number_or_unbounded(double value, int digits = 10) {
   return std::isinf(value) ? "unbounded" : short_number(value, digits);
 }
 
+}  // namespace
+
+std::vector<std::string> limit_cells(const Formula& formula, const StabilityLimits& limits, int digits) {
+  const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
+  return {
+      motion ? "-" : number_or_unbounded(limits.real, digits),
+      number_or_unbounded(limits.imaginary, digits),
+      number_or_unbounded(limits.imaginary_weak, digits),
+      limits.alpha_degrees ? short_number(*limits.alpha_degrees, 6) : "-",
+      limits.a_stable ? "yes" : "no",
+      limits.l_stable ? "yes" : "no",
+      limits.at_infinity && std::isfinite(*limits.at_infinity) ? short_number(*limits.at_infinity, 4) : "-"};
+}
+
+std::string words_of_formulas() {
+  return fmt::format("Ids, aliases or families of `hmax list methods`, all, or {}",
+                     fmt::join(formula_patterns(), ", "));
+}
+
+namespace {
+
 // ---- limits
 
 void limits(const MethodsChoice& choice, Console& console) {
@@ -36,13 +57,9 @@ void limits(const MethodsChoice& choice, Console& console) {
   for (const Formula& formula : formulas) {
     const StabilityLimits found = stability_limits(*formula.amplification);
     documents.push_back(limits_json(formula, found));
-    const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
-    table.add(
-        {formula.id, motion ? "-" : number_or_unbounded(found.real), number_or_unbounded(found.imaginary),
-         number_or_unbounded(found.imaginary_weak),
-         found.alpha_degrees ? short_number(*found.alpha_degrees, 6) : "-", found.a_stable ? "yes" : "no",
-         found.l_stable ? "yes" : "no",
-         found.at_infinity && std::isfinite(*found.at_infinity) ? short_number(*found.at_infinity, 4) : "-"});
+    std::vector<std::string> cells = limit_cells(formula, found, 10);
+    cells.insert(cells.begin(), formula.id);
+    table.add(std::move(cells));
     for (const Lobe& lobe : found.lobes)
       remarks += fmt::format("{}: stable again on the {} axis from {} to {}, behind a gap\n", formula.id,
                              lobe.imaginary ? "imaginary" : "real", short_number(lobe.from, 9),
@@ -72,8 +89,8 @@ void limits(const MethodsChoice& choice, Console& console) {
 
 }  // namespace
 
-void MethodsChoice::add_to(CLI::App& command, const std::string& description) {
-  add_text(command, "--methods,--method", names, description, "A,B");
+void MethodsChoice::add_to(CLI::App& command) {
+  add_text(command, "--methods,--method", names, words_of_formulas(), "A,B");
   add_text(command, "--tableau", tableau, "A file with an explicit tableau of your own", "FILE");
 }
 
@@ -112,21 +129,18 @@ std::vector<Formula> formulas_of(const std::string& names, Console& console) {
 
 void add_stability(CLI::App& app, Console& console) {
   CLI::App& stability = add_group(app, "stability", "Predict the largest stable step, and verify it");
-  const std::string formulas = "Ids, aliases or families of `hmax list methods`, all, or " +
-                               fmt::format("{}", fmt::join(formula_patterns(), ", "));
-
   const auto [command, methods] = add_command(
       stability, console, "limits", "Show the stable intervals of the axes, A(alpha), A- and L-stability",
       {"hmax stability limits --method rk4",
        "hmax stability limits --method bdf_3,adams_pece:order=4 --json"},
       limits);
-  methods.add_to(command, formulas);
+  methods.add_to(command);
 
-  add_stability_region(stability, console, formulas);
+  add_stability_region(stability, console);
 
-  add_stability_damping(stability, console, formulas);
+  add_stability_damping(stability, console);
   add_stability_predict(stability, console);
-  add_stability_gallery(stability, console, formulas);
+  add_stability_gallery(stability, console);
   add_stability_map(stability, console);
   add_stability_frozen(stability, console);
   add_stability_modes(stability, console);

@@ -163,13 +163,13 @@ void show_damping(const DampingOptions& options, Console& console) {
 
 }  // namespace
 
-void add_stability_damping(CLI::App& stability, Console& console, const std::string& formulas) {
+void add_stability_damping(CLI::App& stability, Console& console) {
   const auto [command, options] = add_command(
       stability, console, "numerical-damping", "Show the numerical damping and the period error of a method",
       {"hmax stability numerical-damping --method implicit_euler --h 0.01 --frequency 8",
        "hmax stability numerical-damping --method vbd,implicit_euler --h 0.01 --mesh cube:n=2 --load press"},
       show_damping);
-  options.methods.add_to(command, formulas);
+  options.methods.add_to(command);
   add_number(command, "--h", options.h, "Step size [s]");
   add_number(command, "--frequency", options.frequency, "Undamped frequency of the mode [Hz]");
   add_number(command, "--zeta", options.zeta, "Damping ratio of the mode; 0 by default");

@@ -127,20 +127,13 @@ std::vector<Chapter> chapters_of(const std::string& names, Console& console) {
   return chapters;
 }
 
-std::string cell(double value) { return std::isinf(value) ? "unbounded" : short_number(value, 7); }
-
 std::vector<std::vector<std::string>> limits_table(const std::vector<Formula>& formulas) {
   std::vector<std::vector<std::string>> rows{{"method", "order", "real axis", "imaginary axis",
                                               "|R| <= 1 + 1e-6", "alpha [deg]", "A", "L", "at infinity"}};
   for (const Formula& formula : formulas) {
-    const StabilityLimits limits = stability_limits(*formula.amplification);
-    const bool motion = static_cast<bool>(formula.amplification->of_oscillation);
-    rows.push_back(
-        {formula.id, std::to_string(formula.order), motion ? "-" : cell(limits.real), cell(limits.imaginary),
-         cell(limits.imaginary_weak), limits.alpha_degrees ? short_number(*limits.alpha_degrees, 6) : "-",
-         limits.a_stable ? "yes" : "no", limits.l_stable ? "yes" : "no",
-         limits.at_infinity && std::isfinite(*limits.at_infinity) ? short_number(*limits.at_infinity, 4)
-                                                                  : "-"});
+    std::vector<std::string>& row = rows.emplace_back(std::vector{formula.id, std::to_string(formula.order)});
+    const std::vector<std::string> cells = limit_cells(formula, stability_limits(*formula.amplification), 7);
+    row.insert(row.end(), cells.begin(), cells.end());
   }
   return rows;
 }
@@ -306,11 +299,11 @@ void gallery(const GalleryOptions& options, Console& console) {
 
 }  // namespace
 
-void add_stability_gallery(CLI::App& stability, Console& console, const std::string& formulas) {
+void add_stability_gallery(CLI::App& stability, Console& console) {
   const auto [command, options] =
       add_command(stability, console, "gallery", "Draw a page with the stability regions of all methods",
                   {"hmax stability gallery --methods bdf_2,newmark --output results/runs/gallery"}, gallery);
-  add_text(command, "--method,--methods", options.methods, formulas + "; all by default", "A,B");
+  add_text(command, "--method,--methods", options.methods, words_of_formulas() + "; all by default", "A,B");
   add_text(command, "--output", options.output, "Folder of the page and its figures", "FOLDER");
   add_force(command);
   add_jobs(command);

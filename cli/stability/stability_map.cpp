@@ -316,8 +316,7 @@ void add_stability_map(CLI::App& stability, Console& console) {
        "beta=0.01:10:21 --log-x --log-y --output results/runs/map"},
       map);
   options.problem.add_to(command);
-  options.methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
-                                      fmt::format("{}", fmt::join(formula_patterns(), ", ")));
+  options.methods.add_to(command);
   add_text(command, "--x", options.x, "Parameter of the horizontal axis and its values, like c=0:10:81",
            "NAME=FROM:TO:COUNT");
   add_text(command, "--y", options.y, "Parameter of the vertical axis and its values, like k1=0.1:10:61",

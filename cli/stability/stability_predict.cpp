@@ -362,8 +362,7 @@ void add_stability_predict(CLI::App& stability, Console& console) {
   options.problem.add_to(command);
   add_text(command, "--materials", options.materials,
            "Ids of `hmax list materials`; all: both ends of the mass range of each", "A,B");
-  options.methods.add_to(command, "Ids, aliases or families of `hmax list methods`, all, or " +
-                                      fmt::format("{}", fmt::join(formula_patterns(), ", ")));
+  options.methods.add_to(command);
   add_flag(command, "--verify", options.verify,
            "Verify each limit by integration on both sides of it; exit 1 when one is wrong, or none "
            "could be verified");

@@ -13,6 +13,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
+#include "core/text/counted.hpp"
 #include "limits/documents/method_json.hpp"
 #include "plots/draw.hpp"
 #include "results/json.hpp"
@@ -128,8 +129,8 @@ Json to_json(const RegionStudy& study, const RegionOptions& options) {
 
 std::string in_words(const DrawnRegion& region) {
   const PlaneWindow& window = region.window;
-  std::string text = fmt::format("{}: {} closed curve{} in [{}, {}] x i [{}, {}]\n", region.formula.id,
-                                 region.curves.size(), region.curves.size() == 1 ? "" : "s",
+  std::string text = fmt::format("{}: {} in [{}, {}] x i [{}, {}]\n", region.formula.id,
+                                 counted(region.curves.size(), "closed curve"),
                                  short_number(window.re_from, 4), short_number(window.re_to, 4),
                                  short_number(window.im_from, 4), short_number(window.im_to, 4));
   for (const RegionCurve& curve : region.curves) {
@@ -157,7 +158,7 @@ void region(const RegionOptions& options, Console& console) {
 
 }  // namespace
 
-void add_stability_region(CLI::App& stability, Console& console, const std::string& formulas) {
+void add_stability_region(CLI::App& stability, Console& console) {
   const auto [command, options] = add_command(
       stability, console, "region", "Compute and draw the boundary of the stability region",
       {"hmax stability region --method dormand_prince_54",
@@ -167,7 +168,7 @@ void add_stability_region(CLI::App& stability, Console& console, const std::stri
        "hmax stability region --method imex_ark_324 --fast 0,-1,-3,-10 --output results/runs/stability",
        "hmax stability region --method rosenbrock_23 --ratios 1,1.5,2,4 --output results/runs/stability"},
       region);
-  options.methods.add_to(command, formulas);
+  options.methods.add_to(command);
   options.parts.add_to(command);
   add_text(command, "--window", options.window,
            "Part of the plane, re_from,re_to,im_from,im_to; fitted to the region by default", "NUMBERS");

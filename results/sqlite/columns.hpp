@@ -72,4 +72,20 @@ void read_fields(const Statement& query, int& index, Record& record, const Field
   each_field(record, fields, [&](std::string_view, auto& value) { read(query, index++, value); });
 }
 
+/// The rows of a query whose columns are the fields of a key, those of its row, and the session.
+template <class Row, class Key, class KeyFields, class Fields>
+std::vector<Row> read_rows(Statement& query, Key Row::*key, const KeyFields& key_fields,
+                           const Fields& fields) {
+  std::vector<Row> rows;
+  while (query.step()) {
+    Row row;
+    int index = 0;
+    read_fields(query, index, row.*key, key_fields);
+    read_fields(query, index, row, fields);
+    row.session = query.integer(index);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 }  // namespace hmax::sqlite

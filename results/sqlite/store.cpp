@@ -171,15 +171,6 @@ void bind_row(Statement& statement, const Row& row, std::int64_t session) {
   statement.bind(index, session);
 }
 
-Row read_row(const Statement& query) {
-  Row row;
-  int column = 0;
-  sqlite::read_fields(query, column, row.key, row_key_fields);
-  sqlite::read_fields(query, column, row, row_fields);
-  row.session = query.integer(column);
-  return row;
-}
-
 std::string describe(const RowKey& key) {
   return fmt::format("{} {} {} {}{} h={} rtol={}", key.problem, key.material, key.method, key.mode,
                      key.device.empty() ? "" : " on " + key.device, to_text(key.h), to_text(key.rtol));
@@ -397,12 +388,10 @@ std::int64_t Store::size() const {
 
 std::vector<Row> Store::rows() const {
   return reporting(impl_->file, [&] {
-    std::vector<Row> rows;
     Statement query(
         impl_->db(),
         fmt::format("SELECT {} FROM rows ORDER BY {}", names_of_columns(), order_of_rows).c_str());
-    while (query.step()) rows.push_back(read_row(query));
-    return rows;
+    return sqlite::read_rows(query, &Row::key, row_key_fields, row_fields);
   });
 }
 

@@ -1,3 +1,4 @@
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -11,7 +12,7 @@ namespace hmax {
 
 namespace {
 
-using sqlite::bind_key, sqlite::joined, sqlite::read_fields;
+using sqlite::bind_key, sqlite::joined, sqlite::read_rows;
 using sqlite::Statement;
 
 std::string names_of_question() { return joined("", "", ", ", advice_key_fields); }
@@ -47,16 +48,7 @@ std::vector<Kept> texts_of(sqlite3* database, const char* table, const char* col
   Statement query(database, fmt::format("SELECT {0}, {1}, session FROM {2} ORDER BY {0}", names_of_question(),
                                         column, table)
                                 .c_str());
-  std::vector<Kept> all;
-  while (query.step()) {
-    Kept kept;
-    int index = 0;
-    read_fields(query, index, kept.key, advice_key_fields);
-    kept.*text = query.text(index++);
-    kept.session = query.integer(index);
-    all.push_back(std::move(kept));
-  }
-  return all;
+  return read_rows(query, &Kept::key, advice_key_fields, std::array{Field<Kept>{column, text}});
 }
 
 }  // namespace
@@ -86,16 +78,7 @@ std::vector<AdviceRecord> Store::advice() const {
     Statement query(impl_->db(), fmt::format("SELECT {}, session FROM advice ORDER BY {}, id", names_of_all(),
                                              names_of_question())
                                      .c_str());
-    std::vector<AdviceRecord> records;
-    while (query.step()) {
-      AdviceRecord record;
-      int index = 0;
-      read_fields(query, index, record.key, advice_key_fields);
-      read_fields(query, index, record, advice_fields);
-      record.session = query.integer(index);
-      records.push_back(std::move(record));
-    }
-    return records;
+    return read_rows(query, &AdviceRecord::key, advice_key_fields, advice_fields);
   });
 }
 

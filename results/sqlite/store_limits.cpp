@@ -38,16 +38,7 @@ std::string select_limits(const std::string& rest) {
 }
 
 std::vector<LimitRow> read_limits(Statement& query) {
-  std::vector<LimitRow> rows;
-  while (query.step()) {
-    LimitRow row;
-    int index = 0;
-    sqlite::read_fields(query, index, row.point, point_key_fields);
-    sqlite::read_fields(query, index, row, limit_fields);
-    row.session = query.integer(index);
-    rows.push_back(std::move(row));
-  }
-  return rows;
+  return sqlite::read_rows(query, &LimitRow::point, point_key_fields, limit_fields);
 }
 
 std::int64_t id_of_point(sqlite3* database, const OperatingPointKey& key) {
