@@ -8,8 +8,6 @@ namespace hmax {
 
 namespace {
 
-using Json = nlohmann::json;
-
 Json to_json(const Row& row) {
   Json json;
   each_field(row, row_fields,

@@ -493,30 +493,29 @@ void add_unit(CLI::App& command, MeshCommand& options) {
 void add_mesh(CLI::App& app, Console& console) {
   CLI::App& group = add_group(app, "mesh", "Inspect, check, make and convert tetrahedral meshes");
 
-  auto options = std::make_shared<MeshCommand>();
-  CLI::App& info_command =
+  const auto [info_command, info_options] =
       add_command(group, console, "info", "Show the counts of a mesh, its surface, size and quality",
                   {"hmax mesh info liver", "hmax mesh info ball:n=6:refine=1 --json",
-                   "hmax mesh info liver:mend=16", "hmax mesh info liver --picture results/runs/liver.svg"});
-  add_mesh_argument(info_command, *options);
-  add_unit(info_command, *options);
-  options->picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby", false);
+                   "hmax mesh info liver:mend=16", "hmax mesh info liver --picture results/runs/liver.svg"},
+                  with_sentences<info>);
+  add_mesh_argument(info_command, info_options);
+  add_unit(info_command, info_options);
+  info_options.picture.add_to(info_command, "Draw the surface, coloured by the worst tetrahedron nearby",
+                              false);
   add_force(info_command);
-  set_callback(info_command, with_sentences(info, options, console));
 
-  CLI::App& check_command =
-      add_command(group, console, "check", "Find defects and slivers of a mesh; exit 1 if there are any",
-                  {"hmax mesh check liver", "hmax mesh check phantom --slivers 20"});
-  add_mesh_argument(check_command, *options);
-  add_text(check_command, "--slivers", options->slivers,
+  const auto [check_command, check_options] = add_command(
+      group, console, "check", "Find defects and slivers of a mesh; exit 1 if there are any",
+      {"hmax mesh check liver", "hmax mesh check phantom --slivers 20"}, with_sentences<check_mesh>);
+  add_mesh_argument(check_command, check_options);
+  add_text(check_command, "--slivers", check_options.slivers,
            "Dihedral angle below which a tetrahedron is a sliver [degrees]; 5 by default", "DEGREES");
-  add_text(check_command, "--near", options->near,
+  add_text(check_command, "--near", check_options.near,
            "Share of the shortest edge within which points coincide; 0.001 by default", "TOL");
-  add_unit(check_command, *options);
-  add_support(check_command, options->supports, "none by default");
-  set_callback(check_command, with_sentences(check_mesh, options, console));
+  add_unit(check_command, check_options);
+  add_support(check_command, check_options.supports, "none by default");
 
-  add_mesh_writers(group, options, console);
+  add_mesh_writers(group, console);
 }
 
 }  // namespace hmax

@@ -1,11 +1,9 @@
 /// What the commands of `hmax mesh` share.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "catalogue/models/mesh_choice.hpp"
@@ -43,18 +41,16 @@ void add_mesh_argument(CLI::App& command, MeshCommand& options);
 void add_unit(CLI::App& command, MeshCommand& options);
 
 /// make, refine and convert
-void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& options, Console& console);
+void add_mesh_writers(CLI::App& group, Console& console);
 
 /// Runs a subcommand; what lower floors refuse is bad input.
-template <class Run>
-auto with_sentences(Run run, std::shared_ptr<MeshCommand> options, Console& console) {
-  return [run = std::move(run), options = std::move(options), &console] {
-    try {
-      run(*options, console);
-    } catch (const std::invalid_argument& error) {
-      throw InputError(error.what());
-    }
-  };
+template <void (*run)(const MeshCommand&, Console&)>
+void with_sentences(const MeshCommand& options, Console& console) {
+  try {
+    run(options, console);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
 }
 
 }  // namespace hmax

@@ -92,7 +92,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
     throw InputError(fmt::format(
         "meshes are written as .msh, .vtu or .scn and not as '{}'; change the extension", options.output));
   const bool scene = extension == ".scn";
-  if (is_given(options.jobs)) throw InputError("--jobs is for --matrices; leave it out");
+  if (options.jobs && is_given(options.jobs)) throw InputError("--jobs is for --matrices; leave it out");
   const bool physics = options.h || !options.model.empty() || !options.material.empty() ||
                        !options.gravity.empty() || !options.supports.empty() || !options.set.empty() ||
                        !options.load.empty() || !options.method.empty();
@@ -197,62 +197,60 @@ void add_output(CLI::App& command, MeshCommand& options) {
 
 }  // namespace
 
-void add_mesh_writers(CLI::App& group, const std::shared_ptr<MeshCommand>& options, Console& console) {
-  CLI::App& make_command = add_command(
+void add_mesh_writers(CLI::App& group, Console& console) {
+  const auto [make_command, make_options] = add_command(
       group, console, "make", "Write a named mesh to a file",
-      {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"});
-  add_mesh_argument(make_command, *options);
-  add_output(make_command, *options);
-  set_callback(make_command, with_sentences(make, options, console));
+      {"hmax mesh make ball:n=6,radius=0.04 --output ball.msh", "hmax mesh make beam:n=2 --output beam.vtu"},
+      with_sentences<make>);
+  add_mesh_argument(make_command, make_options);
+  add_output(make_command, make_options);
 
-  CLI::App& refine_command =
+  const auto [refine_command, refine_options] =
       add_command(group, console, "refine", "Refine a mesh: cut each tetrahedron into eight",
-                  {"hmax mesh refine liver --times 2 --output fine.vtu"});
-  add_mesh_argument(refine_command, *options);
-  add_text(refine_command, "--times", options->times, "Number of refinements; 1 by default", "NUMBER");
-  add_unit(refine_command, *options);
-  add_output(refine_command, *options);
-  set_callback(refine_command, with_sentences(refine, options, console));
+                  {"hmax mesh refine liver --times 2 --output fine.vtu"}, with_sentences<refine>);
+  add_mesh_argument(refine_command, refine_options);
+  add_text(refine_command, "--times", refine_options.times, "Number of refinements; 1 by default", "NUMBER");
+  add_unit(refine_command, refine_options);
+  add_output(refine_command, refine_options);
 
-  CLI::App& convert_command = add_command(
+  const auto [command, options] = add_command(
       group, console, "convert", "Convert a mesh to Gmsh, ParaView, a scene of SOFA, or matrices",
       {"hmax mesh convert phantom phantom.vtu",
        "hmax mesh convert liver liver.scn --material liver:male_normal --gravity 0,0,-9.81 --h 0.01",
        "hmax mesh convert liver pressed.scn --load press --support 'z<0.02' --method symplectic_euler --h 0.002",
        "hmax mesh convert phantom.vtu again.msh --unit m --fix --renumber",
-       "hmax mesh convert liver --matrices liver --material liver:male_normal"});
-  add_mesh_argument(convert_command, *options);
-  add_text(convert_command, "output", options->output, "File to write: .msh, .vtu or .scn");
-  add_text(convert_command, "--matrices", options->matrices,
+       "hmax mesh convert liver --matrices liver --material liver:male_normal"},
+      with_sentences<convert>);
+  add_mesh_argument(command, options);
+  add_text(command, "output", options.output, "File to write: .msh, .vtu or .scn");
+  add_text(command, "--matrices", options.matrices,
            "Folder of the stiffness, mass and damping of the body, instead of a file; it is made if needed",
            "FOLDER");
-  add_unit(convert_command, *options);
-  add_flag(convert_command, "--fix", options->fix, "Reorient inverted tetrahedra");
-  add_text(convert_command, "--merge", options->merge,
+  add_unit(command, options);
+  add_flag(command, "--fix", options.fix, "Reorient inverted tetrahedra");
+  add_text(command, "--merge", options.merge,
            "Merge points within this share of the shortest edge, or off; 0 by default", "TOL");
-  add_flag(convert_command, "--renumber", options->renumber,
+  add_flag(command, "--renumber", options.renumber,
            "Renumber points and tetrahedra, so that neighbours have similar numbers");
-  add_text(convert_command, "--model", options->model,
+  add_text(command, "--model", options.model,
            "Model of a scene or of matrices; fem_corotational of scenes, fem_green of matrices by default",
            "ID");
-  add_text(convert_command, "--material", options->material,
+  add_text(command, "--material", options.material,
            "Tissue of a scene or of matrices, like liver:male_normal", "ID");
-  add_text(convert_command, "--gravity", options->gravity, "Gravity of a scene or of matrices [m/s2]",
-           "X,Y,Z");
-  add_repeated(convert_command, "--set", options->set,
+  add_text(command, "--gravity", options.gravity, "Gravity of a scene or of matrices [m/s2]", "X,Y,Z");
+  add_repeated(command, "--set", options.set,
                "Change a parameter of a scene or of matrices, like E:tumour=8000; may be repeated",
                "NAME=VALUE");
-  add_support(convert_command, options->supports, "none by default");
-  add_text(convert_command, "--load", options->load,
+  add_support(command, options.supports, "none by default");
+  add_text(command, "--load", options.load,
            fmt::format("Load of a scene: {}; none by default", fmt::join(tissue_loads(), ", ")), "ID");
-  add_text(convert_command, "--method", options->method,
+  add_text(command, "--method", options.method,
            fmt::format("Method whose solver steps a scene: {}; {} by default",
                        fmt::join(sofa_methods(), ", "), sofa_methods().front()),
            "ID");
-  add_number(convert_command, "--h", options->h, "Step size of a scene [s]; 0.01 by default");
-  options->jobs = add_jobs(convert_command);
-  add_force(convert_command);
-  set_callback(convert_command, with_sentences(convert, options, console));
+  add_number(command, "--h", options.h, "Step size of a scene [s]; 0.01 by default");
+  options.jobs = add_jobs(command);
+  add_force(command);
 }
 
 }  // namespace hmax

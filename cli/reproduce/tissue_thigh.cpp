@@ -187,9 +187,7 @@ void add_network(Json& values, const ThighStudy& study) {
   const double gain = study.equilibrium_seconds / study.network_seconds;
   const ThighTask& inside = study.tasks.at(1);
   const ThighTask& other = *std::ranges::max_element(study.tasks, {}, &ThighTask::network);
-  values["network_seconds"] = study.network_seconds;
-  values["force_seconds"] = study.force_seconds;
-  values["equilibrium_seconds"] = study.equilibrium_seconds;
+  values.update({HMAX_KEYS(study, network_seconds, force_seconds, equilibrium_seconds)});
   values["network_is_faster"] = gain > 1;
   values["network_gain"] = gain;
   values["network_extrapolates_badly"] = inside.network < 0.05 && other.network > 4 * inside.network;
@@ -206,18 +204,12 @@ void add_motion(Json& values, const ThighStudy& study) {
   const double h = study.limits.front().h_pressed;
   const Eigen::Index stable = (study.constant_depths.array() > 1).count();
   values["point"] = study.load.point + 1;
-  values["depth"] = study.load.depth;
-  values["mass"] = study.load.mass;
-  values["damping"] = study.load.damping;
+  values.update({HMAX_KEYS(study.load, depth, mass, damping)});
   values["euler_is_too_slow"] = h < 0.01;  // at 100 Hz
   values["euler_rate"] = 1 / h;
   values["stable_points"] = stable;
   values["stable_everywhere"] = stable == study.constant_depths.size();
-  values["left"] = study.left;
-  values["period"] = study.period;
-  values["period_heavy"] = study.period_heavy;
-  values["sag"] = study.sag;
-  values["sag_heavy"] = study.sag_heavy;
+  values.update({HMAX_KEYS(study, left, period, period_heavy, sag, sag_heavy)});
 }
 
 /// The statements of slides 31 to 38.
