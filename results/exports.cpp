@@ -5,8 +5,6 @@
 #include <numeric>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "core/numbers.hpp"
 #include "results/json.hpp"
 #include "results/table.hpp"

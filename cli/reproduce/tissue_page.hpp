@@ -2,7 +2,6 @@
 /// liver, at rest and in motion.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>

@@ -1,10 +1,8 @@
 /// hmax stability gallery: every region on one page, and the liver's eigenvalues on their way out of three.
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "analysis/amplification/limits.hpp"
 #include "catalogue/methods/choice/formulas.hpp"

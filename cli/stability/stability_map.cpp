@@ -7,7 +7,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "analysis/dynamics/phase_plane.hpp"
 #include "catalogue/methods/choice/formulas.hpp"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "catalogue/methods/choice/formulas.hpp"
 #include "catalogue/models/problems.hpp"
