@@ -1,6 +1,7 @@
 #include "problems/formula_graph.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -10,81 +11,19 @@ namespace hmax {
 
 using Id = FormulaNodeId;
 
-int operands_of(FormulaOp op) {
-  using enum FormulaOp;
-  switch (op) {
-    case constant:
-    case time:
-    case state:
-      return 0;
-    case choose:
-      return 3;
-    case add:
-    case subtract:
-    case multiply:
-    case divide:
-    case power:
-    case less:
-    case less_equal:
-    case greater:
-    case greater_equal:
-    case equal:
-    case not_equal:
-    case both:
-    case either:
-    case atan2:
-    case minimum:
-    case maximum:
-      return 2;
-    default:
-      return 1;
-  }
-}
-
 namespace {
 
 double value_of_function(FormulaOp op, double a, double b) {
   using enum FormulaOp;
-  switch (op) {
-    case power:
-      return std::pow(a, b);
-    case atan2:
-      return std::atan2(a, b);
-    case sin:
-      return std::sin(a);
-    case cos:
-      return std::cos(a);
-    case tan:
-      return std::tan(a);
-    case asin:
-      return std::asin(a);
-    case acos:
-      return std::acos(a);
-    case atan:
-      return std::atan(a);
-    case sinh:
-      return std::sinh(a);
-    case cosh:
-      return std::cosh(a);
-    case tanh:
-      return std::tanh(a);
-    case asinh:
-      return std::asinh(a);
-    case acosh:
-      return std::acosh(a);
-    case atanh:
-      return std::atanh(a);
-    case exp:
-      return std::exp(a);
-    case log:
-      return std::log(a);
-    case log2:
-      return std::log2(a);
-    case log10:
-      return std::log10(a);
-    default:
-      return std::numeric_limits<double>::quiet_NaN();
-  }
+  using Function = double (*)(double);
+  static constexpr auto functions = std::to_array<Function>(
+      {std::sin, std::cos, std::tan, std::asin, std::acos, std::atan, std::sinh, std::cosh, std::tanh,
+       std::asinh, std::acosh, std::atanh, std::exp, std::log, std::log2, std::log10});
+  static_assert(functions.size() == static_cast<std::size_t>(log10) - static_cast<std::size_t>(sin) + 1);
+  if (op == power) return std::pow(a, b);
+  if (op == atan2) return std::atan2(a, b);
+  if (op < sin || log10 < op) return std::numeric_limits<double>::quiet_NaN();
+  return functions[static_cast<std::size_t>(op) - static_cast<std::size_t>(sin)](a);
 }
 
 }  // namespace
@@ -97,41 +36,20 @@ namespace {
 /// Whether the value jumps, or has a kink, where an expression of its operands passes zero.
 bool is_switch(FormulaOp op) {
   using enum FormulaOp;
-  switch (op) {
-    case less:
-    case less_equal:
-    case greater:
-    case greater_equal:
-    case equal:
-    case not_equal:
-    case both:
-    case either:
-    case abs:
-    case sign:
-    case rint:
-    case minimum:
-    case maximum:
-      return true;
-    default:
-      return false;
-  }
+  return (abs <= op && op <= rint) || (less <= op && op <= either);
 }
 }  // namespace
 
 FormulaDependence FormulaGraph::dependence_of(const FormulaNode& node) const {
-  const int operands = operands_of(node.op);
   if (node.op == FormulaOp::multiply && (is_constant(node.a, 0) || is_constant(node.b, 0))) return {};
   if (node.op == FormulaOp::divide && is_constant(node.a, 0)) return {};
   FormulaDependence all;
-  const auto take = [&](Id id) {
+  node.each_operand([&](Id id) {
     const FormulaDependence& of = dependence(id);
     all.on_time = all.on_time || of.on_time;
     all.on_state = all.on_state || of.on_state;
     all.switches_with_state = all.switches_with_state || of.switches_with_state;
-  };
-  if (operands > 0) take(node.a);
-  if (operands > 1) take(node.b);
-  if (operands > 2) take(node.c);
+  });
   if (is_switch(node.op) && all.on_state) all.switches_with_state = true;
   if (node.op == FormulaOp::choose && dependence(node.a).on_state) all.switches_with_state = true;
   return all;
@@ -317,11 +235,8 @@ std::vector<bool> needed_by(const FormulaGraph& graph, const std::vector<Id>& ro
   for (const Id root : roots) needed[static_cast<std::size_t>(root)] = true;
   for (std::size_t i = graph.size(); i-- > 0;) {
     if (!needed[i]) continue;
-    const FormulaNode& n = graph[static_cast<Id>(i)];
-    const int operands = operands_of(n.op);
-    if (operands > 0) needed[static_cast<std::size_t>(n.a)] = true;
-    if (operands > 1) needed[static_cast<std::size_t>(n.b)] = true;
-    if (operands > 2) needed[static_cast<std::size_t>(n.c)] = true;
+    graph[static_cast<Id>(i)].each_operand(
+        [&](Id operand) { needed[static_cast<std::size_t>(operand)] = true; });
   }
   return needed;
 }
@@ -347,9 +262,10 @@ std::vector<std::vector<FormulaSlope>> state_slopes(FormulaGraph& graph, const s
     if (operands == 0) continue;
     // The states of all operands, once each.
     std::vector<int> states;
-    for (int k = 0; k < operands; ++k)
-      for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(k == 0 ? n.a : k == 1 ? n.b : n.c)])
+    n.each_operand([&](Id operand) {
+      for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(operand)])
         states.push_back(slope.state);
+    });
     std::ranges::sort(states);
     states.erase(std::unique(states.begin(), states.end()), states.end());
     for (const int state : states) {

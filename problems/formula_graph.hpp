@@ -18,6 +18,12 @@ struct FormulaNode {
   FormulaOp op = FormulaOp::constant;
   FormulaNodeId a = 0, b = 0, c = 0;
   double value = 0;  ///< of a constant
+
+  /// @param k  less than operands_of(op)
+  [[nodiscard]] FormulaNodeId operand(int k) const { return k == 0 ? a : k == 1 ? b : c; }
+  void each_operand(const auto& visit) const {
+    for (int k = 0; k < operands_of(op); ++k) visit(operand(k));
+  }
 };
 
 /// What a value depends on. A product with the constant zero depends on nothing.
@@ -64,9 +70,6 @@ class FormulaGraph {
   std::vector<FormulaDependence> dependences_;
   std::map<Key, Id> known_;
 };
-
-/// How many operands an operation has: 0 to 3.
-int operands_of(FormulaOp op);
 
 /// d f / d y_j of one node, for each state that it depends on.
 struct FormulaSlope {

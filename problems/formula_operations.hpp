@@ -8,29 +8,16 @@
 
 namespace hmax {
 
-/// What a node computes of its operands a, b and c.
+/// What a node computes of its operands a, b and c: in the order of their number.
 enum class FormulaOp : std::uint8_t {
   constant,
   time,
   state,
+
   negate,
-  add,
-  subtract,
-  multiply,
-  divide,
-  power,
   square,
   cube,
   fourth,
-  less,
-  less_equal,
-  greater,
-  greater_equal,
-  equal,
-  not_equal,
-  both,
-  either,
-  choose,
   sin,
   cos,
   tan,
@@ -51,10 +38,31 @@ enum class FormulaOp : std::uint8_t {
   abs,
   sign,
   rint,
-  atan2,
+
+  less,
+  less_equal,
+  greater,
+  greater_equal,
+  equal,
+  not_equal,
   minimum,
-  maximum
+  maximum,
+  both,
+  either,
+  add,
+  subtract,
+  multiply,
+  divide,
+  power,
+  atan2,
+
+  choose
 };
+
+/// How many operands an operation has.
+constexpr int operands_of(FormulaOp op) {
+  return op <= FormulaOp::state ? 0 : op <= FormulaOp::rint ? 1 : op < FormulaOp::choose ? 2 : 3;
+}
 
 /// The value of an operation that is exact or rounded once, which is the same everywhere; other(op, a, b) of
 /// the others. A condition is true where it is not 0; comparisons give 1 or 0.

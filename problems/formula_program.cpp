@@ -5,10 +5,6 @@
 
 namespace hmax {
 
-namespace {
-FormulaNodeId operand(const FormulaNode& n, int k) { return k == 0 ? n.a : k == 1 ? n.b : n.c; }
-}  // namespace
-
 /// Puts nodes into an order in which those that only one branch of a condition needs lie behind a jump.
 class FormulaCompiler {
  public:
@@ -54,7 +50,7 @@ class FormulaCompiler {
     for (int k = 0; k < operands_of(n.op); ++k) {
       int guard = own;
       if (n.op == FormulaOp::choose && k > 0) guard = (k == 1 ? yes_ : no_)[id] = guard_inside(own);
-      int& of = guards_[at(operand(n, k))];
+      int& of = guards_[at(n.operand(k))];
       of = around(of, guard);
     }
   }
@@ -81,7 +77,7 @@ class FormulaCompiler {
 
   void write_node(FormulaNodeId id) {
     const FormulaNode& n = graph_[id];
-    const auto from = [&](int k) { return operands_of(n.op) > k ? place_[at(operand(n, k))] : 0; };
+    const auto from = [&](int k) { return operands_of(n.op) > k ? place_[at(n.operand(k))] : 0; };
     const FormulaStep whole{static_cast<std::uint8_t>(n.op), place_[at(id)], from(0), from(1), from(2)};
     if (n.op != FormulaOp::choose || (is_empty(yes_[id]) && is_empty(no_[id]))) {
       program_.steps_.push_back(whole);

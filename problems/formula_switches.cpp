@@ -19,36 +19,18 @@ std::vector<bool> acting_below(const FormulaGraph& graph, const std::vector<Id>&
     const FormulaDependence& of = graph.dependence(id);
     if (!of.on_time && !of.on_state) acting[i] = false;
     if (!acting[i]) continue;
-    const FormulaNode& n = graph[id];
-    const int operands = operands_of(n.op);
-    if (operands > 0) acting[static_cast<std::size_t>(n.a)] = true;
-    if (operands > 1) acting[static_cast<std::size_t>(n.b)] = true;
-    if (operands > 2) acting[static_cast<std::size_t>(n.c)] = true;
+    graph[id].each_operand([&](Id operand) { acting[static_cast<std::size_t>(operand)] = true; });
   }
   return acting;
 }
 
 /// A node that is constant in pieces, and changes where `id` switches; -1 for operations that do not switch.
 Id indicator_of(FormulaGraph& graph, Id id) {
+  using enum FormulaOp;
   const FormulaNode n = graph[id];
-  switch (n.op) {
-    case FormulaOp::less:
-    case FormulaOp::less_equal:
-    case FormulaOp::greater:
-    case FormulaOp::greater_equal:
-    case FormulaOp::equal:
-    case FormulaOp::not_equal:
-    case FormulaOp::minimum:
-    case FormulaOp::maximum:
-      return graph.make(FormulaOp::sign, graph.make(FormulaOp::subtract, n.a, n.b));
-    case FormulaOp::abs:
-    case FormulaOp::sign:
-      return graph.make(FormulaOp::sign, n.a);
-    case FormulaOp::rint:
-      return id;
-    default:
-      return -1;
-  }
+  if (less <= n.op && n.op <= maximum) return graph.make(sign, graph.make(subtract, n.a, n.b));
+  if (n.op == abs || n.op == sign) return graph.make(sign, n.a);
+  return n.op == rint ? id : -1;
 }
 
 bool oscillates(FormulaOp op) {
