@@ -262,24 +262,36 @@ auto extended_run(const ExtendedStepper& stepper, const ExtendedSystem& system, 
   };
 }
 
-/// Binds a method to a problem, whatever the type of its system.
+/// Binds an engine to a problem, whatever the type of its system.
+/// @param make  make(std::type_identity<Sys>) -> the engine for systems of type Sys
+template <class Make>
+Runner bind_engine(const Problem& problem, const Make& make) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) {
+        return make_runner(make(std::type_identity<Sys>{}), system, typename Sys::State(problem.y0));
+      },
+      problem.system);
+}
+
+/// The same of a stepper.
 /// @param make  make(std::type_identity<Sys>) -> the stepper for systems of type Sys; called for the type of
 /// the
 ///              problem and for ExtendedSystem
 template <class Make>
 Runner bind_problem(const Problem& problem, int error_order, const Make& make) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) {
-        const auto stepper = make(std::type_identity<Sys>{});
-        Runner runner =
-            make_runner(detail::StepperEngine<std::remove_const_t<decltype(stepper)>>{stepper, error_order},
-                        system, typename Sys::State(problem.y0));
-        if (problem.extended)
-          runner.end_state_extended =
-              extended_run(make(std::type_identity<ExtendedSystem>{}), *problem.extended, problem.y0);
-        return runner;
-      },
-      problem.system);
+  Runner runner = bind_engine(problem, [&](auto sys) {
+    return detail::StepperEngine<decltype(make(sys))>{make(sys), error_order};
+  });
+  if (problem.extended)
+    runner.end_state_extended =
+        extended_run(make(std::type_identity<ExtendedSystem>{}), *problem.extended, problem.y0);
+  return runner;
+}
+
+/// Method::bind of such a stepper.
+template <class Make>
+std::function<Runner(const Problem&)> bound(int error_order, const Make& make) {
+  return [=](const Problem& problem) { return bind_problem(problem, error_order, make); };
 }
 
 }  // namespace hmax

@@ -30,6 +30,30 @@ inline Method with_defaults(Method (*make)(const Parameters&), const Parameters&
   return method;
 }
 
+/// The line of a method as far as the struct of its coefficients tells it: the rest is its family's.
+template <class T>
+Method described() {
+  Method method{.id = std::string(T::id),
+                .order = T::order,
+                .error_order = T::error_order,
+                .stages = static_cast<int>(T::tableau.stages),
+                .source = std::string(T::source)};
+  if constexpr (requires { T::a_stable; }) method.a_stable = T::a_stable;
+  if constexpr (requires { T::l_stable; }) method.l_stable = T::l_stable;
+  if constexpr (requires { T::aliases; })
+    for (const std::string_view alias : T::aliases) method.aliases.emplace_back(alias);
+  return method;
+}
+
+/// The same of a method that solves equations with the Jacobian.
+template <class T>
+Method described_implicit() {
+  Method method = described<T>();
+  method.is_explicit = false;
+  method.needs_jacobian = true;
+  return method;
+}
+
 // The foreign engines add nothing where their library is missing.
 void add_cvode(std::vector<Method>& all);
 void add_arkode(std::vector<Method>& all);

@@ -1,5 +1,7 @@
 /// The Adams methods of the catalogue.
 
+#include <type_traits>
+
 #include <fmt/format.h>
 
 #include "analysis/amplification/multistep_amplification.hpp"
@@ -20,24 +22,16 @@ Method fixed_step_adams(std::string_view prefix, AdamsMode mode, int k) {
           .source = "hairer1993solving",
           // Where the corrected state is not evaluated, the newest derivative too is one of the step before.
           .steps_back = mode == AdamsMode::pec ? k : k - 1,
-          .bind =
-              [=](const Problem& problem) {
-                return bind_problem(problem, 0, [=](auto sys) {
-                  using Sys = typename decltype(sys)::type;
-                  return Adams<typename Sys::State>(mode, k);
-                });
-              },
+          .bind = bound(
+              0, [=]<class Sys>(std::type_identity<Sys>) { return Adams<typename Sys::State>(mode, k); }),
           .amplification = shared(adams_amplification(mode, k, k))};
 }
 
 /// It has no runs at fixed step, so none in long double either.
 Runner bind_adams_pece(const Problem& problem) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) {
-        using State = typename Sys::State;
-        return make_runner(detail::StepperEngine<AdamsPece<State>>{}, system, State(problem.y0));
-      },
-      problem.system);
+  return bind_engine(problem, []<class Sys>(std::type_identity<Sys>) {
+    return detail::StepperEngine<AdamsPece<typename Sys::State>>{};
+  });
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 /// The diagonally implicit Runge-Kutta methods of the catalogue.
 #include <algorithm>
-#include <string>
-#include <string_view>
 #include <tuple>
 #include <type_traits>
 
@@ -11,7 +9,6 @@
 #include "catalogue/methods/bind.hpp"
 #include "catalogue/methods/families.hpp"
 #include "core/numbers.hpp"
-#include "integrators/explicit/tableaux.hpp"
 #include "integrators/implicit/dirk.hpp"
 #include "integrators/implicit/dirk_tableaux.hpp"
 
@@ -32,26 +29,16 @@ Method diagonally_implicit() {
   // A stage of which only the error estimate is made is no stage of the method.
   int stages = 0;
   for (const long double weight : T::tableau.b) stages += weight != 0;
-  Method method{.id = std::string(T::id),
-                .order = T::order,
-                .error_order = T::error_order,
-                .stages = stages,
-                .is_explicit = false,
-                .needs_jacobian = true,
-                .a_stable = T::a_stable,
-                .l_stable = T::l_stable,
-                .source = std::string(T::source)};
+  Method method = described_implicit<T>();
+  method.stages = stages;
   if (unseen_part<T>() > 0)
     method.note = fmt::format("its error estimate does not see a jump in time in the first {} of a step",
                               to_text(unseen_part<T>()));
   method.amplification =
       shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));
-  for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
-  method.bind = [](const Problem& problem) {
-    return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-      return Dirk<T, typename Sys::State, equations_type<Sys>>{};
-    });
-  };
+  method.bind = bound(T::error_order, []<class Sys>(std::type_identity<Sys>) {
+    return Dirk<T, typename Sys::State, equations_type<Sys>>{};
+  });
   return method;
 }
 

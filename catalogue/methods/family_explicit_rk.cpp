@@ -1,7 +1,5 @@
 /// The explicit Runge-Kutta methods of the catalogue, and those of users' files.
 #include <algorithm>
-#include <string>
-#include <string_view>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -41,15 +39,10 @@ constexpr bool misses_quadrature(const ButcherTableau<S>& tableau) {
 /// The line of one explicit Runge-Kutta method: everything else is in its struct.
 template <class T>
 Method explicit_rk(std::size_t index) {
-  Method method{.id = std::string(T::id),
-                .order = T::order,
-                .error_order = T::error_order,
-                .stages = static_cast<int>(T::tableau.stages),
-                .source = std::string(T::source),
-                .first_same_as_last = is_fsal(T::tableau)};
+  Method method = described<T>();
+  method.first_same_as_last = is_fsal(T::tableau);
   if (misses_quadrature(T::tableau))
     method.note = "its error estimate is zero where f depends on time alone, f(0) + f(h) - f(0) - f(h)";
-  for (const std::string_view alias : tableaux::aliases_of<T>()) method.aliases.emplace_back(alias);
   method.bind = [index](const Problem& problem) { return bind_to(index, problem); };
   method.amplification =
       shared(runge_kutta_amplification(detail::flattened(T::tableau.a), T::tableau.b, T::order));

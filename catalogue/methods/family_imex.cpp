@@ -1,5 +1,6 @@
 /// The implicit-explicit methods of the catalogue.
-#include <string>
+#include <tuple>
+#include <type_traits>
 
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "catalogue/methods/bind.hpp"
@@ -12,23 +13,14 @@ namespace {
 
 template <class T>
 Method imex() {
-  return {.id = std::string(T::id),
-          .order = T::order,
-          .error_order = T::error_order,
-          .stages = static_cast<int>(T::tableau.stages),
-          .is_explicit = false,
-          .needs_jacobian = true,
-          .a_stable = true,  // in what is declared stiff
-          .l_stable = true,
-          .source = std::string(T::source),
-          .needs_split = true,
-          .bind =
-              [](const Problem& problem) {
-                return bind_problem(problem, T::error_order, []<class Sys>(std::type_identity<Sys>) {
-                  return ImexRk<T, typename Sys::State, stiff_equations_type<Sys>>{};
-                });
-              },
-          .amplification = shared(additive_amplification(T::tableau, T::order))};
+  Method method = described_implicit<T>();
+  method.a_stable = method.l_stable = true;  // in what is declared stiff
+  method.needs_split = true;
+  method.bind = bound(T::error_order, []<class Sys>(std::type_identity<Sys>) {
+    return ImexRk<T, typename Sys::State, stiff_equations_type<Sys>>{};
+  });
+  method.amplification = shared(additive_amplification(T::tableau, T::order));
+  return method;
 }
 
 }  // namespace

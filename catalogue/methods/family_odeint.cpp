@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include <boost/version.hpp>
 #include <fmt/format.h>
@@ -110,11 +109,7 @@ Method line(const std::vector<Method>& all, const OdeintFacts& facts) {
   }
   const OdeintEngine<Fixed, Steered> engine{method.error_order};
   method.bind = [engine, extends = facts.in_long_double](const Problem& problem) {
-    Runner runner = std::visit(
-        [&]<class Sys>(const Sys& system) {
-          return make_runner(engine, system, typename Sys::State(problem.y0));
-        },
-        problem.system);
+    Runner runner = bind_engine(problem, [&](auto) { return engine; });
     if constexpr (!std::same_as<Fixed<ExtendedSystem>, None<ExtendedSystem>>)
       if (extends && problem.extended)
         runner.end_state_extended = [system = *problem.extended, y0 = problem.y0](double h, double t_end) {

@@ -18,12 +18,10 @@ void add_radau(std::vector<Method>& all) {
                  .a_stable = true,
                  .l_stable = true,
                  .source = "hairer1996solving",
-                 .bind =
-                     [](const Problem& problem) {
-                       return bind_problem(problem, 4, []<class Sys>(std::type_identity<Sys>) {
-                         return RadauIIA5<typename Sys::State, equations_type<Sys>>{};
-                       });
-                     },
+                 .bind = bound(4,
+                               []<class Sys>(std::type_identity<Sys>) {
+                                 return RadauIIA5<typename Sys::State, equations_type<Sys>>{};
+                               }),
                  .amplification = shared(full_runge_kutta_amplification(detail::flattened(radau::tableau.a),
                                                                         radau::tableau.b, 5))});
 }

@@ -18,12 +18,10 @@ Method stabilised_method() {
           .stages = 0,  // chosen at run time
           .source = std::string(Polynomials::source),
           .stages_by_radius = true,
-          .bind =
-              [](const Problem& problem) {
-                return bind_problem(problem, 3, []<class Sys>(std::type_identity<Sys>) {
-                  return StabilizedRk<Polynomials, typename Sys::State>{};
-                });
-              },
+          .bind = bound(3,
+                        []<class Sys>(std::type_identity<Sys>) {
+                          return StabilizedRk<Polynomials, typename Sys::State>{};
+                        }),
           .amplification = shared(stabilised_amplification<Polynomials>())};
 }
 

@@ -35,10 +35,7 @@ Method explicit_structural(std::string id, std::vector<std::string> aliases, std
       structural(std::move(id), std::move(aliases), StepperT<Eigen::VectorXd>::order, std::move(source));
   method.note = std::move(note);
   method.amplification = shared(std::move(amplification));
-  method.bind = [](const Problem& problem) {
-    return bind_problem(problem, 0,
-                        []<class Sys>(std::type_identity<Sys>) { return StepperT<typename Sys::State>{}; });
-  };
+  method.bind = bound(0, []<class Sys>(std::type_identity<Sys>) { return StepperT<typename Sys::State>{}; });
   return method;
 }
 
@@ -52,11 +49,9 @@ Method implicit_structural(std::string id, std::vector<std::string> aliases, con
   method.amplification = shared(generalized_alpha_amplification(p));
   method.a_stable = is_unconditionally_stable(*method.amplification);
   method.l_stable = method.a_stable && annihilates_fast_modes(*method.amplification);
-  method.bind = [p](const Problem& problem) {
-    return bind_problem(problem, 0, [p]<class Sys>(std::type_identity<Sys>) {
-      return GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, structure_type<Sys>>(p);
-    });
-  };
+  method.bind = bound(0, [p]<class Sys>(std::type_identity<Sys>) {
+    return GeneralizedAlpha<typename Sys::State, typename Sys::Dofs, structure_type<Sys>>(p);
+  });
   return method;
 }
 

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <variant>
 
 #include <fmt/format.h>
 
@@ -45,14 +44,6 @@ struct SundialsEngine {
   }
 };
 
-Runner bind(const sundials::Method& method, const Problem& problem) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) {
-        return make_runner(SundialsEngine{method}, system, typename Sys::State(problem.y0));
-      },
-      problem.system);
-}
-
 /// What else distinguishes a method: the facts of the catalogue.
 struct SundialsFacts {
   const char* id;
@@ -61,7 +52,9 @@ struct SundialsFacts {
 };
 
 Method with_number(Method method, const sundials::Method& choice) {
-  method.bind = [choice](const Problem& problem) { return bind(choice, problem); };
+  method.bind = [choice](const Problem& problem) {
+    return bind_engine(problem, [&](auto) { return SundialsEngine{choice}; });
+  };
   return method;
 }
 
