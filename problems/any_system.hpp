@@ -38,27 +38,27 @@ class BasicAnySystem {
   ///                integrators/system.hpp; its states may be of fixed size and of another real type
   template <class S>
   requires(!std::is_same_v<std::remove_cvref_t<S>, BasicAnySystem>) explicit BasicAnySystem(S system)
-      : self_(std::make_shared<const Model<S>>(std::move(system))), is_part_(Model<S>::part) {}
+      : self_(std::make_shared<const Model<S>>(std::move(system))) {}
 
-  [[nodiscard]] Eigen::Index dim() const { return self_->dim(); }
+  [[nodiscard]] Eigen::Index dim() const { return self_->facts.dim; }
   void rhs(Real t, const State& y, State& dydt) const { self_->rhs(inside(t), y, dydt); }
 
-  [[nodiscard]] bool has_jacobian() const { return self_->has_jacobian(); }
+  [[nodiscard]] bool has_jacobian() const { return self_->facts.has_jacobian; }
   void jacobian(Real t, const State& y, Jacobian& J) const { self_->jacobian(inside(t), y, J); }
-  [[nodiscard]] bool has_sparsity() const { return self_->has_sparsity(); }
+  [[nodiscard]] bool has_sparsity() const { return self_->facts.has_sparsity; }
   void sparsity(Eigen::SparseMatrix<Real>& pattern) const { self_->sparsity(pattern); }
-  [[nodiscard]] bool is_autonomous() const { return self_->is_autonomous(); }
-  [[nodiscard]] bool has_time_derivative() const { return self_->has_time_derivative(); }
+  [[nodiscard]] bool is_autonomous() const { return self_->facts.is_autonomous; }
+  [[nodiscard]] bool has_time_derivative() const { return self_->facts.has_time_derivative; }
   void time_derivative(Real t, const State& y, State& dfdt) const {
     self_->time_derivative(inside(t), y, dfdt);
   }
-  [[nodiscard]] bool has_spectral_radius() const { return self_->has_spectral_radius(); }
+  [[nodiscard]] bool has_spectral_radius() const { return self_->facts.has_spectral_radius; }
   [[nodiscard]] Real spectral_radius(Real t, const State& y) const {
     return self_->spectral_radius(inside(t), y);
   }
   [[nodiscard]] bool admits(const State& y) const { return self_->admits(y); }
   /// How f depends on the state; unknown where the system does not say.
-  [[nodiscard]] Linearity linearity() const { return self_->linearity(); }
+  [[nodiscard]] Linearity linearity() const { return self_->facts.linearity; }
   [[nodiscard]] bool is_linear() const { return linearity() == Linearity::linear; }
   /// Times in the open interval (t0, t1) where f or its derivatives jump whatever the state, in increasing
   /// order; empty where the system knows none.
@@ -73,12 +73,12 @@ class BasicAnySystem {
   }
   /// The time of that interval that is nearest to t.
   [[nodiscard]] Real inside(Real t) const { return std::clamp(t, from_, to_); }
-  [[nodiscard]] bool has_offset() const { return self_->has_offset(); }
+  [[nodiscard]] bool has_offset() const { return self_->facts.has_offset; }
   void offset(State& X) const { self_->offset(X); }
 
   /// 0 when the system is of first order only.
-  [[nodiscard]] Eigen::Index dofs() const { return self_->dofs(); }
-  [[nodiscard]] bool has_sparse_matrices() const { return self_->has_sparse_matrices(); }
+  [[nodiscard]] Eigen::Index dofs() const { return self_->facts.dofs; }
+  [[nodiscard]] bool has_sparse_matrices() const { return self_->facts.has_sparse_matrices; }
   /// @throws std::invalid_argument  where M couples unknowns
   [[nodiscard]] Dofs mass() const { return mass_matrix().lumped(); }
   [[nodiscard]] MassMatrix<Real> mass_matrix() const { return self_->mass_matrix(); }
@@ -92,59 +92,59 @@ class BasicAnySystem {
 
   /// Null where the system has matrices, or is of first order.
   [[nodiscard]] std::shared_ptr<const StructureOperator> structure_operator() const {
-    return self_->structure_operator();
+    return self_->facts.structure_operator;
   }
   /// Those that f(t, y) is given by, in the order of the state; null where it is not.
-  [[nodiscard]] std::shared_ptr<const FormulaProgram> formulas() const { return self_->formulas(); }
+  [[nodiscard]] std::shared_ptr<const FormulaProgram> formulas() const { return self_->facts.formulas; }
   /// See integrators/system.hpp; without a call where the system has all unknowns.
-  [[nodiscard]] Real largest_of_all(Real own) const { return is_part_ ? self_->largest_of_all(own) : own; }
+  [[nodiscard]] Real largest_of_all(Real own) const {
+    return self_->facts.is_part ? self_->largest_of_all(own) : own;
+  }
 
-  [[nodiscard]] bool has_split() const { return self_->has_split(); }
-  [[nodiscard]] bool has_linear_stiff_part() const { return self_->has_linear_stiff_part(); }
+  [[nodiscard]] bool has_split() const { return self_->facts.has_split; }
+  [[nodiscard]] bool has_linear_stiff_part() const { return self_->facts.has_linear_stiff_part; }
   void rhs_stiff(Real t, const State& y, State& dydt) const { self_->rhs_stiff(inside(t), y, dydt); }
   void rhs_nonstiff(Real t, const State& y, State& dydt) const { self_->rhs_nonstiff(inside(t), y, dydt); }
   void jacobian_stiff(Real t, const State& y, Jacobian& J) const { self_->jacobian_stiff(inside(t), y, J); }
-  [[nodiscard]] bool has_stiff_structure() const { return self_->has_stiff_structure(); }
+  [[nodiscard]] bool has_stiff_structure() const { return self_->facts.has_stiff_structure; }
   void stiffness_stiff(DofMatrix& K) const { self_->stiffness_stiff(K); }
   void damping_stiff(DofMatrix& C) const { self_->damping_stiff(C); }
 
  private:
+  /// What a system answers once.
+  struct Facts {
+    Eigen::Index dim = 0, dofs = 0;
+    bool has_jacobian = false, has_sparsity = false, is_autonomous = false, has_time_derivative = false,
+         has_spectral_radius = false, has_offset = false, has_sparse_matrices = false, has_split = false,
+         has_linear_stiff_part = false, has_stiff_structure = false,
+         is_part = false;  ///< of a system whose other unknowns are elsewhere
+    Linearity linearity = Linearity::unknown;
+    std::shared_ptr<const StructureOperator> structure_operator{};
+    std::shared_ptr<const FormulaProgram> formulas{};
+  };
+
   struct Interface {
-    Interface() = default;
+    explicit Interface(Facts known) : facts(std::move(known)) {}
     Interface(const Interface&) = delete;
     Interface& operator=(const Interface&) = delete;
     virtual ~Interface() = default;
-    virtual Eigen::Index dim() const = 0;
+    const Facts facts;
     virtual void rhs(Real, const State&, State&) const = 0;
-    virtual bool has_jacobian() const = 0;
     virtual void jacobian(Real, const State&, Jacobian&) const = 0;
-    virtual bool has_sparsity() const = 0;
     virtual void sparsity(Eigen::SparseMatrix<Real>&) const = 0;
-    virtual bool is_autonomous() const = 0;
-    virtual bool has_time_derivative() const = 0;
     virtual void time_derivative(Real, const State&, State&) const = 0;
-    virtual bool has_spectral_radius() const = 0;
     virtual Real spectral_radius(Real, const State&) const = 0;
     virtual bool admits(const State&) const = 0;
-    virtual Linearity linearity() const = 0;
     virtual std::vector<double> breakpoints(double, double) const = 0;
-    virtual bool has_offset() const = 0;
     virtual void offset(State&) const = 0;
-    virtual Eigen::Index dofs() const = 0;
-    virtual bool has_sparse_matrices() const = 0;
     virtual MassMatrix<Real> mass_matrix() const = 0;
     virtual void force(Real, const Dofs&, const Dofs&, Dofs&) const = 0;
     virtual void stiffness(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
     virtual void damping(Real, const Dofs&, const Dofs&, DofMatrix&) const = 0;
-    virtual std::shared_ptr<const StructureOperator> structure_operator() const = 0;
-    virtual std::shared_ptr<const FormulaProgram> formulas() const = 0;
     virtual Real largest_of_all(Real) const = 0;
-    virtual bool has_split() const = 0;
-    virtual bool has_linear_stiff_part() const = 0;
     virtual void rhs_stiff(Real, const State&, State&) const = 0;
     virtual void rhs_nonstiff(Real, const State&, State&) const = 0;
     virtual void jacobian_stiff(Real, const State&, Jacobian&) const = 0;
-    virtual bool has_stiff_structure() const = 0;
     virtual void stiffness_stiff(DofMatrix&) const = 0;
     virtual void damping_stiff(DofMatrix&) const = 0;
   };
@@ -227,17 +227,43 @@ class BasicAnySystem {
     static constexpr bool split_structure = requires(const S& s) {
       s.stiffness_stiff(std::declval<typename S::DofMatrix&>());
     };
-
-   public:
     static constexpr bool part = requires(const S& s) { s.largest_of_all(OwnReal{}); };
 
-    explicit Model(S system) : system_(std::move(system)) {}
+    static Facts facts_of(const S& system) {
+      Facts facts{.dim = system.dim(),
+                  .has_jacobian = differentiable,
+                  .has_sparsity = patterned,
+                  .has_time_derivative = time_differentiable,
+                  .has_spectral_radius = bounded,
+                  .has_offset = with_offset,
+                  .has_split = split,
+                  .is_part = part};
+      if constexpr (requires { system.is_autonomous(); })
+        facts.is_autonomous = system.is_autonomous();
+      else if constexpr (requires { S::autonomous; })
+        facts.is_autonomous = S::autonomous;
+      if constexpr (second_order) {
+        facts.dofs = system.dofs();
+        facts.has_sparse_matrices =
+            std::is_base_of_v<Eigen::SparseMatrixBase<typename S::DofMatrix>, typename S::DofMatrix>;
+      }
+      facts.has_stiff_structure = split_structure && facts.has_sparse_matrices;
+      if constexpr (requires { system.has_stiff_structure(); })
+        facts.has_stiff_structure = system.has_stiff_structure();
+      if constexpr (requires { S::linear_stiff_part; }) facts.has_linear_stiff_part = S::linear_stiff_part;
+      if constexpr (requires { system.linearity(); }) facts.linearity = system.linearity();
+      if constexpr (requires { system.formulas(); }) facts.formulas = system.formulas();
+      if constexpr (requires { system.structure_operator(); })
+        facts.structure_operator = system.structure_operator();
+      return facts;
+    }
 
-    Eigen::Index dim() const override { return system_.dim(); }
+   public:
+    explicit Model(S system) : Interface(facts_of(system)), system_(std::move(system)) {}
+
     void rhs(Real t, const State& y, State& dydt) const override {
       through<Own>(y, dydt, [&](const Own& in, Own& out) { system_.rhs(static_cast<OwnReal>(t), in, out); });
     }
-    bool has_jacobian() const override { return differentiable; }
     void jacobian(Real t, const State& y, Jacobian& J) const override {
       if constexpr (differentiable) {
         const Own& own = y.template cast<typename Own::Scalar>();
@@ -245,7 +271,6 @@ class BasicAnySystem {
             J, [&](auto& matrix) { system_.jacobian(static_cast<OwnReal>(t), own, matrix); });
       }
     }
-    bool has_sparsity() const override { return patterned; }
     void sparsity(Eigen::SparseMatrix<Real>& pattern) const override {
       if constexpr (patterned) {
         Eigen::SparseMatrix<OwnReal> own;
@@ -253,22 +278,12 @@ class BasicAnySystem {
         pattern = own.template cast<Real>();
       }
     }
-    bool is_autonomous() const override {
-      if constexpr (requires { system_.is_autonomous(); })
-        return system_.is_autonomous();
-      else if constexpr (requires { S::autonomous; })
-        return S::autonomous;
-      else
-        return false;
-    }
-    bool has_time_derivative() const override { return time_differentiable; }
     void time_derivative(Real t, const State& y, State& dfdt) const override {
       if constexpr (time_differentiable)
         through<Own>(y, dfdt, [&](const Own& in, Own& out) {
           system_.time_derivative(static_cast<OwnReal>(t), in, out);
         });
     }
-    bool has_spectral_radius() const override { return bounded; }
     Real spectral_radius(Real t, const State& y) const override {
       if constexpr (bounded)
         return static_cast<Real>(
@@ -284,35 +299,16 @@ class BasicAnySystem {
       else
         return system_.admits(Own(y.template cast<typename Own::Scalar>()));
     }
-    Linearity linearity() const override {
-      if constexpr (requires { system_.linearity(); })
-        return system_.linearity();
-      else
-        return Linearity::unknown;
-    }
     std::vector<double> breakpoints(double t0, double t1) const override {
       if constexpr (requires { system_.breakpoints(t0, t1); })
         return system_.breakpoints(t0, t1);
       else
         return {};
     }
-    bool has_offset() const override { return with_offset; }
     void offset(State& X) const override {
       if constexpr (with_offset) through<Own>(X, X, [&](const Own&, Own& out) { system_.offset(out); });
     }
 
-    Eigen::Index dofs() const override {
-      if constexpr (second_order)
-        return system_.dofs();
-      else
-        return 0;
-    }
-    bool has_sparse_matrices() const override {
-      if constexpr (second_order)
-        return std::is_base_of_v<Eigen::SparseMatrixBase<typename S::DofMatrix>, typename S::DofMatrix>;
-      else
-        return false;
-    }
     MassMatrix<Real> mass_matrix() const override {
       if constexpr (second_order)
         return mass_of(system_).template cast<Real>();
@@ -338,18 +334,6 @@ class BasicAnySystem {
         });
     }
 
-    std::shared_ptr<const FormulaProgram> formulas() const override {
-      if constexpr (requires { system_.formulas(); })
-        return system_.formulas();
-      else
-        return nullptr;
-    }
-    std::shared_ptr<const StructureOperator> structure_operator() const override {
-      if constexpr (requires { system_.structure_operator(); })
-        return system_.structure_operator();
-      else
-        return nullptr;
-    }
     Real largest_of_all(Real own) const override {
       if constexpr (part)
         return static_cast<Real>(system_.largest_of_all(static_cast<OwnReal>(own)));
@@ -357,13 +341,6 @@ class BasicAnySystem {
         return own;
     }
 
-    bool has_split() const override { return split; }
-    bool has_linear_stiff_part() const override {
-      if constexpr (requires { S::linear_stiff_part; })
-        return S::linear_stiff_part;
-      else
-        return false;
-    }
     void rhs_stiff(Real t, const State& y, State& dydt) const override {
       if constexpr (split)
         through<Own>(y, dydt,
@@ -381,12 +358,6 @@ class BasicAnySystem {
         matrix_through<typename S::Jacobian>(
             J, [&](auto& matrix) { system_.jacobian_stiff(static_cast<OwnReal>(t), own, matrix); });
       }
-    }
-    bool has_stiff_structure() const override {
-      if constexpr (requires { system_.has_stiff_structure(); })
-        return system_.has_stiff_structure();
-      else
-        return split_structure && has_sparse_matrices();
     }
     void stiffness_stiff(DofMatrix& K) const override {
       if constexpr (split_structure)
@@ -410,7 +381,6 @@ class BasicAnySystem {
   };
 
   std::shared_ptr<const Interface> self_;
-  bool is_part_ = false;  ///< of a system whose other unknowns are elsewhere
   /// See confine().
   Real from_ = -std::numeric_limits<Real>::infinity(), to_ = std::numeric_limits<Real>::infinity();
 };
