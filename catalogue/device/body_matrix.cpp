@@ -30,12 +30,7 @@ MatrixArrays::Lists lists_of(const BlockTerms& terms) {
 class MatrixMaker {
  public:
   MatrixMaker(const TissueBody& body, std::span<const std::int32_t> number)
-      : body_(body),
-        number_(number),
-        free_(at(static_cast<Index>(body.mesh().point_count())), -1),
-        made_(pattern_arrays(body)) {
-    for (std::size_t i = 0; i < body.free_points().size(); ++i)
-      free_[at(body.free_points()[i])] = static_cast<std::int32_t>(i);
+      : body_(body), number_(number), free_(body.free_numbers()), made_(pattern_arrays(body)) {
     if (body.settings().beta != 0) made_.damping = made_.entries_of(body.rayleigh());
     made_.alpha = body.settings().alpha;
   }
@@ -318,7 +313,8 @@ class MatrixMaker {
 
   const TissueBody& body_;
   std::span<const std::int32_t> number_;
-  std::vector<std::int32_t> free_;  ///< of each point of the mesh: its number among the free ones, or -1
+  const std::vector<std::int32_t>&
+      free_;  ///< of each point of the mesh: its number among the free ones, or -1
   MatrixArrays made_;
 };
 

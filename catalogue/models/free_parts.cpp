@@ -47,14 +47,6 @@ std::string part_in_words(const Problem& problem, const FreePart& part) {
                      count > most ? ", ..." : "");
 }
 
-/// The number of each point among the free ones, -1 of those that are held.
-std::vector<Eigen::Index> free_numbers(const TissueBody& body) {
-  std::vector<Eigen::Index> number(static_cast<std::size_t>(body.mesh().point_count()), -1);
-  for (std::size_t i = 0; i < body.free_points().size(); ++i)
-    number[static_cast<std::size_t>(body.free_points()[i])] = static_cast<Eigen::Index>(i);
-  return number;
-}
-
 }  // namespace
 
 Eigen::MatrixXd free_motions(const TissueBody& body) {
@@ -63,11 +55,10 @@ Eigen::MatrixXd free_motions(const TissueBody& body) {
   for (const FreePart& part : parts) count += part.motions.cols();
   Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(body.dofs(), count);
   if (count == 0) return motions;
-  const std::vector<Eigen::Index> number = free_numbers(body);
   Eigen::Index column = 0;
   for (const FreePart& part : parts) {
     for (std::size_t i = 0; i < part.points.size(); ++i)
-      if (const Eigen::Index own = number[static_cast<std::size_t>(part.points[i])]; own >= 0)
+      if (const Eigen::Index own = body.free_numbers()[static_cast<std::size_t>(part.points[i])]; own >= 0)
         motions.block(3 * own, column, 3, part.motions.cols()) =
             part.motions.middleRows<3>(3 * static_cast<Eigen::Index>(i));
     column += part.motions.cols();
@@ -78,14 +69,13 @@ Eigen::MatrixXd free_motions(const TissueBody& body) {
 }
 
 std::vector<std::vector<Eigen::Index>> loose_dofs(const TissueBody& body) {
-  const std::vector<Eigen::Index> number = free_numbers(body);
   std::vector<std::vector<Eigen::Index>> dofs;
   for (const FreePart& part : free_parts_of(body)) {
     if (part.motions.cols() < 6) continue;
     dofs.emplace_back();
     for (const Index point : part.points)
       for (Eigen::Index axis = 0; axis < 3; ++axis)
-        dofs.back().push_back(3 * number[static_cast<std::size_t>(point)] + axis);
+        dofs.back().push_back(3 * body.free_numbers()[static_cast<std::size_t>(point)] + axis);
   }
   return dofs;
 }

@@ -32,14 +32,6 @@ LanczosPair fastest(const Sparse& K, const VectorXd& mass) {
   return largest_eigenpair([&](const VectorXd& x, VectorXd& y) { A(x, y); }, mass.size());
 }
 
-/// The number of each point among the free ones, -1 for those that are held.
-std::vector<Index> free_numbers(const TissueBody& body) {
-  std::vector<Index> numbers(at(body.mesh().point_count()), -1);
-  for (std::size_t i = 0; i < body.free_points().size(); ++i)
-    numbers[at(body.free_points()[i])] = static_cast<Index>(i);
-  return numbers;
-}
-
 /// One element with its share of the masses.
 struct ModePart {
   std::vector<Index> points;  // free numbers
@@ -128,12 +120,11 @@ void smooth(const TissueBody& body, FastestMode& mode) {
 }  // namespace
 
 ElementSum elements_of(const TissueBody& body) {
-  return [&body, free = free_numbers(body),
-          numbers = std::vector<Index>()](const ElementVisitor& visit) mutable {
+  return [&body, numbers = std::vector<Index>()](const ElementVisitor& visit) mutable {
     body.visit_rest_stiffness(
         [&](std::span<const TissueBody::Index> points, const Eigen::Ref<const MatrixXd>& K) {
           numbers.clear();
-          for (const TissueBody::Index point : points) numbers.push_back(free[at(point)]);
+          for (const TissueBody::Index point : points) numbers.push_back(body.free_numbers()[at(point)]);
           visit(numbers, K);
         });
   };

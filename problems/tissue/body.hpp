@@ -121,6 +121,8 @@ class TissueBody {
   [[nodiscard]] const std::vector<Anchor>& anchors() const { return anchors_; }
   /// The points that q moves, in its order.
   [[nodiscard]] const std::vector<Index>& free_points() const { return free_points_; }
+  /// Of each point of the mesh its number among them, -1 of held ones.
+  [[nodiscard]] const std::vector<Index>& free_numbers() const { return pattern_.free(); }
   /// Mass of every point, supported ones included, shape (points) [kg].
   [[nodiscard]] const Eigen::VectorXd& point_mass() const { return point_mass_; }
   /// The part of it that has weight, shape (points) [kg].

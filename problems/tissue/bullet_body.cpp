@@ -49,13 +49,11 @@ std::string bullet_text(const TissueBody& body) {
         settings.gravity.y(), settings.gravity.z(), static_cast<double>(mesh.point_count()),
         static_cast<double>(mesh.tetrahedron_count())})
     add(number);
-  std::vector<bool> is_fixed(static_cast<std::size_t>(mesh.point_count()), true);
-  for (const TetMesh::Index point : body.free_points()) is_fixed[static_cast<std::size_t>(point)] = false;
   for (Eigen::Index i = 0; i < mesh.point_count(); ++i) {
     text += "\n";
     for (const double x : mesh.points.col(i)) add(x);
     add(body.point_mass()[i]);
-    text += is_fixed[static_cast<std::size_t>(i)] ? " 1" : " 0";
+    text += body.free_numbers()[static_cast<std::size_t>(i)] < 0 ? " 1" : " 0";
   }
   for (const auto& tetrahedron : mesh.tetrahedra.colwise()) {
     text += "\n";

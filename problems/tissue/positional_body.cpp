@@ -14,14 +14,6 @@ namespace {
 
 using Index = TetMesh::Index;
 
-/// Of each point of the mesh its number among the free ones, -1 of held ones.
-std::vector<Index> free_numbers(const TissueBody& body) {
-  std::vector<Index> free(at(body.mesh().point_count()), -1);
-  for (std::size_t i = 0; i < body.free_points().size(); ++i)
-    free[at(body.free_points()[i])] = static_cast<Index>(i);
-  return free;
-}
-
 std::vector<Lame> coefficients(const TissueBody& body) {
   std::vector<Lame> all;
   for (const TissueMaterial& material : body.settings().materials)
@@ -43,7 +35,7 @@ struct PositionalBody::Parts {
   Colours point_colours, constraint_colours;
   std::shared_ptr<const Eigen::SparseMatrix<double>> weights;
 
-  explicit Parts(const TissueBody& body) : free(free_numbers(body)) {
+  explicit Parts(const TissueBody& body) : free(body.free_numbers()) {
     const Eigen::VectorXd heavy = body.point_mass() - body.added_mass();
     weight.resize(body.dofs());
     for (std::size_t i = 0; i < body.free_points().size(); ++i)
