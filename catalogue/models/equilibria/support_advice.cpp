@@ -15,6 +15,7 @@
 #include "core/numbers.hpp"
 #include "integrators/linear/conjugate_gradients.hpp"
 #include "integrators/linear/sparse_solver.hpp"
+#include "problems/matrices/condensation.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -84,40 +85,15 @@ class UnheldBody {
     const std::vector<TetMesh::Index> held = points(axis);
     if (static_cast<Eigen::Index>(held.size()) == mesh_.point_count() || !free_parts(mesh_, held).empty())
       return std::nullopt;
-    std::vector<int> number(static_cast<std::size_t>(load_.size()), 0);
-    for (const TetMesh::Index i : held) std::fill_n(number.begin() + std::ptrdiff_t{3} * i, 3, -1);
-    int count = 0;
-    for (int& each : number)
-      if (each == 0) each = count++;
-    return largest_solution(without_held(number, count), without_held(load_, number, count));
+    std::vector<char> is_held(static_cast<std::size_t>(mesh_.point_count()), 0);
+    for (const TetMesh::Index i : held) is_held[static_cast<std::size_t>(i)] = 1;
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index row = 0; row < load_.size(); ++row)
+      if (is_held[static_cast<std::size_t>(row / 3)] == 0) kept.push_back(row);
+    return largest_solution(block_of(K_, kept, kept), load_(kept));
   }
 
  private:
-  static TissueBody::DofMatrix without_held(const TissueBody::DofMatrix& K, const std::vector<int>& number,
-                                            int count) {
-    TissueBody::DofMatrix part(count, count);
-    part.reserve(K.nonZeros());
-    for (Eigen::Index j = 0; j < K.cols(); ++j) {
-      const int column = number[static_cast<std::size_t>(j)];
-      if (column < 0) continue;
-      part.startVec(column);
-      for (TissueBody::DofMatrix::InnerIterator entry(K, j); entry; ++entry)
-        if (const int row = number[static_cast<std::size_t>(entry.row())]; row >= 0)
-          part.insertBack(row, column) = entry.value();
-    }
-    part.finalize();
-    return part;
-  }
-  [[nodiscard]] TissueBody::DofMatrix without_held(const std::vector<int>& number, int count) const {
-    return without_held(K_, number, count);
-  }
-  static Eigen::VectorXd without_held(const Eigen::VectorXd& all, const std::vector<int>& number, int count) {
-    Eigen::VectorXd part(count);
-    for (Eigen::Index i = 0; i < all.size(); ++i)
-      if (const int own = number[static_cast<std::size_t>(i)]; own >= 0) part[own] = all[i];
-    return part;
-  }
-
   const TetMesh& mesh_;
   double share_;
   TissueBody::DofMatrix K_;
