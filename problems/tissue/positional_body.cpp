@@ -46,7 +46,8 @@ struct PositionalBody::Parts {
   void add_point_forces(const TissueBody& body) {
     const TissueModel& model = body.settings().model;
     const auto points = static_cast<Index>(body.free_points().size());
-    if (model.make_point_forces) forces.push_back(model.make_point_forces(point_tetrahedra(body), points));
+    if (model.point_law)
+      forces.push_back(point_forces_of_law(*model.point_law, point_tetrahedra(body), points));
     for (const SpringSet& set : body.spring_sets())
       forces.push_back(point_forces_of_springs(point_springs(body, set), set.law(), points));
     pressed.resize(body.free_points().size());
@@ -197,7 +198,7 @@ std::string PositionalBody::why_not(const TissueBody& body, PositionalVerbs verb
   if (verbs == PositionalVerbs::forces) return {};
   const TissueModel& model = body.settings().model;
   if (std::string why = why_no_pieces(body); !why.empty()) return why;
-  if (verbs != PositionalVerbs::constraints && !model.is_of_springs() && !model.make_point_forces)
+  if (verbs != PositionalVerbs::constraints && !model.is_of_springs() && !model.point_law)
     return "moves points of linear tetrahedra and of springs, and " + std::string(model.id) +
            " has others; take another model";
   if (verbs == PositionalVerbs::constraints) {

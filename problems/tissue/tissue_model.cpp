@@ -9,7 +9,6 @@
 #include "problems/tissue/forces/nodal_pressure.hpp"
 #include "problems/tissue/forces/quadratic_elements.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
-#include "problems/tissue/positional/point_forces.hpp"
 
 namespace hmax {
 namespace {
@@ -30,26 +29,26 @@ constexpr auto models = std::to_array<TissueModel>({
      .most_compression = most_compression_of_green,
      .sofa = SofaField::st_venant_kirchhoff,
      .make_elements = make<GreenElements>,
-     .make_point_forces = point_forces_of_law<TetLaw::green>},
+     .point_law = TetLaw::green},
     {.id = "fem_cauchy",
      .note = "finite elements of small strain, linear",
      .is_linear = true,
      .sofa = SofaField::small,
      .make_elements = make<TetElements<SmallStrain>>,
-     .make_point_forces = point_forces_of_law<TetLaw::small_strain>},
+     .point_law = TetLaw::small_strain},
     {.id = "fem_corotational",
      .note = "finite elements of small strain in the frame of their rotation",
      .resists_inversion = true,
      .sofa = SofaField::polar,
      .make_elements = make<TetElements<Corotational>>,
-     .make_point_forces = point_forces_of_law<TetLaw::corotational>},
+     .point_law = TetLaw::corotational},
     {.id = "fem_neo_hookean",
      .note = "finite elements of the stable neo-Hookean solid, which restore inverted ones",
      .resists_inversion = true,
      .resists_crushing = true,
      .sofa = SofaField::neo_hookean,
      .make_elements = make<TetElements<StableNeoHookean>>,
-     .make_point_forces = point_forces_of_law<TetLaw::neo_hookean>,
+     .point_law = TetLaw::neo_hookean,
      .has_constraints = true},
     {.id = "fem_nodal_pressure",
      .note = "fem_neo_hookean with pressures averaged at the points, which do not lock near nu = 1/2",

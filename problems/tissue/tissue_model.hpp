@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,12 +12,9 @@
 #include "problems/tissue/forces/block_pattern.hpp"
 #include "problems/tissue/forces/elasticity.hpp"
 #include "problems/tissue/forces/elements.hpp"
+#include "problems/tissue/forces/kernels/tet_law.hpp"
 
 namespace hmax {
-
-// problems/tissue/positional/point_forces.hpp
-class PointForces;
-struct PointTetrahedron;
 
 /// A model of SOFA with the same forces: the methods of its linear elements, the materials of its
 /// hyperelastic ones.
@@ -26,8 +24,6 @@ enum class SofaField { none, small, polar, st_venant_kirchhoff, neo_hookean };
 struct TissueModel {
   using MakeElements = std::shared_ptr<const Elements> (*)(const TetMesh& mesh, std::span<const Lame> lame,
                                                            const BlockPattern& pattern);
-  using MakePointForces = std::unique_ptr<const PointForces> (*)(std::vector<PointTetrahedron> tetrahedra,
-                                                                 TetMesh::Index points);
 
   std::string_view id;
   std::string_view note;           ///< one line: what the forces are
@@ -44,8 +40,8 @@ struct TissueModel {
   bool has_ten_nodes = false;
   SofaField sofa = SofaField::none;
   MakeElements make_elements = nullptr;  ///< null: springs along the edges of the mesh
-  /// The same forces point by point (problems/tissue/positional); null where nobody has written them.
-  MakePointForces make_point_forces = nullptr;
+  /// Of elements that are written point by point too (problems/tissue/positional).
+  std::optional<TetLaw> point_law = std::nullopt;
   /// Its small strains are those of two compliant constraints of each tetrahedron.
   bool has_constraints = false;
 

@@ -11,9 +11,6 @@
 
 namespace hmax {
 
-template <TetLaw law>
-using LawConstant = std::integral_constant<TetLaw, law>;
-
 /// What the elements of a body are, beside their fibres.
 enum class PatchElements : std::uint8_t {
   tetrahedra,    ///< of any law

@@ -33,19 +33,6 @@ std::size_t shared_bytes_of(const BodyStep<Real>& step) {
   return sizeof(Real) * static_cast<std::size_t>(step.body.shared);
 }
 template <class F>
-void with_law(TetLaw law, const F& f) {
-  switch (law) {
-    case TetLaw::green:
-      return f(LawConstant<TetLaw::green>{});
-    case TetLaw::small_strain:
-      return f(LawConstant<TetLaw::small_strain>{});
-    case TetLaw::neo_hookean:
-      return f(LawConstant<TetLaw::neo_hookean>{});
-    case TetLaw::corotational:
-      return f(LawConstant<TetLaw::corotational>{});
-  }
-}
-template <class F>
 void with_parts(PatchParts parts, const F& f) {
   switch (parts) {
     case PatchParts::few:

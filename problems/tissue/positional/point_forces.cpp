@@ -195,20 +195,14 @@ class PointForcesOfSprings final : public PointForces {
 
 }  // namespace
 
-template <TetLaw law>
-std::unique_ptr<const PointForces> point_forces_of_law(std::vector<PointTetrahedron> tetrahedra,
+std::unique_ptr<const PointForces> point_forces_of_law(TetLaw law, std::vector<PointTetrahedron> tetrahedra,
                                                        Index points) {
-  return std::make_unique<const PointForcesOfLaw<law>>(std::move(tetrahedra), points);
+  std::unique_ptr<const PointForces> made;
+  with_law(law, [&]<TetLaw known>(LawConstant<known>) {
+    made = std::make_unique<const PointForcesOfLaw<known>>(std::move(tetrahedra), points);
+  });
+  return made;
 }
-
-template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::small_strain>(
-    std::vector<PointTetrahedron>, Index);
-template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::green>(std::vector<PointTetrahedron>,
-                                                                               Index);
-template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::corotational>(
-    std::vector<PointTetrahedron>, Index);
-template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::neo_hookean>(
-    std::vector<PointTetrahedron>, Index);
 
 std::unique_ptr<const PointForces> point_forces_of_springs(std::vector<PointSpring> springs,
                                                            const SpringLaw& law, Index points) {

@@ -39,18 +39,8 @@ struct PointPieces {
 
 /// Of linear tetrahedra of a law, the same as TetElements.
 /// @param points  how many are free
-template <TetLaw law>
-std::unique_ptr<const PointForces> point_forces_of_law(std::vector<PointTetrahedron> tetrahedra,
+std::unique_ptr<const PointForces> point_forces_of_law(TetLaw law, std::vector<PointTetrahedron> tetrahedra,
                                                        TetMesh::Index points);
-
-extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::small_strain>(
-    std::vector<PointTetrahedron>, TetMesh::Index);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::green>(
-    std::vector<PointTetrahedron>, TetMesh::Index);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::corotational>(
-    std::vector<PointTetrahedron>, TetMesh::Index);
-extern template std::unique_ptr<const PointForces> point_forces_of_law<TetLaw::neo_hookean>(
-    std::vector<PointTetrahedron>, TetMesh::Index);
 
 /// Of springs, the same as SpringSet without dampers.
 std::unique_ptr<const PointForces> point_forces_of_springs(std::vector<PointSpring> springs,
