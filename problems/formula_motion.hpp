@@ -13,7 +13,9 @@ namespace hmax {
 /// f(t, y). Backwards it has no positions and velocities, since dq/ds = -v.
 /// @tparam Matrix  of derivatives: Eigen::MatrixXd, or FormulaSystem::SparseMatrix where the system
 /// is_sparse()
-template <class Matrix>
+/// @tparam rounded  as a system of long double, in which they are not computed: what they give is no
+/// reference, and so they offer no Jacobian for one
+template <class Matrix, bool rounded = false>
 class FormulaMotion {
  public:
   using State = FormulaSystem::State;
@@ -30,17 +32,17 @@ class FormulaMotion {
     system_.rhs(time(s), y, dyds);
     if (direction_ < 0) dyds = -dyds;
   }
-  void jacobian(double s, const State& y, Jacobian& J) const {
+  void jacobian(double s, const State& y, Jacobian& J) const requires(!rounded) {
     system_.jacobian(time(s), y, J);
     if (direction_ < 0) J *= -1;
   }
   /// d(direction f)/ds = direction^2 df/dt.
-  void time_derivative(double s, const State& y, State& dfds) const {
+  void time_derivative(double s, const State& y, State& dfds) const requires(!rounded) {
     system_.time_derivative(time(s), y, dfds);
   }
-  bool is_autonomous() const { return system_.is_autonomous(); }
-  Linearity linearity() const { return system_.linearity(); }
-  std::vector<double> breakpoints(double s0, double s1) const {
+  bool is_autonomous() const requires(!rounded) { return system_.is_autonomous(); }
+  Linearity linearity() const requires(!rounded) { return system_.linearity(); }
+  std::vector<double> breakpoints(double s0, double s1) const requires(!rounded) {
     const double a = time(s0), b = time(s1);
     std::vector<double> times = system_.breakpoints(std::min(a, b), std::max(a, b));
     if (t0_ == 0 && direction_ > 0) return times;
@@ -61,7 +63,7 @@ class FormulaMotion {
 
   const FormulaSystem& system() const { return system_; }
   /// Null where s is not the time of the formulas and they have one.
-  std::shared_ptr<const FormulaProgram> formulas() const {
+  std::shared_ptr<const FormulaProgram> formulas() const requires(!rounded) {
     return direction_ > 0 && (t0_ == 0 || is_autonomous()) ? system_.formulas() : nullptr;
   }
 

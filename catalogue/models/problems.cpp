@@ -147,38 +147,13 @@ void each_of(Templates<P...>, const Visit& visit) {
   (visit(P<double>::id, test_set_problem<P>), ...);
 }
 
-/// Formulas are computed in double: what they give long double is no reference, so that they offer no
-/// Jacobian for one.
-template <class Matrix>
-class RoundedFormulas {
- public:
-  using State = Eigen::VectorXd;
-  using Dofs = Eigen::VectorXd;
-  using DofMatrix = Matrix;
-
-  explicit RoundedFormulas(FormulaMotion<Matrix> motion) : motion_(std::move(motion)) {}
-
-  [[nodiscard]] Eigen::Index dim() const { return motion_.dim(); }
-  void rhs(double t, const State& y, State& dydt) const { motion_.rhs(t, y, dydt); }
-  [[nodiscard]] Eigen::Index dofs() const { return motion_.dofs(); }
-  [[nodiscard]] Dofs mass() const { return motion_.mass(); }
-  void force(double t, const Dofs& q, const Dofs& v, Dofs& f) const { motion_.force(t, q, v, f); }
-  void stiffness(double t, const Dofs& q, const Dofs& v, DofMatrix& K) const {
-    motion_.stiffness(t, q, v, K);
-  }
-  void damping(double t, const Dofs& q, const Dofs& v, DofMatrix& C) const { motion_.damping(t, q, v, C); }
-
- private:
-  FormulaMotion<Matrix> motion_;
-};
-
 /// The system of `problem`, which runs in the time that problem.shown has.
 /// @tparam Matrix  of its derivatives
 template <class Matrix>
-void bind_formulas(Problem& problem, FormulaSystem system) {
-  const FormulaMotion<Matrix> motion(std::move(system), problem.shown.t0, problem.shown.direction);
-  problem.system = AnySystem(motion);
-  problem.extended = ExtendedSystem(RoundedFormulas<Matrix>(motion));
+void bind_formulas(Problem& problem, const FormulaSystem& system) {
+  const auto [t0, direction] = std::pair(problem.shown.t0, problem.shown.direction);
+  problem.system = AnySystem(FormulaMotion<Matrix>(system, t0, direction));
+  problem.extended = ExtendedSystem(FormulaMotion<Matrix, true>(system, t0, direction));
 }
 
 /// Parameters that users change.
