@@ -122,7 +122,6 @@ Problem test_set_problem(const ProblemSettings& settings) {
                   .y0 = system.y0().template cast<double>(),
                   .t_end = Wide::t_end,
                   .stiff = Wide::stiff,
-                  .exact = nullptr,
                   .system = AnySystem(P<double>(parameters)),
                   .extended = ExtendedSystem(system)};
   for (const auto& [name, member] : Wide::Parameters::names)

@@ -241,9 +241,7 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
     states.push_back(mechanical ? fmt::format("{}{}", i < facts.dim / 2 ? 'q' : 'v', i % (facts.dim / 2) + 1)
                                 : fmt::format("y{}", i + 1));
   Problem problem{.id = fmt::format("{}#{}", facts.name, digest),
-                  .material = {},
                   .note = facts.note,
-                  .parameters = {},
                   .states = states,
                   .y0 = facts.y0,
                   .t_end = facts.greeting.t_end,

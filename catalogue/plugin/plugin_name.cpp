@@ -55,7 +55,6 @@ PluginName parse_engine_file(const std::string& file) {
         "this hmax has no module for {} files; install the package hmax-engines, or {} and build hmax again",
         fs::path(file).extension().string(), kind->packages));
   return {.file = module,
-          .name = {},
           .argument = whole.string(),
           .text = file,
           .engine_file = whole,
@@ -63,7 +62,7 @@ PluginName parse_engine_file(const std::string& file) {
 }
 
 PluginName parse_plugin(std::string_view text) {
-  PluginName plugin{.file = {}, .name = {}, .argument = {}, .text = std::string(text)};
+  PluginName plugin{.text = std::string(text)};
   std::string file = plugin.text;
   std::error_code ignored;
   if (engine_format(file) && fs::exists(file, ignored)) return parse_engine_file(file);

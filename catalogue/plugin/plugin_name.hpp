@@ -9,14 +9,13 @@
 namespace hmax {
 
 struct PluginName {
-  std::filesystem::path file;  ///< absolute
-  std::string name;            ///< of the entry; empty: the first that is what the command takes
-  std::string argument;        ///< of create()
-  std::string text;            ///< as it was typed
-  std::filesystem::path engine_file =
-      {};  ///< what a module of hmax opens, absolute; empty for libraries of users
-  std::string subject = "the plugin";  ///< of what it does, in errors
-  bool is_model = false;               ///< what the command takes; else a stepper
+  std::filesystem::path file{};         ///< absolute
+  std::string name{};                   ///< of the entry; empty: the first that is what the command takes
+  std::string argument{};               ///< of create()
+  std::string text{};                   ///< as it was typed
+  std::filesystem::path engine_file{};  ///< what a module opens, absolute; empty for libraries of users
+  std::string subject = "the plugin";   ///< of what it does, in errors
+  bool is_model = false;                ///< what the command takes; else a stepper
 };
 
 /// What users choose beside such a file.

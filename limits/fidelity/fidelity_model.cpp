@@ -37,15 +37,7 @@ VectorXd at_rest(const VectorXd& q) {
 
 /// Mass, start and load of a problem with positions and velocities.
 FidelityModel unsettled_model(Problem problem) {
-  FidelityModel model{.problem = std::move(problem),
-                      .start = {},
-                      .mass = {},
-                      .load = {},
-                      .equilibrium = {},
-                      .sizes = {},
-                      .modes = {},
-                      .why_no_modes = {},
-                      .shapes = {}};
+  FidelityModel model{.problem = std::move(problem)};
   std::visit(
       [&](const auto& system) {
         using Dofs = typename std::remove_cvref_t<decltype(system)>::Dofs;

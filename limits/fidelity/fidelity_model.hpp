@@ -19,18 +19,18 @@ namespace hmax {
 /// body its mesh; the load is the force that acts there on the model at rest and does not change with time.
 struct FidelityModel {
   Problem problem;
-  Eigen::VectorXd start;  ///< q(0), shape (dofs); zero of a body [m]
+  Eigen::VectorXd start{};  ///< q(0), shape (dofs); zero of a body [m]
   /// M, shape (dofs, dofs) [kg]; of formulas, which tell accelerations, one that makes K symmetric.
-  MassMatrix<double> mass;
-  Eigen::VectorXd load;         ///< f = F(q(0), 0) [N], shape (dofs): of a body the weight and the dead loads
-  Eigen::VectorXd equilibrium;  ///< displacement [m], shape (dofs); zero where nothing loads the model
-  Eigen::VectorXd sizes;        ///< displacements as large as those that matter, shape (dofs), not zero
-  double volume = 0;            ///< of a body there [m^3]
-  std::vector<ShownMode> modes;  ///< the slowest ones near it, not yet shown by anything
-  std::string why_no_modes;      ///< a sentence where there is none
-  Eigen::MatrixXd shapes;        ///< of these, columns of length 1 in the norm of M, shape (dofs, modes)
-  double fastest = 0;            ///< omega of the fastest mode [rad/s]; 0 where damping couples the modes
-  double fastest_zeta = 0;       ///< its damping ratio, as far as it oscillates
+  MassMatrix<double> mass{};
+  Eigen::VectorXd load{};  ///< f = F(q(0), 0) [N], shape (dofs): of a body the weight and the dead loads
+  Eigen::VectorXd equilibrium{};   ///< displacement [m], shape (dofs); zero where nothing loads the model
+  Eigen::VectorXd sizes{};         ///< displacements as large as those that matter, shape (dofs), not zero
+  double volume = 0;               ///< of a body there [m^3]
+  std::vector<ShownMode> modes{};  ///< the slowest ones near it, not yet shown by anything
+  std::string why_no_modes{};      ///< a sentence where there is none
+  Eigen::MatrixXd shapes{};        ///< of these, columns of length 1 in the norm of M, shape (dofs, modes)
+  double fastest = 0;              ///< omega of the fastest mode [rad/s]; 0 where damping couples the modes
+  double fastest_zeta = 0;         ///< its damping ratio, as far as it oscillates
 
   [[nodiscard]] bool is_loaded() const { return load.dot(equilibrium) > 0; }
 };

@@ -26,7 +26,7 @@ struct MatrixFile {
   Eigen::Index rows = 0, columns = 0;
   bool open_shape = false;  ///< the format has no shape: these are the largest indices
   Storage storage = Storage::general;
-  std::vector<MatrixEntry> entries;  ///< all finite, in the order of the file
+  std::vector<MatrixEntry> entries{};  ///< all finite, in the order of the file
 };
 
 /// Whether entries stand above the diagonal alone, or below it alone.

@@ -450,16 +450,7 @@ std::string MatrixModel::name_of(Eigen::Index row) const {
 }
 
 MatrixModel read_matrix_model(const MatrixFiles& files) {
-  MatrixModel model{.files = files,
-                    .facts = {},
-                    .K = {},
-                    .C = {},
-                    .mass = {},
-                    .M = {},
-                    .J = {},
-                    .start = {},
-                    .unknowns = {},
-                    .names = names_beside(files.stiffness)};
+  MatrixModel model{.files = files, .names = names_beside(files.stiffness)};
   if (model.is_first_order())
     read_first_order(model);
   else

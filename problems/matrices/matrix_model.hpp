@@ -50,18 +50,18 @@ struct MatrixFacts {
 /// constraint rows left out where that is asked for.
 struct MatrixModel {
   MatrixFiles files;
-  MatrixFacts facts;
-  Eigen::SparseMatrix<double> K, C;  ///< at t = 0, shape (n, n); C is empty (0, 0) without damping
+  MatrixFacts facts{};
+  Eigen::SparseMatrix<double> K{}, C{};  ///< at t = 0, shape (n, n); C is empty (0, 0) without damping
   /// Where K or C is a series: both at every time; else null.
   std::shared_ptr<const VaryingMatrices> varying = nullptr;
-  Eigen::VectorXd mass;                ///< the diagonal of M, shape (n) [kg]; empty where M couples unknowns
-  Eigen::SparseMatrix<double> M;       ///< where it does, shape (n, n)
-  Eigen::SparseMatrix<double> J;       ///< of first order, shape (n, n)
-  Eigen::VectorXd start;               ///< y(0): (q, q') of shape (2 n), or of first order y of shape (n)
-  std::vector<Eigen::Index> unknowns;  ///< the row in the files of each unknown, counted from 0
-  std::vector<std::string> names;      ///< of the rows of the files, "12.3"; empty where no file tells them
-  std::shared_ptr<const CoupledMass> coupled =
-      {};  ///< M with what it takes to divide by it; null where it is diagonal
+  Eigen::VectorXd mass{};           ///< the diagonal of M, shape (n) [kg]; empty where M couples unknowns
+  Eigen::SparseMatrix<double> M{};  ///< where it does, shape (n, n)
+  Eigen::SparseMatrix<double> J{};  ///< of first order, shape (n, n)
+  Eigen::VectorXd start{};          ///< y(0): (q, q') of shape (2 n), or of first order y of shape (n)
+  std::vector<Eigen::Index> unknowns{};  ///< the row in the files of each unknown, counted from 0
+  std::vector<std::string> names{};      ///< of the rows of the files, "12.3"; empty where no file tells them
+  std::shared_ptr<const CoupledMass>
+      coupled{};  ///< M with what it takes to divide by it; null where it is diagonal
 
   [[nodiscard]] bool is_first_order() const { return !files.jacobian.empty(); }
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(unknowns.size()); }

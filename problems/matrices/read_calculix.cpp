@@ -28,7 +28,7 @@ void refuse_repeated(const MatrixFile& file, const MatrixLines& lines) {
 }  // namespace
 
 MatrixFile read_calculix(const std::string& name, std::string_view text) {
-  MatrixFile file{.name = name, .format = "CalculiX", .open_shape = true, .entries = {}};
+  MatrixFile file{.name = name, .format = "CalculiX", .open_shape = true};
   MatrixLines lines(name, text, 0);
   bool above = false, below = false;
   while (lines.next()) {

@@ -115,7 +115,7 @@ void read_array(MatrixLines& lines, MatrixFile& file) {
 MatrixFile read_matrix_market(const std::string& name, std::string_view text) {
   const std::size_t first = std::min(text.find('\n'), text.size());
   const Banner banner = banner_of(name, text.substr(0, first));
-  MatrixFile file{.name = name, .format = "Matrix Market", .storage = banner.storage, .entries = {}};
+  MatrixFile file{.name = name, .format = "Matrix Market", .storage = banner.storage};
   MatrixLines lines(name, text, '%');
   if (!lines.next()) lines.fail_at_end("the line with the size is missing; export the matrix again");
   require_words(lines, banner.dense ? 2 : 3,

@@ -123,7 +123,7 @@ MatrixFile read_petsc(const std::string& name, std::string_view text) {
   Bytes bytes(name, text);
   const bool wide = is_wide(text);
   const bool is_vector = bytes.index("the kind of the object", wide) == vector_id;
-  MatrixFile file{.name = name, .format = "PETSc binary", .columns = 1, .entries = {}};
+  MatrixFile file{.name = name, .format = "PETSc binary", .columns = 1};
   file.rows = size_of(bytes, "the number of rows", wide);
   if (is_vector) {
     read_dense(bytes, file);

@@ -82,11 +82,8 @@ const std::vector<Generator>& generators() {
 /// What is known of the files of problems/meshes beside their text. A liver hangs from the diaphragm.
 const std::vector<NamedMesh>& known_files() {
   static const std::vector<NamedMesh> all{
-      {.name = "liver",
-       .parameters = {},
-       .description = "a liver of 1.5 kg with the counts of the study",
-       .held_axis = -3},
-      {.name = "phantom", .parameters = {}, .description = "a cube of gel with the counts of the study"}};
+      {.name = "liver", .description = "a liver of 1.5 kg with the counts of the study", .held_axis = -3},
+      {.name = "phantom", .description = "a cube of gel with the counts of the study"}};
   return all;
 }
 
@@ -105,9 +102,7 @@ const std::vector<NamedMesh>& named_meshes() {
     std::vector<NamedMesh> all;
     for (const EmbeddedText& file : mesh_texts()) {
       const auto known = std::ranges::find(known_files(), file.name, &NamedMesh::name);
-      all.push_back(known != known_files().end()
-                        ? *known
-                        : NamedMesh{.name = std::string(file.name), .parameters = {}, .description = {}});
+      all.push_back(known != known_files().end() ? *known : NamedMesh{.name = std::string(file.name)});
     }
     for (const Generator& generator : generators()) all.push_back(generator.mesh);
     return all;

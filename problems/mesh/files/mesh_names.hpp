@@ -35,8 +35,8 @@ MeshRequest parse_mesh_request(std::string_view text);
 /// `mend` and `merge` too.
 struct NamedMesh {
   std::string name;
-  std::vector<std::pair<std::string, double>> parameters;
-  std::string description;
+  std::vector<std::pair<std::string, double>> parameters{};
+  std::string description{};
   int held_axis =
       3;  ///< where it is held by default: 1, 2, 3: at its low end along x, y, z; -1, -2, -3: at the high one
 };

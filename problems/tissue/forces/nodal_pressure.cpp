@@ -23,11 +23,8 @@ NodalPressure::NodalPressure(const TetMesh& mesh, std::span<const Lame> lame, co
     std::array<Index, 4> points;
     for (std::size_t a = 0; a < 4; ++a) points[a] = mesh.tetrahedra(static_cast<Eigen::Index>(a), t);
     const Lame& all = lame[at(mesh.region(t))];
-    elements_.push_back({.points = points,
-                         .rest = RestShape(mesh, points),
-                         .own = {std::min(all.lambda, 0.0), all.mu},
-                         .averages = {},
-                         .place = {}});
+    elements_.push_back(
+        {.points = points, .rest = RestShape(mesh, points), .own = {std::min(all.lambda, 0.0), all.mu}});
   }
   make_averages(mesh, lame);
   find_slots(pattern);

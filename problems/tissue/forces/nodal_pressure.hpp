@@ -49,9 +49,9 @@ class NodalPressure final : public Elements {
   struct Element {
     std::array<Index, 4> points;
     RestShape rest;
-    Lame own;                             ///< of what stays with the element
-    std::array<Index, 4> averages;        ///< that it belongs to
-    std::array<std::uint16_t, 16> place;  ///< of its points among those of each
+    Lame own;                               ///< of what stays with the element
+    std::array<Index, 4> averages{};        ///< that it belongs to
+    std::array<std::uint16_t, 16> place{};  ///< of its points among those of each
   };
   /// The elements of one region around a point.
   struct Average {
