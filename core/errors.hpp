@@ -11,4 +11,14 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What `make` returns; what it refuses as lower floors do, for the user.
+template <class Make>
+auto told_to_user(const Make& make) {
+  try {
+    return make();
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
 }  // namespace hmax

@@ -21,16 +21,6 @@ namespace {
 /// Tetrahedra from which on meshes by name are renumbered. Smaller bodies stay in the caches in any order.
 constexpr Eigen::Index least_named_renumbered = 5000;
 
-/// What lower floors refuse, for the user.
-template <class Make>
-auto told_to_user(Make make) {
-  try {
-    return make();
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
-  }
-}
-
 bool has_name(const std::string& name) {
   return std::ranges::find(named_meshes(), name, &NamedMesh::name) != named_meshes().end();
 }

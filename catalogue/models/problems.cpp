@@ -220,29 +220,25 @@ Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
   if (settings.t0 && kind != ProblemKind::formulas)
     throw InputError(
         fmt::format("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file));
-  try {
-    switch (kind) {
-      case ProblemKind::plugin:
-        return make_plugin_problem(id_or_file, settings);
-      case ProblemKind::matrices:
-        return make_matrix_problem(id_or_file, settings);
-      case ProblemKind::body:
-        return make_tissue_problem(id_or_file, settings);
-      case ProblemKind::formulas:
-        return formula_problem(read_problem(id_or_file), id_or_file, settings);
-      case ProblemKind::listed:
-        break;
-    }
-    for (const LiverProblem& problem : liver_problems())
-      if (problem.id == id_or_file) return oscillator_problem(problem, settings);
-    std::optional<Problem> found;
-    each_of(TestSet{}, [&](std::string_view id, auto make) {
-      if (id == id_or_file) found = make(settings);
-    });
-    if (found) return *found;
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
+  switch (kind) {
+    case ProblemKind::plugin:
+      return make_plugin_problem(id_or_file, settings);
+    case ProblemKind::matrices:
+      return make_matrix_problem(id_or_file, settings);
+    case ProblemKind::body:
+      return make_tissue_problem(id_or_file, settings);
+    case ProblemKind::formulas:
+      return formula_problem(read_problem(id_or_file), id_or_file, settings);
+    case ProblemKind::listed:
+      break;
   }
+  for (const LiverProblem& problem : liver_problems())
+    if (problem.id == id_or_file) return oscillator_problem(problem, settings);
+  std::optional<Problem> found;
+  each_of(TestSet{}, [&](std::string_view id, auto make) {
+    if (id == id_or_file) found = make(settings);
+  });
+  if (found) return *found;
   unknown("problem", id_or_file, problem_ids(),
           " (a file of formulas ends in .toml, tissue on a mesh is MODEL@MESH)");
 }
@@ -250,21 +246,18 @@ Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
 }  // namespace
 
 Problem make_problem(const std::string& id_or_file, const ProblemSettings& settings) {
-  Problem problem = made(id_or_file, settings);
-  problem.again = [id_or_file, settings] { return made(id_or_file, settings); };
+  const auto make = [=] { return told_to_user([&] { return made(id_or_file, settings); }); };
+  Problem problem = make();
+  problem.again = make;
   return problem;
 }
 
 Problem make_problem(const FormulaDefinition& definition, const std::string& file,
                      const ProblemSettings& settings) {
   const auto make = [=] { return formula_problem(definition, file, settings); };
-  try {
-    Problem problem = make();
-    problem.again = make;
-    return problem;
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
-  }
+  Problem problem = told_to_user(make);
+  problem.again = make;
+  return problem;
 }
 
 }  // namespace hmax

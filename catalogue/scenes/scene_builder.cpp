@@ -217,16 +217,14 @@ Scene read_scene(const std::string& file, std::string_view units, std::string_vi
         fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
                     ".scn of SOFA, .feb of FEBio, or .xml of MuJoCo",
                     file));
-  try {
+  return told_to_user([&] {
     return within_memory(file, [&] {
       const std::string bytes = read_whole(file, "a scene");
       SceneBuilder builder(units, ignored);
       format->read(file, bytes, builder);
       return builder.finish(file);
     });
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
-  }
+  });
 }
 
 }  // namespace hmax

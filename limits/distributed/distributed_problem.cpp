@@ -56,14 +56,11 @@ DistributedProblem body_in_pieces(const std::string& name, const ProblemSettings
   DistributedProblem body{.parameters = named_values(parameters),
                           .body = summary_of(loaded.mesh, made),
                           .remarks = std::move(remarks)};
-  try {
-    const auto pieces = std::make_shared<const BodyPieces>(loaded.mesh, std::move(made));
-    body.structure.alpha = pieces->alpha();
-    body.structure.beta = pieces->beta();
-    body.structure.pieces = pieces_of(pieces);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(error.what());
-  }
+  const auto pieces =
+      told_to_user([&] { return std::make_shared<const BodyPieces>(loaded.mesh, std::move(made)); });
+  body.structure.alpha = pieces->alpha();
+  body.structure.beta = pieces->beta();
+  body.structure.pieces = pieces_of(pieces);
   return body;
 }
 
