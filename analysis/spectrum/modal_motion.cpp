@@ -1,5 +1,10 @@
 #include "analysis/spectrum/modal_motion.hpp"
 
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
 #include "analysis/spectrum/spectrum.hpp"
 
 namespace hmax {
@@ -36,6 +41,19 @@ Eigen::VectorXd ModalMotion::at(double t) const {
   y.head(n).noalias() = shapes_ * amplitudes.col(0);
   y.tail(n).noalias() = shapes_ * amplitudes.col(1);
   return y;
+}
+
+std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> states_of(
+    std::function<ModalMotion()> make) {
+  struct Once {
+    std::once_flag flag;
+    std::optional<ModalMotion> motion;
+  };
+  return [make = std::move(make),
+          once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
+    std::call_once(once->flag, [&] { once->motion.emplace(make()); });
+    return once->motion->at(static_cast<double>(t)).cast<long double>();
+  };
 }
 
 }  // namespace hmax

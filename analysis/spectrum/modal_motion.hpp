@@ -2,6 +2,7 @@
 /// ratio.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -33,5 +34,9 @@ class ModalMotion {
   Eigen::MatrixXd shapes_;                 ///< S, shape (n, n), S^T M S = I [kg^-1/2]
   std::vector<ExactSolution> amplitudes_;  ///< a_i(t) and a_i'(t), in closed form
 };
+
+/// t [s] -> the states of a motion, which `make` computes when the first is asked for.
+std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double t)> states_of(
+    std::function<ModalMotion()> make);
 
 }  // namespace hmax

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <mutex>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -167,18 +166,10 @@ void add_exact_motion(Problem& problem, const MatrixModel& model) {
   if (model.is_first_order() || model.size() > most_modal_dofs || !model.facts.symmetric_K ||
       model.facts.damped || model.varying)
     return;
-  struct Once {
-    std::once_flag flag;
-    std::optional<ModalMotion> motion;
-  };
   problem.has_exact_solution = true;
-  problem.exact =
-      [system = std::get<AnySystem>(problem.system), y0 = problem.y0,
-       once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
-    std::call_once(once->flag,
-                   [&] { once->motion.emplace(part_of(system), VectorXd::Zero(system.dofs()), y0); });
-    return once->motion->at(static_cast<double>(t)).cast<long double>();
-  };
+  problem.exact = states_of([system = std::get<AnySystem>(problem.system), y0 = problem.y0] {
+    return ModalMotion(part_of(system), VectorXd::Zero(system.dofs()), y0);
+  });
 }
 
 /// "1 mode", "2 modes"

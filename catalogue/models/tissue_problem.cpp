@@ -116,25 +116,14 @@ struct SharedBody {
 };
 
 /// The exact motion of linear tissue under a load that does not change: the modes of small bodies.
-std::function<Eigen::Vector<long double, Eigen::Dynamic>(long double)> exact_motion(
-    std::shared_ptr<const TissueBody> body) {
-  struct Once {
-    std::once_flag flag;
-    std::optional<ModalMotion> motion;
-  };
-  return
-      [body, once = std::make_shared<Once>()](long double t) -> Eigen::Vector<long double, Eigen::Dynamic> {
-        std::call_once(once->flag, [&] {
-          const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body->dofs());
-          Eigen::VectorXd force = zero;
-          TissueBody::DofMatrix K, C;
-          body->force(0, zero, zero, force);
-          body->stiffness(0, zero, zero, K);
-          body->damping(0, zero, zero, C);
-          once->motion.emplace(mechanical_part(body->mass(), K, C), force, body->y0());
-        });
-        return once->motion->at(static_cast<double>(t)).cast<long double>();
-      };
+ModalMotion modal_motion(const TissueBody& body) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd force = zero;
+  TissueBody::DofMatrix K, C;
+  body.force(0, zero, zero, force);
+  body.stiffness(0, zero, zero, K);
+  body.damping(0, zero, zero, C);
+  return {mechanical_part(body.mass(), K, C), force, body.y0()};
 }
 
 }  // namespace
@@ -177,7 +166,7 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
   const bool is_linear = has_linear_forces(*body);
   if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;
-    problem.exact = exact_motion(body);
+    problem.exact = states_of([body] { return modal_motion(*body); });
   }
   return problem;
 }
