@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace hmax {
 
@@ -24,5 +25,15 @@ std::string_view to_string(InstructionSet set);
 /// @throws std::invalid_argument  when HMAX_KERNELS names no set of this processor
 /// @return  at least one set, the last resort being `portable`; the memory lives as long as the process
 std::span<const InstructionSet> instruction_sets();
+
+/// Of each of them, in this order, the kernels that are compiled for it.
+template <class Kernels>
+std::vector<const Kernels*> kernels_of_sets(const Kernels& portable, const Kernels& avx2,
+                                            const Kernels& avx512) {
+  std::vector<const Kernels*> all;
+  for (const InstructionSet set : instruction_sets())
+    all.push_back(set == InstructionSet::avx512 ? &avx512 : set == InstructionSet::avx2 ? &avx2 : &portable);
+  return all;
+}
 
 }  // namespace hmax

@@ -1,8 +1,6 @@
 /// Which kernels there are, by the instruction sets that the processor has.
 #include "integrators/linear/panel_kernels.hpp"
 
-#include <vector>
-
 #include "core/instructions/instruction_set.hpp"
 
 namespace hmax {
@@ -13,26 +11,15 @@ extern const PanelKernels<double> panel_kernels_portable;
 extern const PanelKernels<double> panel_kernels_avx2, panel_kernels_avx512;
 #endif
 
-namespace {
-
-/// Sets without kernels of their own get the portable ones.
-const PanelKernels<double>* kernels_for([[maybe_unused]] InstructionSet set) {
-#ifdef HMAX_X86_KERNELS
-  if (set == InstructionSet::avx512) return &panel_kernels_avx512;
-  if (set == InstructionSet::avx2) return &panel_kernels_avx2;
-#endif
-  return &panel_kernels_portable;
-}
-
-}  // namespace
-
 /// Asked once: the instruction sets of a processor do not change.
 std::span<const PanelKernels<double>* const> available_panel_kernels() {
-  static const std::vector<const PanelKernels<double>*> available = [] {
-    std::vector<const PanelKernels<double>*> all;
-    for (const InstructionSet set : instruction_sets()) all.push_back(kernels_for(set));
-    return all;
-  }();
+#ifdef HMAX_X86_KERNELS
+  static const auto available =
+      kernels_of_sets(panel_kernels_portable, panel_kernels_avx2, panel_kernels_avx512);
+#else
+  static const auto available =
+      kernels_of_sets(panel_kernels_portable, panel_kernels_portable, panel_kernels_portable);
+#endif
   return available;
 }
 
