@@ -1,6 +1,7 @@
 #include "core/instructions/instruction_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -46,15 +47,8 @@ std::vector<InstructionSet> chosen_first(std::vector<InstructionSet> sets) {
 }  // namespace
 
 std::string_view to_string(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::avx512:
-      return "avx512";
-    case InstructionSet::avx2:
-      return "avx2";
-    case InstructionSet::portable:
-      break;
-  }
-  return "portable";
+  constexpr std::array<std::string_view, 3> names{"portable", "avx2", "avx512"};
+  return names.at(static_cast<std::size_t>(set));
 }
 
 std::span<const InstructionSet> instruction_sets() {

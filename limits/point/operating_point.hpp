@@ -1,6 +1,7 @@
 /// A problem near a state: where limits are asked for.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -34,21 +35,9 @@ enum class StateKind {
   motion,    ///< a state that was given
 };
 
-/// "equilibrium", "rest", "initial", "matrices", "motion".
 constexpr std::string_view name_of(StateKind kind) {
-  switch (kind) {
-    case StateKind::equilibrium:
-      return "equilibrium";
-    case StateKind::rest:
-      return "rest";
-    case StateKind::initial:
-      return "initial";
-    case StateKind::matrices:
-      return "matrices";
-    case StateKind::motion:
-      break;
-  }
-  return "motion";
+  constexpr std::array<std::string_view, 5> names{"equilibrium", "rest", "initial", "matrices", "motion"};
+  return names.at(static_cast<std::size_t>(kind));
 }
 
 /// Called with |F| / |F(0)| of each iterate while a static equilibrium is searched for.
