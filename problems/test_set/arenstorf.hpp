@@ -66,7 +66,8 @@ class Arenstorf {
 
   void rhs(Real /*t*/, const State& y, State& dydt) const noexcept {
     const Real x = y[0], z = y[1], u = y[2], w = y[3];
-    const Real to_earth = earth_ * inverse_cube(x + moon_, z), to_moon = moon_ * inverse_cube(x - earth_, z);
+    const Real to_earth = earth_ * detail::inverse_cube(x + moon_, z),
+               to_moon = moon_ * detail::inverse_cube(x - earth_, z);
     dydt[0] = u;
     dydt[1] = w;
     dydt[2] = x + Real(2) * w - to_earth * (x + moon_) - to_moon * (x - earth_);
@@ -94,7 +95,7 @@ class Arenstorf {
     K = -DofMatrix::Identity();
     for (const auto& [body, x] : {std::pair{earth_, -moon_}, std::pair{moon_, earth_}}) {
       const Dofs d(q[0] - x, q[1]);
-      K += body * inverse_cube(d[0], d[1]) *
+      K += body * detail::inverse_cube(d[0], d[1]) *
            (DofMatrix::Identity() - Real(3) / d.squaredNorm() * (d * d.transpose()));
     }
   }
@@ -111,12 +112,6 @@ class Arenstorf {
   }
 
  private:
-  static Real inverse_cube(Real x, Real y) noexcept {
-    using std::sqrt;
-    const Real square = x * x + y * y;
-    return Real(1) / (square * sqrt(square));
-  }
-
   Parameters parameters_;
   Real moon_, earth_;
 };

@@ -61,6 +61,14 @@ inline Eigen::Index count_of(double value, std::string_view name, std::string_vi
   return static_cast<Eigen::Index>(value);
 }
 
+/// 1 / r^3.
+template <class Real>
+Real inverse_cube(Real x, Real y) noexcept {
+  using std::sqrt;
+  const Real square = x * x + y * y;
+  return Real(1) / (square * sqrt(square));
+}
+
 /// {"q1", "q2", ...}
 inline void append_numbered(std::vector<std::string>& names, const std::string& stem, Eigen::Index count) {
   for (Eigen::Index i = 1; i <= count; ++i) names.push_back(stem + std::to_string(i));

@@ -57,7 +57,7 @@ class Kepler {
   }
 
   void rhs(Real /*t*/, const State& y, State& dydt) const noexcept {
-    const Real weight = inverse_cube(y[0], y[1]);
+    const Real weight = detail::inverse_cube(y[0], y[1]);
     dydt[0] = y[2];
     dydt[1] = y[3];
     dydt[2] = -y[0] * weight;
@@ -73,11 +73,11 @@ class Kepler {
   static constexpr Eigen::Index dofs() { return 2; }
   [[nodiscard]] static Dofs mass() { return Dofs::Ones(); }
   void force(Real /*t*/, const Dofs& q, const Dofs& /*v*/, Dofs& f) const noexcept {
-    f = -inverse_cube(q[0], q[1]) * q;
+    f = -detail::inverse_cube(q[0], q[1]) * q;
   }
   /// K = -dF/dq = I / r^3 - 3 q q^T / r^5.
   void stiffness(Real /*t*/, const Dofs& q, const Dofs& /*v*/, DofMatrix& K) const noexcept {
-    const Real weight = inverse_cube(q[0], q[1]);
+    const Real weight = detail::inverse_cube(q[0], q[1]);
     K = weight * (DofMatrix::Identity() - Real(3) / q.squaredNorm() * (q * q.transpose()));
   }
   void damping(Real /*t*/, const Dofs& /*q*/, const Dofs& /*v*/, DofMatrix& C) const noexcept { C.setZero(); }
@@ -128,12 +128,6 @@ class Kepler {
   }
 
  private:
-  static Real inverse_cube(Real x, Real y) noexcept {
-    using std::sqrt;
-    const Real square = x * x + y * y;
-    return Real(1) / (square * sqrt(square));
-  }
-
   Parameters parameters_;
 };
 

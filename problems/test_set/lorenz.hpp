@@ -60,15 +60,9 @@ class Lorenz {
     dydt[2] = x * v - beta_ * z;
   }
   void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {
-    J(0, 0) = -sigma_;
-    J(0, 1) = sigma_;
-    J(0, 2) = Real(0);
-    J(1, 0) = rho_ - y[2];
-    J(1, 1) = Real(-1);
-    J(1, 2) = -y[0];
-    J(2, 0) = y[1];
-    J(2, 1) = y[0];
-    J(2, 2) = -beta_;
+    J << -sigma_, sigma_, Real(0),     //
+        rho_ - y[2], Real(-1), -y[0],  //
+        y[1], y[0], -beta_;
   }
 
  private:

@@ -62,15 +62,9 @@ class Oregonator {
     dydt[2] = w_ * (y[0] - y[2]);
   }
   void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {
-    J(0, 0) = s_ * (Real(1) - Real(2) * q_ * y[0] - y[1]);
-    J(0, 1) = s_ * (Real(1) - y[0]);
-    J(0, 2) = Real(0);
-    J(1, 0) = -y[1] / s_;
-    J(1, 1) = -(Real(1) + y[0]) / s_;
-    J(1, 2) = Real(1) / s_;
-    J(2, 0) = w_;
-    J(2, 1) = Real(0);
-    J(2, 2) = -w_;
+    J << s_ * (Real(1) - Real(2) * q_ * y[0] - y[1]), s_ * (Real(1) - y[0]), Real(0),  //
+        -y[1] / s_, -(Real(1) + y[0]) / s_, Real(1) / s_,                              //
+        w_, Real(0), -w_;
   }
 
  private:

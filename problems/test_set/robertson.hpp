@@ -63,15 +63,9 @@ class Robertson {
     dydt[2] = product;
   }
   void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {
-    J(0, 0) = -k1_;
-    J(0, 1) = k3_ * y[2];
-    J(0, 2) = k3_ * y[1];
-    J(1, 0) = k1_;
-    J(1, 1) = -k3_ * y[2] - Real(2) * k2_ * y[1];
-    J(1, 2) = -k3_ * y[1];
-    J(2, 0) = Real(0);
-    J(2, 1) = Real(2) * k2_ * y[1];
-    J(2, 2) = Real(0);
+    J << -k1_, k3_ * y[2], k3_ * y[1],                         //
+        k1_, -k3_ * y[2] - Real(2) * k2_ * y[1], -k3_ * y[1],  //
+        Real(0), Real(2) * k2_ * y[1], Real(0);
   }
 
   /// No concentration is negative but for what rounding and tolerances make of 0.

@@ -52,10 +52,8 @@ class VanDerPol {
   }
   void jacobian(Real /*t*/, const State& y, Jacobian& J) const noexcept {
     const Real x = y[0], v = y[1];
-    J(0, 0) = Real(0);
-    J(0, 1) = Real(1);
-    J(1, 0) = Real(-2) * mu_ * x * v - Real(1);
-    J(1, 1) = mu_ * (Real(1) - x * x);
+    J << Real(0), Real(1),  //
+        Real(-2) * mu_ * x * v - Real(1), mu_ * (Real(1) - x * x);
   }
 
  private:
