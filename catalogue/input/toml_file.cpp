@@ -37,20 +37,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t largest_file = 1 << 20;
 constexpr int longest_line = 4096;  // bounds the depth of a.b.c. ... keys, which readers walk by recursion
 
-/// One step of a JSON pointer: '~' and '/' inside a key are escaped (RFC 6901).
-std::string step(std::string_view key) {
-  std::string escaped = "/";
-  for (const char c : key) {
-    if (c == '~') {
-      escaped += "~0";
-    } else if (c == '/') {
-      escaped += "~1";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
+/// One step of a JSON pointer.
+std::string step(const std::string& key) { return (Json::json_pointer() / key).to_string(); }
 
 int line_of(const toml::source_region& region) { return static_cast<int>(region.begin.line); }
 

@@ -1,8 +1,7 @@
 #include "problems/matrices/matrix_writers.hpp"
 
-#include <charconv>
-
 #include "core/own_files.hpp"
+#include "problems/digits.hpp"
 #include "problems/matrix_entries.hpp"
 
 namespace hmax {
@@ -20,8 +19,7 @@ bool is_exactly_symmetric(const Sparse& matrix) {
 
 template <class Number>
 void append(std::string& text, Number number, char behind) {
-  char digits[32];
-  text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+  append_digits(text, number);
   text += behind;
 }
 

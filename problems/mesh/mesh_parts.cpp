@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 
 #include <Eigen/Geometry>
 
 #include "core/dense_solvers.hpp"
 #include "problems/mesh/at.hpp"
+#include "problems/mesh/disjoint_sets.hpp"
 #include "problems/mesh/faces.hpp"
 #include "problems/mesh/topology.hpp"
 
@@ -16,26 +16,6 @@ namespace hmax {
 namespace {
 
 using Index = TetMesh::Index;
-
-/// Sets that are joined one pair after the other; each is known by its least member.
-class DisjointSets {
- public:
-  explicit DisjointSets(Eigen::Index count) : parent_(at(count)) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index root(Index a) {
-    while (parent_[at(a)] != a) a = parent_[at(a)] = parent_[at(parent_[at(a)])];
-    return a;
-  }
-  void join(Index a, Index b) {
-    a = root(a);
-    b = root(b);
-    parent_[at(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 DisjointSets joined_by_faces(const TetMesh& mesh) {
   DisjointSets sets(mesh.tetrahedron_count());

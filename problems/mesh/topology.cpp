@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "problems/mesh/disjoint_sets.hpp"
 #include "problems/mesh/faces.hpp"
 
 namespace hmax {
@@ -55,16 +56,10 @@ EdgeTable unique_edges(Eigen::Index points, Eigen::Index count, Pair pair) {
 
 TetMesh::Index EdgeTable::find(Index a, Index b) const {
   if (a > b) std::swap(a, b);
-  Index low = first[static_cast<std::size_t>(a)], high = first[static_cast<std::size_t>(a) + 1];
-  const Index end = high;
-  while (low < high) {
-    const Index middle = low + (high - low) / 2;
-    if (edges(1, middle) < b)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < end && edges(1, low) == b ? low : -1;
+  const auto upper = edges.row(1);
+  const auto end = upper.begin() + first[static_cast<std::size_t>(a) + 1],
+             found = std::lower_bound(upper.begin() + first[static_cast<std::size_t>(a)], end, b);
+  return found != end && *found == b ? static_cast<Index>(found - upper.begin()) : -1;
 }
 
 EdgeTable edge_table(const TetMesh& mesh) {
@@ -165,25 +160,10 @@ MeshTopology topology_of(const TetMesh& mesh) {
   topology.unused_points = static_cast<Eigen::Index>(unused_points(mesh).size());
   topology.crowded_faces = static_cast<Eigen::Index>(surface.crowded.size());
 
-  // Union-find over the points: every tetrahedron joins its four.
-  std::vector<Index> parent(static_cast<std::size_t>(mesh.point_count()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index a) {
-    auto at = static_cast<std::size_t>(a);
-    while (parent[at] != static_cast<Index>(at)) {
-      parent[at] = parent[static_cast<std::size_t>(parent[at])];
-      at = static_cast<std::size_t>(parent[at]);
-    }
-    return static_cast<Index>(at);
-  };
+  DisjointSets sets(mesh.point_count());
   Eigen::Index joins = 0;
   for (const auto& tetrahedron : mesh.tetrahedra.colwise())
-    for (int i = 1; i < 4; ++i) {
-      const Index a = root(tetrahedron(0)), b = root(tetrahedron(i));
-      if (a == b) continue;
-      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-      ++joins;
-    }
+    for (int i = 1; i < 4; ++i) joins += sets.join(tetrahedron(0), tetrahedron(i)) ? 1 : 0;
   topology.components = topology.points - topology.unused_points - joins;
   return topology;
 }

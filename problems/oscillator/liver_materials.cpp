@@ -13,12 +13,6 @@ constexpr std::array<LiverMaterial, 6> materials{{{"male_slim", 4.6, 5, 1.4, 1.5
                                                   {"female_normal", 5.1, 6, 1.2, 1.4},
                                                   {"female_fat", 6.6, 8, 1.2, 1.4}}};
 
-std::string known_ids() {
-  std::string ids;
-  for (const auto& material : materials) ids += (ids.empty() ? "" : ", ") + std::string(material.id);
-  return ids;
-}
-
 }  // namespace
 
 std::span<const LiverMaterial> liver_materials() { return materials; }
@@ -33,10 +27,7 @@ const LiverMaterial& liver_material(std::string_view id) {
                                   "' has the unknown suffix ':" + std::string(suffix) +
                                   "'; use :light or :heavy for the ends of the mass range, or no suffix");
   }
-  for (const auto& material : materials)
-    if (material.id == name) return material;
-  throw std::invalid_argument("there is no liver material '" + std::string(name) + "'; use one of " +
-                              known_ids());
+  return liver_item(liver_materials(), name, "material");
 }
 
 OscillatorParameters with_material(OscillatorParameters base, std::string_view id) {

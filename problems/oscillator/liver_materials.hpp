@@ -2,11 +2,26 @@
 #pragma once
 
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "problems/oscillator/oscillator.hpp"
 
 namespace hmax {
+
+/// The item of an id. @param what  it is one of
+/// @throws std::invalid_argument  naming the known ids
+template <class Item>
+const Item& liver_item(std::span<const Item> items, std::string_view id, std::string_view what) {
+  std::string known;
+  for (const Item& item : items) {
+    if (item.id == id) return item;
+    known.append(known.empty() ? "" : ", ").append(item.id);
+  }
+  throw std::invalid_argument("there is no liver " + std::string(what) + " '" + std::string(id) +
+                              "'; use one of " + known);
+}
 
 /// One column of the liver oscillator study's benchmark table.
 ///

@@ -63,17 +63,6 @@ std::vector<LiverFamilyMember> all_materials(double force) {
   return members;
 }
 
-template <class Item>
-const Item& find(std::span<const Item> items, std::string_view id, const std::string& what) {
-  std::string known;
-  for (const auto& item : items) {
-    if (item.id == id) return item;
-    known += (known.empty() ? "" : ", ") + std::string(item.id);
-  }
-  throw std::invalid_argument("there is no liver " + what + " '" + std::string(id) + "'; use one of " +
-                              known);
-}
-
 }  // namespace
 
 std::span<const LiverProblem> liver_problems() {
@@ -89,7 +78,7 @@ std::span<const LiverProblem> liver_problems() {
   return problems;
 }
 
-const LiverProblem& liver_problem(std::string_view id) { return find(liver_problems(), id, "problem"); }
+const LiverProblem& liver_problem(std::string_view id) { return liver_item(liver_problems(), id, "problem"); }
 
 std::span<const LiverFamily> liver_families() {
   static const std::array<LiverFamily, 15> families{{
@@ -143,6 +132,6 @@ LiverFamily damped_as_at_rest(LiverFamily family, double zeta) {
   return family;
 }
 
-const LiverFamily& liver_family(std::string_view id) { return find(liver_families(), id, "family"); }
+const LiverFamily& liver_family(std::string_view id) { return liver_item(liver_families(), id, "family"); }
 
 }  // namespace hmax

@@ -1,6 +1,7 @@
 #include "problems/tissue/body_pieces.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -120,12 +121,8 @@ std::vector<BodyPieces::Index> BodyPieces::touching(const std::vector<Index>& po
   const auto lowest = [&](Index e) { return std::ranges::min(mesh_.element(e)); };
   // Elements come in the order of their lowest points.
   const auto first_from = [&](Index point) {
-    Index low = 0, high = static_cast<Index>(mesh_.element_count());
-    while (low < high) {
-      const Index middle = low + (high - low) / 2;
-      lowest(middle) < point ? low = middle + 1 : high = middle;
-    }
-    return low;
+    return *std::ranges::lower_bound(std::views::iota(Index{0}, static_cast<Index>(mesh_.element_count())),
+                                     point, {}, lowest);
   };
   const Index stop = first_from(points.back() + 1);
   std::vector<Index> found;

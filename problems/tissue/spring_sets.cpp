@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 
@@ -108,16 +109,12 @@ std::vector<SpringSet::Spring> tissue_springs(const TetMesh& mesh, const EdgeTab
 std::vector<SpringSet::Spring> skin_springs(const TetMesh& mesh, const MeshSurface& surface,
                                             const SkinSettings& skin) {
   const auto place = [&](Index a, Index b) {
-    const std::array<Index, 2> wanted{std::min(a, b), std::max(a, b)};
-    Eigen::Index low = 0, high = surface.edges.cols();
-    while (low < high) {
-      const Eigen::Index middle = (low + high) / 2;
-      if (std::array{surface.edges(0, middle), surface.edges(1, middle)} < wanted)
-        low = middle + 1;
-      else
-        high = middle;
-    }
-    return static_cast<std::size_t>(low);
+    const auto ends = [&](Eigen::Index edge) {
+      return std::array{surface.edges(0, edge), surface.edges(1, edge)};
+    };
+    return static_cast<std::size_t>(
+        *std::ranges::lower_bound(std::views::iota(Eigen::Index{0}, surface.edges.cols()),
+                                  std::array{std::min(a, b), std::max(a, b)}, {}, ends));
   };
   std::vector<SpringSet::Spring> springs;
   for (const auto& edge : surface.edges.colwise()) springs.push_back({{edge[0], edge[1]}, 0});

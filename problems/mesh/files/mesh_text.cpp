@@ -39,6 +39,13 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return result;
+}
+
 bool same_keyword(std::string_view a, std::string_view b) { return lower(a) == lower(b); }
 
 MeshText MeshText::part(std::size_t begin, std::size_t end) const {

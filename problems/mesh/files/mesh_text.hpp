@@ -121,8 +121,8 @@ std::string place_in_words(const std::string& name, std::int64_t place, bool byt
 /// True when two keywords differ in the case of their letters at most.
 bool same_keyword(std::string_view a, std::string_view b);
 
-/// In lower case.
 std::string lower(std::string_view text);
+std::string upper(std::string_view text);
 
 /// A piece of a file as messages can show it: short, and without what a terminal cannot print.
 std::string in_quotes(std::string_view text);

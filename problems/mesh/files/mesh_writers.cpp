@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
@@ -11,16 +10,11 @@
 
 #include "core/own_files.hpp"
 #include "core/text/base64.hpp"
+#include "problems/digits.hpp"
 
 namespace hmax {
 
 namespace {
-
-template <class Number>
-void append(std::string& text, Number value) {
-  char digits[32];
-  text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-}
 
 std::string escaped(std::string_view text) {
   std::string result;
@@ -76,9 +70,9 @@ class VtuArrays {
       for (std::size_t i = 0; i < count; ++i) {
         if (i > 0) text += (i % 12 == 0 ? '\n' : ' ');
         if constexpr (sizeof(Number) == 1)
-          append(text, int{values[i]});
+          append_digits(text, int{values[i]});
         else
-          append(text, values[i]);
+          append_digits(text, values[i]);
       }
     text += "\n</DataArray>\n";
   }
@@ -183,30 +177,30 @@ std::string msh_text(const MeshFile& file) {
   text.reserve(static_cast<std::size_t>(64 * mesh.point_count() + 48 * mesh.tetrahedron_count()) + 128);
   add_physical_names(text, file);
   text += "$Nodes\n";
-  append(text, mesh.point_count());
+  append_digits(text, mesh.point_count());
   for (Eigen::Index i = 0; i < mesh.point_count(); ++i) {
     text += '\n';
-    append(text, points[static_cast<std::size_t>(i)]);
+    append_digits(text, points[static_cast<std::size_t>(i)]);
     for (int k = 0; k < 3; ++k) {
       text += ' ';
-      append(text, mesh.points(k, i));
+      append_digits(text, mesh.points(k, i));
     }
   }
   std::size_t elements = numbers.size();
   for (const MeshGroup& group : file.groups)
     elements += group.corners.size() / (static_cast<std::size_t>(group.dimension) + 1);
   text += "\n$EndNodes\n$Elements\n";
-  append(text, elements);
+  append_digits(text, elements);
   const auto add = [&](std::int64_t number, std::string_view kind, std::int64_t group, const auto& corners) {
     text += '\n';
-    append(text, number);
+    append_digits(text, number);
     text += kind;
-    append(text, group);
+    append_digits(text, group);
     text += ' ';
-    append(text, group);
+    append_digits(text, group);
     for (const TetMesh::Index corner : corners) {
       text += ' ';
-      append(text, points[static_cast<std::size_t>(corner)]);
+      append_digits(text, points[static_cast<std::size_t>(corner)]);
     }
   };
   FreeNumbers free(numbers);
@@ -261,7 +255,7 @@ std::string pvd_text(std::span<const std::pair<double, std::string>> frames) {
   std::string text = xml_head() + "<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
   for (const auto& [time, file] : frames) {
     text += "<DataSet timestep=\"";
-    append(text, time);
+    append_digits(text, time);
     text += "\" file=\"" + escaped(file) + "\"/>\n";
   }
   return text + "</Collection>\n</VTKFile>\n";

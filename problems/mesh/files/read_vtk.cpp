@@ -251,13 +251,6 @@ class LegacyData {
   void skip_field() { read_field(); }
 
  private:
-  static std::string upper(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-      if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-    return result;
-  }
-
   /// Arrays of one head line `SECTION NAME TYPE` and the components of each value.
   struct Section {
     std::string_view name;

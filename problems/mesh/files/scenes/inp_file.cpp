@@ -22,13 +22,6 @@ std::vector<std::string_view> fields_of(std::string_view line) {
 
 }  // namespace
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-  return result;
-}
-
 std::optional<std::string> InpCard::parameter(const std::string& name) const {
   const auto found = parameters.find(name);
   return found == parameters.end() ? std::nullopt : std::optional(found->second);

@@ -105,7 +105,4 @@ inline constexpr std::string_view boundary_parameters = "OP|AMPLITUDE";
 /// @throws std::invalid_argument  one sentence with file, line and remedy
 InpMesh inp_mesh(const InpFile& file);
 
-/// In upper case, as the names of a file are compared.
-std::string upper(std::string_view text);
-
 }  // namespace hmax
