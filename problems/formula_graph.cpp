@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/sort_unique.hpp"
+
 namespace hmax {
 
 using Id = FormulaNodeId;
@@ -266,8 +268,7 @@ std::vector<std::vector<FormulaSlope>> state_slopes(FormulaGraph& graph, const s
       for (const FormulaSlope& slope : slopes[static_cast<std::size_t>(operand)])
         states.push_back(slope.state);
     });
-    std::ranges::sort(states);
-    states.erase(std::unique(states.begin(), states.end()), states.end());
+    sort_unique(states);
     for (const int state : states) {
       const Id slope = derivative.of(id, slope_of(n.a, state), operands > 1 ? slope_of(n.b, state) : zero,
                                      operands > 2 ? slope_of(n.c, state) : zero);

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/fibres.hpp"
 #include "problems/tissue/forces/nodal_pressure.hpp"
@@ -79,8 +80,7 @@ class MatrixMaker {
     each_pair([&](Index a, Index b, std::int32_t) {
       if (is_on_rim(a, b)) on_rim.push_back(rim_pair(a, b));
     });
-    std::ranges::sort(on_rim);
-    on_rim.erase(std::unique(on_rim.begin(), on_rim.end()), on_rim.end());
+    sort_unique(on_rim);
     const std::int32_t inside = number_pairs();
     for (std::int32_t p = 0; p <= static_cast<std::int32_t>(body_.free_points().size()); ++p)
       made_.rim.push_back(inside + static_cast<std::int32_t>(std::ranges::lower_bound(on_rim, RimPair{p, 0}) -

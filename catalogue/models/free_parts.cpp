@@ -8,6 +8,7 @@
 
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/dense_solvers.hpp"
+#include "core/sort_unique.hpp"
 #include "problems/mesh/mesh_parts.hpp"
 
 namespace hmax {
@@ -24,8 +25,7 @@ std::vector<FreePart> free_parts_of(const TissueBody& body) {
   for (const ElasticSupport& support : body.settings().elastic_supports)
     for (std::size_t i = 0; i < support.points.size(); ++i)
       if (support.stiffness[i] > 0) held.push_back(support.points[i]);
-  std::ranges::sort(held);
-  held.erase(std::unique(held.begin(), held.end()), held.end());
+  sort_unique(held);
   return free_parts(body.mesh(), held);
 }
 

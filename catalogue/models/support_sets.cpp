@@ -13,6 +13,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
+#include "core/sort_unique.hpp"
 #include "core/text/split.hpp"
 #include "core/text/utf8.hpp"
 #include "problems/tissue/loads.hpp"
@@ -253,8 +254,7 @@ std::vector<TetMesh::Index> union_of_sets(const std::vector<std::string>& sets, 
     const std::vector<Index> more = points_of_set(set, mesh);
     points.insert(points.end(), more.begin(), more.end());
   }
-  std::ranges::sort(points);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   return points;
 }
 

@@ -14,6 +14,7 @@
 #include "catalogue/scenes/scene_builder.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/sort_unique.hpp"
 #include "core/text/split.hpp"
 #include "problems/mesh/files/scenes/sofa_file.hpp"
 #include "problems/mesh/topology.hpp"
@@ -290,9 +291,7 @@ class SofaSceneReader {
   /// The numbers of the regions of the mesh, sorted; 0 where it has none.
   [[nodiscard]] std::vector<TetMesh::Index> region_numbers() const {
     std::vector<TetMesh::Index> numbers = mesh_.mesh.regions;
-    std::ranges::sort(numbers);
-    const auto doubled = std::ranges::unique(numbers);
-    numbers.erase(doubled.begin(), doubled.end());
+    sort_unique(numbers);
     if (numbers.empty()) numbers.push_back(0);
     return numbers;
   }

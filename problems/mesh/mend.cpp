@@ -15,6 +15,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
@@ -372,8 +373,7 @@ class Mender {
     for (const Index point : points)
       for (const Index t : around_[at(point)])
         for (const Index corner : mesh_.tetrahedra.col(t)) found.push_back(corner);
-    std::ranges::sort(found);
-    found.erase(std::unique(found.begin(), found.end()), found.end());
+    sort_unique(found);
     return found;
   }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "core/dense_solvers.hpp"
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/disjoint_sets.hpp"
 #include "problems/mesh/faces.hpp"
@@ -45,8 +46,7 @@ std::vector<MeshPart> parts_of(const TetMesh& mesh) {
     std::vector<std::pair<Index, Index>> uses;  // a point, and a part that has it
     for (Index t = 0; t < mesh.tetrahedron_count(); ++t)
       for (const Index point : mesh.tetrahedra.col(t)) uses.emplace_back(point, part_of[at(t)]);
-    std::ranges::sort(uses);
-    uses.erase(std::unique(uses.begin(), uses.end()), uses.end());
+    sort_unique(uses);
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const bool shared = (i > 0 && uses[i - 1].first == uses[i].first) ||
                           (i + 1 < uses.size() && uses[i + 1].first == uses[i].first);
@@ -102,8 +102,7 @@ std::vector<FreePart> free_parts(const TetMesh& mesh, const std::vector<Index>& 
     FreePart part{.tetrahedra = std::move(tetrahedra), .points = {}, .motions = {}};
     for (const Index t : part.tetrahedra)
       part.points.insert(part.points.end(), mesh.tetrahedra.col(t).begin(), mesh.tetrahedra.col(t).end());
-    std::ranges::sort(part.points);
-    part.points.erase(std::unique(part.points.begin(), part.points.end()), part.points.end());
+    sort_unique(part.points);
     std::vector<Index> own;
     std::ranges::set_intersection(part.points, held, std::back_inserter(own));
     part.motions = motions_left(mesh, part.points, own);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/disjoint_sets.hpp"
 #include "problems/mesh/faces.hpp"
 
@@ -98,8 +99,7 @@ MeshEdges two_edge_pairs(const EdgeTable& table) {
       const auto& beyond = beside[static_cast<std::size_t>(b)];
       near.insert(near.end(), beyond.begin(), beyond.end());
     }
-    std::ranges::sort(near);
-    near.erase(std::unique(near.begin(), near.end()), near.end());
+    sort_unique(near);
     for (const Index b : near)
       if (b > static_cast<Index>(a)) pairs.push_back({static_cast<Index>(a), b});
   }

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <initializer_list>
-#include <stdexcept>
 
 #include "problems/digits.hpp"
 #include "problems/oscillator/liver_materials.hpp"

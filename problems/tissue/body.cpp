@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/sort_unique.hpp"
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/ten_node.hpp"
@@ -177,8 +178,7 @@ std::vector<double> TissueBody::breakpoints(double t0, double t1) const {
   for (const SphereTool& tool : settings_.tools)
     if (!tool.travel.isZero(0)) tool.profile.add_breakpoints(times);
   std::erase_if(times, [&](double t) { return !(t > t0 && t < t1); });
-  std::ranges::sort(times);
-  times.erase(std::unique(times.begin(), times.end()), times.end());
+  sort_unique(times);
   return times;
 }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/renumber.hpp"
 #include "problems/mesh/ten_node.hpp"
@@ -138,8 +139,7 @@ std::vector<BodyPieces::Index> BodyPieces::points_of(const std::vector<Index>& e
     const std::span<const Index> own = mesh_.element(e);
     points.insert(points.end(), own.begin(), own.end());
   }
-  std::ranges::sort(points);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
+  sort_unique(points);
   return points;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/own_files.hpp"
+#include "core/sort_unique.hpp"
 #include "problems/digits.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/topology.hpp"
@@ -189,8 +190,7 @@ std::vector<TetMesh::Index> fixed_points(const TissueBody& body) {
     for (const TetMesh::Index point : support.points) fixed.push_back(place_of(body, point));
   if (body.origin())
     for (const TetMesh::Index idle : unused_points(body.origin()->file.mesh)) fixed.push_back(idle);
-  std::ranges::sort(fixed);
-  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  sort_unique(fixed);
   return fixed;
 }
 

@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/sort_unique.hpp"
 #include "problems/digits.hpp"
 
 namespace hmax {
@@ -33,8 +34,7 @@ MeshEdges opposite_pairs(std::vector<Side<k>> sides) {
     if (sides[i].shared == sides[i + 1].shared)
       pairs.push_back({std::min(sides[i].opposite, sides[i + 1].opposite),
                        std::max(sides[i].opposite, sides[i + 1].opposite)});
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   MeshEdges all(2, static_cast<Eigen::Index>(pairs.size()));
   for (std::size_t i = 0; i < pairs.size(); ++i)
     all.col(static_cast<Eigen::Index>(i)) << pairs[i][0], pairs[i][1];

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/sort_unique.hpp"
 #include "problems/digits.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/mesh/coincident_points.hpp"
@@ -57,8 +58,7 @@ std::vector<TetMesh::Index> MeshOrigin::model_points() const {
 
 std::vector<TetMesh::Index> number_regions(TetMesh& mesh) {
   std::vector<Index> names = mesh.regions;
-  std::ranges::sort(names);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
+  sort_unique(names);
   if (names.size() < 2) {
     mesh.regions.clear();
     return names.empty() ? std::vector<Index>{0} : names;

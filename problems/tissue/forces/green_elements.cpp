@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/tet_elements.hpp"
 
@@ -97,8 +98,7 @@ void GreenElements::place_rim(const BlockPattern& pattern) {
   each_missing([&](const std::array<Index, 2>& pair, Index) {
     if (pair[0] >= 0) pairs.push_back(pair);
   });
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   for (const auto& pair : pairs) rim_.push_back(pair[0]);
   each_missing([&](const std::array<Index, 2>& pair, Index& block) {
     const auto found = pair[0] >= 0 ? std::lower_bound(pairs.begin(), pairs.end(), pair) : pairs.end();

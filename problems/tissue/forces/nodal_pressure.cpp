@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/sort_unique.hpp"
 #include "problems/mesh/at.hpp"
 #include "problems/tissue/forces/kernels/element_pull.hpp"
 #include "problems/tissue/forces/kernels/element_stiffness.hpp"
@@ -55,8 +56,7 @@ void NodalPressure::make_averages(const TetMesh& mesh, std::span<const Lame> lam
       around.insert(around.end(), e.points.begin(), e.points.end());
       average.volume += e.rest.volume / 4;
     }
-    std::ranges::sort(around);
-    around.erase(std::unique(around.begin(), around.end()), around.end());
+    sort_unique(around);
     std::erase(around, first.point);
     around.insert(around.begin(), first.point);
     if (around.size() > std::numeric_limits<std::uint16_t>::max())

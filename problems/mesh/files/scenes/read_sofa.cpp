@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/sort_unique.hpp"
 #include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_readers.hpp"
 #include "problems/mesh/files/scenes/sofa_file.hpp"
@@ -299,9 +300,7 @@ const XmlPart& sofa_linked(const XmlFile& file, const XmlPart& part, std::string
 }
 
 std::vector<double> sorted_moduli(std::vector<double> values) {
-  std::ranges::sort(values);
-  const auto doubled = std::ranges::unique(values);
-  values.erase(doubled.begin(), doubled.end());
+  sort_unique(values);
   return values;
 }
 
