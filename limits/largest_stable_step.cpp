@@ -7,7 +7,7 @@
 
 #include "analysis/spectrum/spectrum.hpp"
 #include "analysis/statics/equilibrium.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
@@ -19,10 +19,10 @@ namespace {
 /// A Jacobian by differences, without a pattern, is dense.
 void require_differences_are_affordable(const AnySystem& system) {
   if (system.has_jacobian() || system.has_sparsity() || system.dim() <= most_dense_rows) return;
-  throw InputError(fmt::format(
+  throw input_error(
       "a system of {} unknowns has neither jacobian() nor sparsity(), and differences make a dense "
       "Jacobian, which is taken up to {}; give it one of the two",
-      system.dim(), most_dense_rows));
+      system.dim(), most_dense_rows);
 }
 
 Problem problem_of(const AnySystem& system, const Eigen::VectorXd& y) {

@@ -11,7 +11,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/model.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "core/text/sentences.hpp"
@@ -36,11 +36,11 @@ void require_usual_rates(const Spectrum& spectrum) {
   constexpr double most = 1e140;
   for (const Complex lambda : spectrum.lambda)
     if (!(std::abs(lambda) <= most))
-      throw InputError(fmt::format(
+      throw input_error(
           "the model has an eigenvalue {}, and beyond {:.0e} 1/s the products of rates leave "
           "the range of numbers; give masses, stiffness and damping in units of one size",
           std::isfinite(std::abs(lambda)) ? fmt::format("of {:.3g} 1/s", std::abs(lambda)) : "without a size",
-          most));
+          most);
 }
 
 /// @throws InputError  where eigenvalues would be those of an M^-1 K that is full and too large
@@ -48,10 +48,10 @@ void require_writable_jacobian(const LinearModel& model) {
   if (!model.mechanical || model.mechanical->symmetric) return;
   const MassMatrix<double>& M = model.mechanical->mass;
   if (M.is_diagonal() || M.size() <= most_coupled_masses) return;
-  throw InputError(fmt::format(
+  throw input_error(
       "the matrices are not symmetric, and the mass couples {} unknowns, of which limits are known up to {}; lump the mass, "
       "which changes the limit, or see with a run whether a step holds",
-      M.size(), most_coupled_masses));
+      M.size(), most_coupled_masses);
 }
 
 }  // namespace
@@ -245,9 +245,9 @@ void require_rates(const Problem& problem) {
         typename Sys::State y(problem.y0), f(problem.y0);
         system.rhs(0, y, f);
         if (!f.allFinite())
-          throw InputError(fmt::format(
+          throw input_error(
               "the rates of {} in its initial state are not finite; give another state, or correct the model",
-              problem.id));
+              problem.id);
       },
       problem.system);
 }

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/input/suggest.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/own_files.hpp"
 #include "core/text/sentences.hpp"
 #include "core/text/utf8.hpp"
@@ -110,11 +110,11 @@ Json converted(const toml::node& node, const std::string& place, TomlDocument& d
 
 void check_text(std::string_view text, const std::string& name) {
   if (text.size() > largest_file)
-    throw InputError(fmt::format("{}: the file is larger than 1 MiB, which no input of hmax is", name));
+    throw input_error("{}: the file is larger than 1 MiB, which no input of hmax is", name);
   try {
     static_cast<void>(nlohmann::json(text).dump());  // throws where the text is not UTF-8
   } catch (const nlohmann::json::exception&) {
-    throw InputError(fmt::format("{}: the file is not UTF-8 text; save it as UTF-8", name));
+    throw input_error("{}: the file is not UTF-8 text; save it as UTF-8", name);
   }
   int line = 1, column = 0;
   for (const char c : text) {
@@ -125,10 +125,9 @@ void check_text(std::string_view text, const std::string& name) {
       column = 0;
     }
     if (column > longest_line)
-      throw InputError(
-          fmt::format("{}:{}: the line is longer than {} bytes; break it", name, line, longest_line));
+      throw input_error("{}:{}: the line is longer than {} bytes; break it", name, line, longest_line);
     if ((byte < 0x20 && c != '\n' && c != '\r' && c != '\t') || byte == 0x7f)
-      throw InputError(fmt::format("{}:{}: control byte 0x{:02x} in the text; remove it", name, line, byte));
+      throw input_error("{}:{}: control byte 0x{:02x} in the text; remove it", name, line, byte);
   }
 }
 
@@ -180,13 +179,12 @@ TomlDocument read_toml(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code problem;
   const auto status = std::filesystem::status(path, problem);
-  if (!std::filesystem::exists(status))
-    throw InputError(fmt::format("{}: no such file; check the path", name));
+  if (!std::filesystem::exists(status)) throw input_error("{}: no such file; check the path", name);
   if (std::filesystem::is_directory(status))
-    throw InputError(fmt::format("{}: this is a folder; name a TOML file in it", name));
+    throw input_error("{}: this is a folder; name a TOML file in it", name);
   note_input(path);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(fmt::format("{}: the file cannot be opened; check its permissions", name));
+  if (!file) throw input_error("{}: the file cannot be opened; check its permissions", name);
   // One byte more than is accepted: a device or a pipe has no size to ask for.
   std::string text(largest_file + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -201,12 +199,11 @@ void reject_unknown_keys(const TomlDocument& document, std::string_view place,
   const Json& table = document.root.at(pointer);
   std::string title(place.substr(std::min<std::size_t>(1, place.size())));
   std::replace(title.begin(), title.end(), '/', '.');
-  if (!table.is_object()) document.fail(place, fmt::format("'{}' must be a table, [{}]", title, title));
+  if (!table.is_object()) document.fail(place, "'{}' must be a table, [{}]", title, title);
   for (const auto& [key, value] : table.items()) {
     if (std::find(allowed.begin(), allowed.end(), key) != allowed.end()) continue;
-    document.fail(std::string(place) + step(key),
-                  fmt::format("unknown key '{}'{}; {}", key,
-                              title.empty() ? "" : fmt::format(" in [{}]", title), suggestion(key, allowed)));
+    document.fail(std::string(place) + step(key), "unknown key '{}'{}; {}", key,
+                  title.empty() ? "" : fmt::format(" in [{}]", title), suggestion(key, allowed));
   }
 }
 

@@ -6,7 +6,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace hmax {
@@ -23,6 +25,12 @@ struct TomlDocument {
   [[nodiscard]] int line(std::string_view place) const;
   /// Throws InputError "name:line: message".
   [[noreturn]] void fail(std::string_view place, std::string_view message) const;
+  /// @param message  as of fmt::format()
+  template <class First, class... T>
+  [[noreturn]] void fail(std::string_view place, fmt::format_string<First, T...> message, First&& first,
+                         T&&... values) const {
+    fail(place, fmt::format(message, std::forward<First>(first), std::forward<T>(values)...));
+  }
 };
 
 /// Reads a TOML file of at most 1 MiB in UTF-8.

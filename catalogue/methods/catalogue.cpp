@@ -13,7 +13,7 @@
 #include "catalogue/input/suggest.hpp"
 #include "catalogue/methods/families.hpp"
 #include "catalogue/methods/measured_amplification.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -43,9 +43,9 @@ constexpr const char* substeps = "substeps";
 /// The method with steps in equal parts.
 Method in_parts(Method method, double parts) {
   if (!(parts >= 1 && parts <= 1e6) || parts != std::floor(parts))
-    throw InputError(fmt::format(
+    throw input_error(
         "{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for instance {1}:{0}=4",
-        substeps, method.id, to_text(parts)));
+        substeps, method.id, to_text(parts));
   const auto part = [parts](RunSpec spec) {
     spec.h /= parts;
     spec.max_steps = static_cast<std::int64_t>(std::min(1e18, static_cast<double>(spec.max_steps) * parts));
@@ -87,8 +87,7 @@ Parameters parameters_of(const Method& method, std::string_view text) {
     names.emplace_back(substeps);
     parameters.emplace_back(substeps, 1);
   }
-  if (names.empty())
-    throw InputError(fmt::format("{0} has no parameters, so write it without ':{1}'", method.id, text));
+  if (names.empty()) throw input_error("{0} has no parameters, so write it without ':{1}'", method.id, text);
   std::set<std::string_view> given;
   while (!text.empty()) {
     const std::string_view item = text.substr(0, text.find(','));
@@ -96,14 +95,14 @@ Parameters parameters_of(const Method& method, std::string_view text) {
     const std::string_view name = item.substr(0, item.find('='));
     const auto it = std::ranges::find(parameters, name, [](const auto& entry) { return entry.first; });
     if (it == parameters.end())
-      throw InputError(fmt::format("{} has no parameter '{}'; {}", method.id, name, suggestion(name, names)));
+      throw input_error("{} has no parameter '{}'; {}", method.id, name, suggestion(name, names));
     const std::optional<double> value =
         name.size() < item.size() ? to_number(item.substr(name.size() + 1)) : std::nullopt;
     if (!value || !std::isfinite(*value))
-      throw InputError(fmt::format("'{0}' gives {1} of {2} no finite number; write for instance {2}:{1}={3}",
-                                   item, name, method.id, to_text(it->second)));
+      throw input_error("'{0}' gives {1} of {2} no finite number; write for instance {2}:{1}={3}", item, name,
+                        method.id, to_text(it->second));
     if (!given.insert(name).second)
-      throw InputError(fmt::format("{} of {} is given twice; leave one of them out", name, method.id));
+      throw input_error("{} of {} is given twice; leave one of them out", name, method.id);
     it->second = *value;
   }
   return parameters;
@@ -144,7 +143,7 @@ std::string_view to_string(Controllers control) {
 Controllers controllers_from(std::string_view word) {
   const auto at = std::ranges::find(controller_names, word);
   if (at == controller_names.end())
-    throw InputError(fmt::format("unknown control '{}'; {}", word, suggestion(word, controller_names)));
+    throw input_error("unknown control '{}'; {}", word, suggestion(word, controller_names));
   return static_cast<Controllers>(at - controller_names.begin());
 }
 
@@ -169,13 +168,13 @@ JacobianUpdate jacobian_update_from(std::string_view word) {
     const std::optional<double> every = to_number(word.substr(prefix.size()));
     if (every && *every >= 1 && *every <= 1e9 && *every == std::floor(*every))
       return {static_cast<int>(*every)};
-    throw InputError(
-        fmt::format("'{}' does not say every how many steps the Jacobian is taken; write every:K "
-                    "with a whole number K of at least 1, for instance every:10",
-                    word));
+    throw input_error(
+        "'{}' does not say every how many steps the Jacobian is taken; write every:K "
+        "with a whole number K of at least 1, for instance every:10",
+        word);
   }
   constexpr std::array<std::string_view, 4> policies{"auto", "exact", "every:K", "frozen"};
-  throw InputError(fmt::format("unknown Jacobian policy '{}'; {}", word, suggestion(word, policies)));
+  throw input_error("unknown Jacobian policy '{}'; {}", word, suggestion(word, policies));
 }
 
 std::string to_string(LinearSolve choice) {
@@ -195,7 +194,7 @@ LinearSolve linear_solve_from(std::string_view word) {
   constexpr std::string_view prefix = "cg:";
   if (!word.starts_with(prefix)) {
     constexpr std::array<std::string_view, 3> known{"auto", "direct", "cg"};
-    throw InputError(fmt::format("unknown linear solver '{}'; {}", word, suggestion(word, known)));
+    throw input_error("unknown linear solver '{}'; {}", word, suggestion(word, known));
   }
   const std::string_view rest = word.substr(prefix.size());
   const std::size_t comma = rest.find(',');
@@ -205,10 +204,10 @@ LinearSolve linear_solve_from(std::string_view word) {
   const bool counts =
       most && *most == std::floor(*most) && *most <= 1e9 && (comma == std::string_view::npos || *most >= 1);
   if (!tolerance || !(*tolerance > 0 && *tolerance < 1) || !counts)
-    throw InputError(fmt::format(
+    throw input_error(
         "'{}' does not say how far conjugate gradients go; write cg:TOLERANCE with a number above "
         "0 and below 1, or cg:TOLERANCE,ITERATIONS, for instance cg:1e-6 or cg:1e-3,20",
-        word));
+        word);
   choice.tolerance = *tolerance;
   choice.iterations = static_cast<int>(*most);
   return choice;
@@ -234,12 +233,12 @@ Method find_method(std::string_view name) {
     if (const ForeignLibrary& library = family.library;
         !library.name.empty() && id.starts_with(library.prefix) &&
         std::ranges::find(methods(), family.id, &Method::family) == methods().end())
-      throw InputError(
-          fmt::format("{} is a method of {}, which this build lacks; install the Debian package {}, then "
-                      "configure and build again",
-                      id, library.name, library.package));
-  throw InputError(fmt::format("unknown method '{}'; {}", id,
-                               suggestion(id, names, "`hmax list methods` shows all of them")));
+      throw input_error(
+          "{} is a method of {}, which this build lacks; install the Debian package {}, then "
+          "configure and build again",
+          id, library.name, library.package);
+  throw input_error("unknown method '{}'; {}", id,
+                    suggestion(id, names, "`hmax list methods` shows all of them"));
 }
 
 Method with_values(const Method& method, const Parameters& changed) {

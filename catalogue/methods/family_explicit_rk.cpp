@@ -2,13 +2,11 @@
 #include <algorithm>
 #include <tuple>
 
-#include <fmt/format.h>
-
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "catalogue/methods/bind_explicit_rk.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/families.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 
@@ -61,8 +59,8 @@ void add_explicit_rk(std::vector<Method>& all) {
 Method make_method(const RuntimeTableau& tableau) {
   for (const Method& method : methods())
     if (method.id == tableau.name || std::ranges::find(method.aliases, tableau.name) != method.aliases.end())
-      throw InputError(fmt::format(
-          "the tableau is called '{}' like a method of hmax; give it a `name` of its own", tableau.name));
+      throw input_error("the tableau is called '{}' like a method of hmax; give it a `name` of its own",
+                        tableau.name);
   Method method{.id = tableau.name,
                 .family = "explicit_runge_kutta",
                 .order = tableau.computed_order,

@@ -10,7 +10,7 @@
 
 #include "catalogue/methods/bind.hpp"
 #include "catalogue/methods/families.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "integrators/positional/compliant_constraints.hpp"
 #include "integrators/positional/positional_euler.hpp"
@@ -29,10 +29,10 @@ int count_of(std::string_view method, const Parameters& values, std::size_t whic
   constexpr double most = 1e6;
   const auto& [name, value] = values[which];
   if (!(value >= 1 && value <= most) || value != std::floor(value))
-    throw InputError(
-        fmt::format("{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for "
-                    "instance {1}:{0}=10",
-                    name, method, to_text(value)));
+    throw input_error(
+        "{0} of {1} is {2} but must be a whole number from 1 to 1000000; write for "
+        "instance {1}:{0}=10",
+        name, method, to_text(value));
   return static_cast<int>(value);
 }
 
@@ -41,8 +41,7 @@ int count_of(std::string_view method, const Parameters& values, std::size_t whic
 bool is_chosen(std::string_view method, const Parameters& values, std::size_t which, const char* meaning) {
   const auto& [name, value] = values[which];
   if (value != 0 && value != 1)
-    throw InputError(
-        fmt::format("{} of {} is {} but must be 0 or 1: {}", name, method, to_text(value), meaning));
+    throw input_error("{} of {} is {} but must be 0 or 1: {}", name, method, to_text(value), meaning);
   return value == 1;
 }
 
@@ -88,10 +87,10 @@ Method vbd(const Parameters& values) {
       positional("vbd", "chen2024vertex", PositionalVerbs::points, values, [](const Parameters& p) {
         const double rho = p[2].second;
         if (!(rho >= 0 && rho < 1))
-          throw InputError(
-              fmt::format("rho of vbd is {} but must lie between 0 and 1: it is the spectral "
-                          "radius of the iteration, 0 takes it as it is",
-                          to_text(rho)));
+          throw input_error(
+              "rho of vbd is {} but must lie between 0 and 1: it is the spectral "
+              "radius of the iteration, 0 takes it as it is",
+              to_text(rho));
         return VertexBlockDescent(rho);
       });
   method.note = "moves one point after the other to where its force vanishes";
@@ -113,10 +112,10 @@ Method pbd(const Parameters& values) {
       positional("pbd", "muller2007position", PositionalVerbs::constraints, values, [](const Parameters& p) {
         const double stiffness = p[2].second;
         if (!(stiffness > 0 && stiffness <= 1))
-          throw InputError(fmt::format(
+          throw input_error(
               "stiffness of pbd is {} but must lie above 0 and at most at 1: it is the share of a "
               "constraint that all iterations together meet",
-              to_text(stiffness)));
+              to_text(stiffness));
         return CompliantConstraints::stiff(CompliantConstraints::share_of(stiffness, p[0].second));
       });
   method.unsuited = [of_constraints = method.unsuited](const Problem& problem) -> std::string {

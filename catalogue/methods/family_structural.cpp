@@ -3,12 +3,10 @@
 #include <string>
 #include <string_view>
 
-#include <fmt/format.h>
-
 #include "analysis/amplification/structural_amplification.hpp"
 #include "catalogue/methods/bind.hpp"
 #include "catalogue/methods/families.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "integrators/structural/generalized_alpha.hpp"
 #include "integrators/structural/structural.hpp"
@@ -59,8 +57,8 @@ Method implicit_structural(std::string id, std::vector<std::string> aliases, con
 void require_between(std::string_view method, std::string_view name, double value, double low, double high,
                      std::string_view why) {
   if (!(low <= value && value <= high))
-    throw InputError(fmt::format("{0} of {1} is {2} but must lie between {3} and {4}: {5}", name, method,
-                                 to_text(value), to_text(low), to_text(high), why));
+    throw input_error("{0} of {1} is {2} but must lie between {3} and {4}: {5}", name, method, to_text(value),
+                      to_text(low), to_text(high), why);
 }
 
 Method newmark(const Parameters& values) {

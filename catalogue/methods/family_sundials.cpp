@@ -12,7 +12,7 @@
 
 #include "analysis/amplification/one_step_amplification.hpp"
 #include "catalogue/methods/bind.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "integrators/sundials/integrate.hpp"
 #include "integrators/sundials/tables.hpp"
@@ -64,9 +64,9 @@ void let_choose_klu(Method& method, const sundials::Method& choice) {
   method.with = [method, choice](const Parameters& parameters) {
     const double klu = parameters.front().second;
     if (klu != 0 && klu != 1)
-      throw InputError(fmt::format(
+      throw input_error(
           "klu is {} but must be 1 (KLU solves sparse equations) or 0 (hmax does); write {}:klu=0",
-          to_text(klu), method.id));
+          to_text(klu), method.id);
     sundials::Method changed = choice;
     changed.klu = klu == 1;
     return with_number(method, changed);
@@ -80,9 +80,8 @@ void let_choose_fast_steps(Method& method, const sundials::Method& choice) {
   method.with = [method, choice](const Parameters& parameters) {
     const double fast = parameters.front().second;
     if (!(fast >= 1 && fast <= most && fast == std::floor(fast)))
-      throw InputError(
-          fmt::format("fast is {} but must be a whole number of steps from 1 to {}; write {}:fast=20",
-                      to_text(fast), most, method.id));
+      throw input_error("fast is {} but must be a whole number of steps from 1 to {}; write {}:fast=20",
+                        to_text(fast), most, method.id);
     sundials::Method changed = choice;
     changed.fast_steps = static_cast<int>(fast);
     return with_number(method, changed);

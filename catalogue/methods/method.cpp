@@ -8,7 +8,7 @@
 
 #include "analysis/amplification/amplification.hpp"
 #include "catalogue/methods/unsuited.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "integrators/structural/structural.hpp"
@@ -116,68 +116,64 @@ namespace {
 
 void expect_positive(double value, std::string_view what, std::string_view remedy) {
   if (!(value > 0) || !std::isfinite(value))
-    throw InputError(
-        fmt::format("{} is {} but must be a positive finite number; {}", what, to_text(value), remedy));
+    throw input_error("{} is {} but must be a positive finite number; {}", what, to_text(value), remedy);
 }
 
 void check_tolerances(const RunSpec& spec, const Method& method) {
   expect_positive(spec.rtol, "the relative tolerance", "give --rtol, for instance 1e-6");
   expect_positive(spec.atol, "the absolute tolerance", "give --atol, for instance 1e-6");
   if (spec.rtol < 1e-16)
-    throw InputError(
-        fmt::format("the relative tolerance {} is below the rounding of double; give --rtol at "
-                    "least 1e-15",
-                    to_text(spec.rtol)));
+    throw input_error(
+        "the relative tolerance {} is below the rounding of double; give --rtol at "
+        "least 1e-15",
+        to_text(spec.rtol));
   if (!method.adaptive())
-    throw InputError(
-        fmt::format("{} has no error estimate and runs only at fixed steps; give --h instead of "
-                    "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
-                    method.id));
+    throw input_error(
+        "{} has no error estimate and runs only at fixed steps; give --h instead of "
+        "--rtol, or choose a method whose error_order in `hmax list methods` is not 0",
+        method.id);
 }
 
 void check_step(const RunSpec& spec, const Method& method) {
   if (!method.fixed_step)
-    throw InputError(
-        fmt::format("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id));
+    throw input_error("{} chooses its steps itself; give --rtol and --atol instead of --h", method.id);
   expect_positive(spec.h, "the step", "give --h in seconds, for instance 0.01");
   if (spec.h > spec.t_end)
-    throw InputError(fmt::format("the step of {} s is longer than the whole run of {} s; take a smaller step",
-                                 to_text(spec.h), to_text(spec.t_end)));
+    throw input_error("the step of {} s is longer than the whole run of {} s; take a smaller step",
+                      to_text(spec.h), to_text(spec.t_end));
   if (spec.t_end / spec.h > static_cast<double>(spec.max_steps))
-    throw InputError(
-        fmt::format("a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "
-                    "take a larger step or raise --max-steps",
-                    to_text(spec.h), to_text(spec.t_end), spec.t_end / spec.h, spec.max_steps));
+    throw input_error(
+        "a step of {} s to t = {} s would take {:.3g} steps, more than the limit of {}; "
+        "take a larger step or raise --max-steps",
+        to_text(spec.h), to_text(spec.t_end), spec.t_end / spec.h, spec.max_steps);
 }
 
 void check_output_interval(const RunSpec& spec) {
   if (spec.every < 0 || !std::isfinite(spec.every))
-    throw InputError(
-        fmt::format("the output interval is {} but must be a positive number of seconds; correct --every",
-                    to_text(spec.every)));
+    throw input_error("the output interval is {} but must be a positive number of seconds; correct --every",
+                      to_text(spec.every));
   if (spec.every > 0 && spec.t_end / spec.every > static_cast<double>(spec.max_steps))
-    throw InputError(
-        fmt::format("an output interval of {} s to t = {} s would make {:.3g} points, more than the limit "
-                    "of {}; take a larger interval or raise --max-steps",
-                    to_text(spec.every), to_text(spec.t_end), spec.t_end / spec.every, spec.max_steps));
+    throw input_error(
+        "an output interval of {} s to t = {} s would make {:.3g} points, more than the limit "
+        "of {}; take a larger interval or raise --max-steps",
+        to_text(spec.every), to_text(spec.t_end), spec.t_end / spec.every, spec.max_steps);
 }
 
 /// Throws unless the problem has the structure that the method needs.
 void check_structure(const Method& method, const Problem& problem) {
   if (const std::string why = why_unsuited(method, problem); !why.empty()) {
     const bool is_told = why.find(';') != std::string::npos;  // what to do
-    throw InputError(
-        fmt::format("{} {}{}", method.id, why,
-                    is_told ? ""
-                            : fmt::format("; choose another method, or a problem like liver_forced or {}",
-                                          method.needs_split ? "spring_chain" : "kepler")));
+    throw input_error("{} {}{}", method.id, why,
+                      is_told ? ""
+                              : fmt::format("; choose another method, or a problem like liver_forced or {}",
+                                            method.needs_split ? "spring_chain" : "kepler"));
   }
   if (const AnySystem* const any = with_coupled_mass(problem);
       any != nullptr && method.dense_equations && any->dofs() > most_coupled_masses)
-    throw InputError(fmt::format(
+    throw input_error(
         "{} takes M^-1 K as one matrix, which is full, and the mass couples {} unknowns, more than {}; take "
         "another implicit method, or lump the mass matrix",
-        method.id, any->dofs(), most_coupled_masses));
+        method.id, any->dofs(), most_coupled_masses);
 }
 
 /// Throws unless the right-hand side is finite at the start.
@@ -189,13 +185,13 @@ void check_start(const Problem& problem) {
         for (Eigen::Index i = 0; i < dydt.size(); ++i)
           if (!std::isfinite(dydt[i])) {
             if (problem.states.empty())
-              throw InputError(fmt::format(
-                  "the forces on {} are not finite at the start; change its parameters", problem.id));
-            throw InputError(
-                fmt::format("the derivative of {} in {} is {} at t = {} and y = ({}); change the initial "
-                            "state or the parameters",
-                            problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
-                            to_text(problem.shown.time(0)), describe(problem.shown.state(problem.y0))));
+              throw input_error("the forces on {} are not finite at the start; change its parameters",
+                                problem.id);
+            throw input_error(
+                "the derivative of {} in {} is {} at t = {} and y = ({}); change the initial "
+                "state or the parameters",
+                problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
+                to_text(problem.shown.time(0)), describe(problem.shown.state(problem.y0)));
           }
       },
       problem.system);
@@ -205,10 +201,10 @@ void check_start(const Problem& problem) {
 
 void check(const RunSpec& spec, const Method& method, const Problem& problem) {
   if (spec.t_end < 0)
-    throw InputError(
-        fmt::format("the end time {} lies before the start t = 0; give --t-end a positive number of "
-                    "seconds",
-                    to_text(spec.t_end)));
+    throw input_error(
+        "the end time {} lies before the start t = 0; give --t-end a positive number of "
+        "seconds",
+        to_text(spec.t_end));
   expect_positive(spec.t_end, "the end time", "give --t-end in seconds, for instance 100");
   if (spec.adaptive)
     check_tolerances(spec, method);

@@ -32,12 +32,12 @@ long double decimal(const TomlDocument& document, std::string_view place, std::s
   const char* const end = text.data() + text.size();
   const auto [stop, problem] = std::from_chars(text.data() + (plus ? 1 : 0), end, value);
   if (problem == std::errc::result_out_of_range)
-    document.fail(place, fmt::format("'{}' is outside the range of numbers", trimmed(written)));
+    document.fail(place, "'{}' is outside the range of numbers", trimmed(written));
   if (problem != std::errc() || stop != end)
-    document.fail(place, fmt::format("'{}' is not a number; write {}", trimmed(written),
-                                     text.find(',') != std::string::npos
-                                         ? "the decimal point as '.', 1.5 and not 1,5"
-                                         : "a decimal such as 0.5 or a fraction such as \"3/40\""));
+    document.fail(place, "'{}' is not a number; write {}", trimmed(written),
+                  text.find(',') != std::string::npos
+                      ? "the decimal point as '.', 1.5 and not 1,5"
+                      : "a decimal such as 0.5 or a fraction such as \"3/40\"");
   return value;
 }
 
@@ -55,7 +55,7 @@ long double coefficient(const TomlDocument& document, const std::string& place, 
     value = decimal(document, place, text.substr(0, slash));
     if (slash != std::string_view::npos) {
       const long double divisor = decimal(document, place, text.substr(slash + 1));
-      if (divisor == 0) document.fail(place, fmt::format("the fraction '{}' divides by zero", text));
+      if (divisor == 0) document.fail(place, "the fraction '{}' divides by zero", text);
       value /= divisor;
     }
   } else {
@@ -69,7 +69,7 @@ long double coefficient(const TomlDocument& document, const std::string& place, 
 
 std::vector<long double> coefficients(const TomlDocument& document, const std::string& place,
                                       const Json& list) {
-  if (!list.is_array()) document.fail(place, fmt::format("'{}' must be a list of numbers", place.substr(1)));
+  if (!list.is_array()) document.fail(place, "'{}' must be a list of numbers", place.substr(1));
   std::vector<long double> values;
   for (std::size_t i = 0; i < list.size(); ++i)
     values.push_back(coefficient(document, fmt::format("{}/{}", place, i), list[i]));
@@ -79,7 +79,7 @@ std::vector<long double> coefficients(const TomlDocument& document, const std::s
 const Json& required(const TomlDocument& document, const char* key, const char* shape) {
   const auto found = document.root.find(key);
   if (found == document.root.end())
-    document.fail("", fmt::format("'{}' is missing; a tableau needs {} = {}", key, key, shape));
+    document.fail("", "'{}' is missing; a tableau needs {} = {}", key, key, shape);
   return *found;
 }
 
@@ -103,26 +103,23 @@ std::string name_of(const TomlDocument& document) {
 std::vector<long double> matrix(const TomlDocument& document, const Json& rows, std::size_t s) {
   if (!rows.is_array()) document.fail("/a", "'a' must be a list of rows, such as [[], [0.5], [-1, 2]]");
   if (rows.size() != s)
-    document.fail(
-        "/a", fmt::format("a has {} rows but b has {} weights; each stage needs its row, the first one is []",
-                          rows.size(), s));
+    document.fail("/a", "a has {} rows but b has {} weights; each stage needs its row, the first one is []",
+                  rows.size(), s);
   std::vector<long double> a(s * s, 0);
   for (std::size_t i = 0; i < s; ++i) {
     const std::string place = fmt::format("/a/{}", i);
     if (!rows[i].is_array())
-      document.fail(
-          place, fmt::format("row {} of a is not a list; write it in brackets, the first one as []", i + 1));
+      document.fail(place, "row {} of a is not a list; write it in brackets, the first one as []", i + 1);
     if (rows[i].size() > s)
-      document.fail(place, fmt::format("row {} of a has {} entries but the method has {} stages", i + 1,
-                                       rows[i].size(), s));
+      document.fail(place, "row {} of a has {} entries but the method has {} stages", i + 1, rows[i].size(),
+                    s);
     const auto row = coefficients(document, place, rows[i]);
     for (std::size_t j = 0; j < row.size(); ++j) {
       if (j >= i && row[j] != 0)
-        document.fail(
-            fmt::format("{}/{}", place, j),
-            fmt::format("row {} of a has a nonzero entry in column {}, on or above the diagonal; only "
-                        "explicit tableaux are accepted",
-                        i + 1, j + 1));
+        document.fail(fmt::format("{}/{}", place, j),
+                      "row {} of a has a nonzero entry in column {}, on or above the diagonal; only "
+                      "explicit tableaux are accepted",
+                      i + 1, j + 1);
       a[i * s + j] = row[j];
     }
   }
@@ -133,19 +130,17 @@ std::vector<long double> weights(const TomlDocument& document, const char* key, 
                                  std::size_t s) {
   const std::string place = std::string("/") + key;
   auto values = coefficients(document, place, list);
-  if (values.size() != s)
-    document.fail(place, fmt::format("{} has {} entries but b has {}", key, values.size(), s));
+  if (values.size() != s) document.fail(place, "{} has {} entries but b has {}", key, values.size(), s);
   return values;
 }
 
 void check_sum(const TomlDocument& document, const char* key, const std::vector<long double>& b) {
   const long double sum = std::accumulate(b.begin(), b.end(), 0.0L);
   if (!(std::fabs(sum - 1) <= tableau_tolerance))
-    document.fail(
-        std::string("/") + key,
-        fmt::format("the weights {} sum to {:.15g} and not to 1, so the method is not consistent; correct "
-                    "them, with fractions such as \"1/3\" where decimals were cut short",
-                    key, sum));
+    document.fail(std::string("/") + key,
+                  "the weights {} sum to {:.15g} and not to 1, so the method is not consistent; correct "
+                  "them, with fractions such as \"1/3\" where decimals were cut short",
+                  key, sum);
 }
 
 }  // namespace
@@ -157,7 +152,7 @@ RuntimeTableau tableau_from(const TomlDocument& document) {
   const Json& rows = required(document, "a", "[[], ...]");
   if (b.is_array() && b.empty()) document.fail("/b", "b is empty; a method has at least one stage");
   if (std::max(b.size(), rows.size()) > most_tableau_stages)
-    document.fail("/b", fmt::format("more than {} stages; such a method is refused", most_tableau_stages));
+    document.fail("/b", "more than {} stages; such a method is refused", most_tableau_stages);
 
   std::string name = name_of(document);
   std::vector<long double> weights_b = coefficients(document, "/b", b);
@@ -171,11 +166,10 @@ RuntimeTableau tableau_from(const TomlDocument& document) {
     if (!(defect <= tableau_tolerance)) {
       const auto first = a.begin() + static_cast<std::ptrdiff_t>(row * s);
       const long double sum = std::accumulate(first, first + static_cast<std::ptrdiff_t>(s), 0.0L);
-      document.fail(
-          fmt::format("/a/{}", row),
-          fmt::format("row {0} of a sums to {1:.15g} but entry {0} of c is {2:.15g}; correct one of them, or "
-                      "leave c out",
-                      row + 1, sum, c[row]));
+      document.fail(fmt::format("/a/{}", row),
+                    "row {0} of a sums to {1:.15g} but entry {0} of c is {2:.15g}; correct one of them, or "
+                    "leave c out",
+                    row + 1, sum, c[row]);
     }
   }
   std::vector<long double> b_hat;

@@ -8,13 +8,11 @@
 #include <optional>
 #include <span>
 
-#include <fmt/format.h>
-
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/planar.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "integrators/state.hpp"
 
 namespace hmax {
@@ -127,9 +125,9 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
   const auto formulas = system ? system->formulas() : nullptr;
   if ((!oscillator && !formulas) || problem.stiff || is_driven(problem)) {
     if (runner.is_device)
-      throw InputError(fmt::format(
+      throw input_error(
           "--device gpu finds basins of the oscillators of the liver and of files of formulas, not of {}; leave --device out",
-          problem.id));
+          problem.id);
     return [ended, fate_of = fate_of_starts(problem, window, equilibria, runner.interrupted)](
                std::span<const Vector2d> starts, std::span<int> fates) {
       for (std::size_t i = 0; i < starts.size(); ++i, ended()) fates[i] = fate_of(starts[i]);

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -60,15 +60,13 @@ bool is_read(std::string_view readers, const TissueId& id) {
 void require_read(std::string_view parameter, std::string_view readers, const TissueId& id) {
   if (is_read(readers, id)) return;
   if (readers == only_springs)
-    throw InputError(fmt::format("{} is of springs, and {} has none; leave it out or take {}", parameter,
-                                 id.model,
-                                 std::ranges::find_if(tissue_models(), &TissueModel::is_of_springs)->id));
+    throw input_error("{} is of springs, and {} has none; leave it out or take {}", parameter, id.model,
+                      std::ranges::find_if(tissue_models(), &TissueModel::is_of_springs)->id);
   if (readers == only_elements)
-    throw InputError(fmt::format("{} is of finite elements, and {} has none; leave it out or take {}",
-                                 parameter, id.model, tissue_models().front().id));
+    throw input_error("{} is of finite elements, and {} has none; leave it out or take {}", parameter,
+                      id.model, tissue_models().front().id);
   const std::string_view first = readers.substr(0, readers.find(' '));
-  throw InputError(
-      fmt::format("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first));
+  throw input_error("{} is not of the load {}; leave it out or take --load {}", parameter, id.load, first);
 }
 
 std::string why_idle(const TissueId& id, const TissueParameters& p, std::string_view name) {

@@ -14,7 +14,7 @@
 #include "analysis/spectrum/modal_motion.hpp"
 #include "catalogue/input/suggest.hpp"
 #include "catalogue/models/free_parts.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "problems/matrices/exchanged.hpp"
@@ -38,9 +38,8 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view id) {
     text.remove_prefix(std::min(text.size(), item.size() + 1));
     const std::size_t sign = item.find('=');
     if (sign == std::string_view::npos || sign + 1 == item.size())
-      throw InputError(fmt::format(
-          "'{}' of --matrices names no file; write for instance --matrices stiffness=K.mtx,mass=M.mtx",
-          item));
+      throw input_error(
+          "'{}' of --matrices names no file; write for instance --matrices stiffness=K.mtx,mass=M.mtx", item);
     parts.emplace_back(item.substr(0, sign), item.substr(sign + 1));
   }
   return parts;
@@ -52,15 +51,14 @@ std::vector<std::pair<std::string, std::string>> parts_of(std::string_view id) {
 bool take_word(std::string_view word, const std::string& key, std::string_view example, std::string& value) {
   const std::string_view bare = word.substr(0, word.size() - 1);
   if (value == bare || value == word)
-    throw InputError(fmt::format("{0}={1} names no file; write {0}={2}{3}", key, value, word, example));
+    throw input_error("{0}={1} names no file; write {0}={2}{3}", key, value, word, example);
   if (!value.starts_with(word)) return false;
   value.erase(0, word.size());
   return true;
 }
 
 void require_word(const std::string& key, const std::string& value, std::string_view word) {
-  if (value != word)
-    throw InputError(fmt::format("unknown word '{0}' of {1}=; write {1}={2}", value, key, word));
+  if (value != word) throw input_error("unknown word '{0}' of {1}=; write {1}={2}", value, key, word);
 }
 
 void check(const MatrixFiles& files) {
@@ -71,10 +69,10 @@ void check(const MatrixFiles& files) {
   if (!files.jacobian.empty() && files.drop_constraints)
     throw InputError("drop=constraints applies to stiffness and mass, and a jacobian is given; remove it");
   if (files.jacobian.empty() && (files.stiffness.empty() || files.mass.empty()))
-    throw InputError(
-        fmt::format("--matrices has no {}; write --matrices stiffness=K.mtx,mass=M.mtx, or "
-                    "jacobian=J.mtx for a first-order model",
-                    files.stiffness.empty() ? "stiffness" : "mass"));
+    throw input_error(
+        "--matrices has no {}; write --matrices stiffness=K.mtx,mass=M.mtx, or "
+        "jacobian=J.mtx for a first-order model",
+        files.stiffness.empty() ? "stiffness" : "mass");
 }
 
 /// The last model that was read.
@@ -103,12 +101,11 @@ std::array<double, 2> rayleigh_of(const std::string& id, const MatrixModel& mode
   for (const auto& [name, value] : settings.parameters) {
     const auto* const found = std::ranges::find(names, name);
     if (model.is_first_order())
-      throw InputError(
-          fmt::format("{} belongs to second-order models, and {} is y' = J y; remove it", name, id));
+      throw input_error("{} belongs to second-order models, and {} is y' = J y; remove it", name, id);
     if (found == names.end())
-      throw InputError(fmt::format("unknown parameter '{}' of matrices; {}", name, suggestion(name, names)));
+      throw input_error("unknown parameter '{}' of matrices; {}", name, suggestion(name, names));
     if (!std::isfinite(value))
-      throw InputError(fmt::format("{} is {} but must be finite; give a number", name, to_text(value)));
+      throw input_error("{} is {} but must be finite; give a number", name, to_text(value));
     values[static_cast<std::size_t>(found - names.begin())] = value;
   }
   return values;
@@ -257,7 +254,7 @@ MatrixFiles matrix_files(const std::string& id) {
   std::vector<std::string> seen;
   for (auto& [key, value] : parts_of(id)) {
     if (std::ranges::find(seen, key) != seen.end())
-      throw InputError(fmt::format("--matrices names {} twice; remove one of them", key));
+      throw input_error("--matrices names {} twice; remove one of them", key);
     seen.push_back(key);
     if (key == "stiffness") {
       files.stiffness_series =
@@ -280,7 +277,7 @@ MatrixFiles matrix_files(const std::string& id) {
       require_word(key, value, "constraints");
       files.drop_constraints = true;
     } else {
-      throw InputError(fmt::format("unknown part '{}' of --matrices; {}", key, suggestion(key, keys)));
+      throw input_error("unknown part '{}' of --matrices; {}", key, suggestion(key, keys));
     }
   }
   check(files);

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/input/suggest.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "problems/mesh/coincident_points.hpp"
 #include "problems/mesh/files/mesh_defects.hpp"
@@ -31,18 +31,16 @@ void refuse_parameter(const std::string& mesh, const std::string& text) {
   std::string like;
   for (const auto& [name, value] : known->parameters)
     like += fmt::format("{}{}={}", like.empty() ? "" : ",", name, to_text(value));
-  if (text.empty())
-    throw InputError(fmt::format("nothing stands behind the colon of '{}:'; leave the colon out", mesh));
-  throw InputError(
-      fmt::format("behind the mesh {} '{}' is no parameter; write them in small letters like {}:{}", mesh,
-                  text, mesh, like.empty() ? "refine=1" : like));
+  if (text.empty()) throw input_error("nothing stands behind the colon of '{}:'; leave the colon out", mesh);
+  throw input_error("behind the mesh {} '{}' is no parameter; write them in small letters like {}:{}", mesh,
+                    text, mesh, like.empty() ? "refine=1" : like);
 }
 
 MeshFile from_file(const MeshRequest& request) {
   for (const auto& [name, value] : request.parameters)
     if (!is_modifier(name))
-      throw InputError(fmt::format(
-          "a mesh from a file has no parameter '{}'; it takes refine, mend and merge only", name));
+      throw input_error("a mesh from a file has no parameter '{}'; it takes refine, mend and merge only",
+                        name);
   std::error_code ignored;
   if (!std::filesystem::exists(request.name, ignored) &&
       request.name.find_first_of("./") == std::string::npos) {
@@ -50,8 +48,7 @@ MeshFile from_file(const MeshRequest& request) {
       refuse_parameter(request.name.substr(0, colon), request.name.substr(colon + 1));
     std::vector<std::string> names;
     for (const NamedMesh& mesh : named_meshes()) names.push_back(mesh.name);
-    throw InputError(
-        fmt::format("there is no mesh or file '{}'; {}", request.name, suggestion(request.name, names)));
+    throw input_error("there is no mesh or file '{}'; {}", request.name, suggestion(request.name, names));
   }
   return read_mesh_file(request.name);
 }
@@ -136,9 +133,9 @@ double unit_in_metres(std::string_view text) {
   const auto metres = to_number(text);
   constexpr double least = 1e-12, most = 1e12;
   if (!metres || !(*metres >= least && *metres <= most))
-    throw InputError(fmt::format(
+    throw input_error(
         "'{}' is no unit of length; write m, cm, mm, or metres as a number from {} to {} like 0.0254", text,
-        to_text(least), to_text(most)));
+        to_text(least), to_text(most));
   return *metres;
 }
 
@@ -149,12 +146,12 @@ LoadedMesh load(const std::string& text, std::optional<double> unit, ElementNode
                 Eigen::Index least_renumbered) {
   OpenedMesh opened = open_mesh(text, CoincidentPoints::merged, nodes);
   if (!opened.from_file && unit.value_or(1) != 1)
-    throw InputError(fmt::format("the mesh {} is in metres; leave the unit out", text));
+    throw input_error("the mesh {} is in metres; leave the unit out", text);
   if (opened.from_file && !unit)
-    throw InputError(fmt::format(
+    throw input_error(
         "{} does not say its unit, and a body of {} could be anything; state it with --unit m, cm, mm or "
         "METRES",
-        text, box_in_words(opened.file.mesh)));
+        text, box_in_words(opened.file.mesh));
   return told_to_user([&] {
     const bool keeps_order = !opened.from_file && opened.file.mesh.element_count() < least_renumbered;
     MeshImport import = keeps_order ? import_as_it_is(std::move(opened.file))

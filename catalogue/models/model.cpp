@@ -13,7 +13,7 @@
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/text/digest.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -82,7 +82,7 @@ std::string_view unit_of(const Problem& problem, std::string_view parameter) {
 
 const TissueBody& require_body(const Problem& problem, std::string_view otherwise) {
   if (problem.body) return *problem.body;
-  throw InputError(fmt::format("{} is no body on a mesh, {}", problem.id, otherwise));
+  throw input_error("{} is no body on a mesh, {}", problem.id, otherwise);
 }
 
 bool can_be_copied(const Problem& problem) { return problem.body || problem.again; }

@@ -5,13 +5,11 @@
 #include <complex>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/model.hpp"
 #include "core/dense_solvers.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -104,10 +102,10 @@ void follow(Problem problem, const Vector2d& start, double t_end, const See& see
 
 void require_planar(const Problem& problem) {
   if (problem.y0.size() != 2)
-    throw InputError(fmt::format(
+    throw input_error(
         "{} has {} state{}, and a phase plane shows two; choose a problem of two states, like liver_forced, "
         "van_der_pol or a file of two formulas",
-        problem.id, problem.y0.size(), problem.y0.size() == 1 ? "" : "s"));
+        problem.id, problem.y0.size(), problem.y0.size() == 1 ? "" : "s");
 }
 
 Problem frozen(const Problem& problem, double t) {
@@ -150,19 +148,19 @@ PlanarField planar_field(const Problem& problem, double t, const Vector2d& scale
 double drive_period(const Problem& problem, std::optional<double> named) {
   require_planar(problem);
   if (!named && !is_driven(problem))
-    throw InputError(
-        fmt::format("{} is not driven, so there is no period to look at; choose a driven problem like "
-                    "liver_forced, or name a period with --period",
-                    problem.id));
+    throw input_error(
+        "{} is not driven, so there is no period to look at; choose a driven problem like "
+        "liver_forced, or name a period with --period",
+        problem.id);
   if (!named) {
     if (const auto* oscillator = std::get_if<Oscillator>(&problem.system))
       return 2 * std::numbers::pi / std::abs(oscillator->parameters().w);
-    throw InputError(fmt::format(
-        "the period of the force of {} is not known; name it with --period, in seconds", problem.id));
+    throw input_error("the period of the force of {} is not known; name it with --period, in seconds",
+                      problem.id);
   }
   const double period = *named;
   if (!(period > 0) || !std::isfinite(period))
-    throw InputError(fmt::format("--period is {} but must be a positive number of seconds", to_text(period)));
+    throw input_error("--period is {} but must be a positive number of seconds", to_text(period));
   double size = 0, change = 0;
   for (int i = 0; i < 16; ++i) {
     const double t = i * period / 16;
@@ -172,9 +170,8 @@ double drive_period(const Problem& problem, std::optional<double> named) {
     change = std::max(change, (later - now).cwiseAbs().maxCoeff());
   }
   if (change > 1e-9 * size)
-    throw InputError(
-        fmt::format("the force of {} is not the same {} s later; give --period the period of the force",
-                    problem.id, to_text(period)));
+    throw input_error("the force of {} is not the same {} s later; give --period the period of the force",
+                      problem.id, to_text(period));
   return period;
 }
 
@@ -229,10 +226,10 @@ Window within_numbers(const Window& window, const Problem& problem) {
   constexpr double most = 1e150;
   const double farthest = std::max(window.lower.cwiseAbs().maxCoeff(), window.upper.cwiseAbs().maxCoeff());
   if (farthest <= most) return window;
-  throw InputError(fmt::format(
+  throw input_error(
       "the motion of {} from y0 = {}, {} goes up to {}, which is beyond {}; give smaller "
       "numbers with --y0, or --window",
-      problem.id, to_text(problem.y0[0]), to_text(problem.y0[1]), rounded_text(farthest, 3), to_text(most)));
+      problem.id, to_text(problem.y0[0]), to_text(problem.y0[1]), rounded_text(farthest, 3), to_text(most));
 }
 
 }  // namespace

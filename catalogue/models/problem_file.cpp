@@ -40,9 +40,8 @@ std::vector<std::string> names(const TomlDocument& document, const Json& problem
     found.push_back(name.get<std::string>());
   }
   if (!list.is_array() || found.empty() || found.size() != list.size())
-    document.fail(
-        "/problem/" + key,
-        fmt::format("{} must be a list of states in quotes, such as {} = [\"x\", \"y\"]", key, key));
+    document.fail("/problem/" + key, "{} must be a list of states in quotes, such as {} = [\"x\", \"y\"]",
+                  key, key);
   return found;
 }
 
@@ -56,15 +55,13 @@ void read_initial(const TomlDocument& document, FormulaDefinition& definition) {
   for (const auto& [name, value] : initial.items()) {
     given[name] = &value;
     if (!known.contains(name))
-      document.fail("/initial/" + name,
-                    fmt::format("'{}' has no equation; {}", name,
-                                suggestion(name, states, "remove it or add it to [equations]")));
+      document.fail("/initial/" + name, "'{}' has no equation; {}", name,
+                    suggestion(name, states, "remove it or add it to [equations]"));
   }
   for (const std::string& state : states) {
     const auto value = given.find(state);
     if (value == given.end())
-      document.fail("/initial",
-                    fmt::format("the initial value of '{}' is missing; add it to [initial]", state));
+      document.fail("/initial", "the initial value of '{}' is missing; add it to [initial]", state);
     definition.y0.push_back(number(document, "/initial/" + state, *value->second));
   }
 }
@@ -78,7 +75,7 @@ FormulaDefinition problem_from(const TomlDocument& document) {
   reject_unknown_keys(document, "/problem", settings);
   for (const std::string_view name : {"equations", "parameters", "initial"})
     if (document.root.contains(name) && !document.root.at(std::string(name)).is_object())
-      document.fail(fmt::format("/{}", name), fmt::format("'{}' must be a table: write [{}]", name, name));
+      document.fail(fmt::format("/{}", name), "'{}' must be a table: write [{}]", name, name);
 
   FormulaDefinition definition;
   definition.name = std::filesystem::path(document.name).stem().string();
@@ -94,10 +91,9 @@ FormulaDefinition problem_from(const TomlDocument& document) {
     if (!(definition.t_end > definition.t0))
       document.fail(
           "/problem/t_end",
-          fmt::format(
-              "t_end is {} but must lie after the start, t0 = {}; give a later time, or the earlier one to "
-              "`hmax run --t-end`, which goes backwards",
-              to_text(definition.t_end), to_text(definition.t0)));
+          "t_end is {} but must lie after the start, t0 = {}; give a later time, or the earlier one to "
+          "`hmax run --t-end`, which goes backwards",
+          to_text(definition.t_end), to_text(definition.t0));
   }
   definition.positions = names(document, problem, "positions");
   definition.velocities = names(document, problem, "velocities");
@@ -109,9 +105,8 @@ FormulaDefinition problem_from(const TomlDocument& document) {
                   "x = \"v\"");
   for (const auto& [state, formula] : equations.items()) {
     if (!formula.is_string())
-      document.fail(
-          "/equations/" + state,
-          fmt::format("the derivative of {} must be a formula in quotes, such as {} = \"-x\"", state, state));
+      document.fail("/equations/" + state,
+                    "the derivative of {} must be a formula in quotes, such as {} = \"-x\"", state, state);
     definition.equations.emplace_back(state, formula.get<std::string>());
   }
   for (const auto& [name, value] : table(document, "parameters").items())

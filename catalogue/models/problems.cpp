@@ -14,7 +14,7 @@
 #include "catalogue/models/problem_file.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "catalogue/plugin/plugin_model.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "problems/formula_motion.hpp"
 #include "problems/oscillator/liver_materials.hpp"
@@ -40,18 +40,18 @@ namespace {
 template <class Names>
 [[noreturn]] void unknown(std::string_view what, std::string_view wrong, const Names& names,
                           std::string_view where) {
-  throw InputError(fmt::format("unknown {} '{}'{}; {}", what, wrong, where, suggestion(wrong, names)));
+  throw input_error("unknown {} '{}'{}; {}", what, wrong, where, suggestion(wrong, names));
 }
 
 void override_start(Problem& problem, const std::vector<double>& y0) {
   if (y0.empty()) return;
   if (y0.size() != problem.states.size())
-    throw InputError(fmt::format("--y0 has {} numbers but {} has {} states ({}); give one number for each",
-                                 y0.size(), problem.id, problem.states.size(),
-                                 fmt::join(problem.shown.in_order(problem.states), ", ")));
+    throw input_error("--y0 has {} numbers but {} has {} states ({}); give one number for each", y0.size(),
+                      problem.id, problem.states.size(),
+                      fmt::join(problem.shown.in_order(problem.states), ", "));
   for (const double value : y0)
     if (!std::isfinite(value))
-      throw InputError(fmt::format("--y0 holds {}, which is not a finite number", to_text(value)));
+      throw input_error("--y0 holds {}, which is not a finite number", to_text(value));
   problem.y0 = problem.shown.own_state(
       Eigen::Map<const Eigen::VectorXd>(y0.data(), static_cast<Eigen::Index>(y0.size())));
 }
@@ -64,7 +64,7 @@ void set_parameters(P& parameters, const Names& names, const ProblemSettings& se
   for (const auto& [name, value] : settings.parameters) {
     const auto it = std::ranges::find(known, name);
     if (known.empty())
-      throw InputError(fmt::format("{} has no parameters to set, so no '{}'; leave --set out", id, name));
+      throw input_error("{} has no parameters to set, so no '{}'; leave --set out", id, name);
     if (it == known.end()) unknown("parameter", name, known, fmt::format(" of {}", id));
     parameters.*(names[static_cast<std::size_t>(it - known.begin())].second) = value;
   }
@@ -111,8 +111,7 @@ template <template <class Real> class P>
 Problem test_set_problem(const ProblemSettings& settings) {
   using Wide = P<long double>;
   if (!settings.material.empty())
-    throw InputError(
-        fmt::format("--material is for the liver oscillators; {} has parameters of its own", Wide::id));
+    throw input_error("--material is for the liver oscillators; {} has parameters of its own", Wide::id);
   typename Wide::Parameters parameters;
   set_parameters(parameters, Wide::Parameters::names, settings, Wide::id);
   const Wide system(parameters);
@@ -171,8 +170,7 @@ void set_parameters(FormulaDefinition& definition, const ProblemSettings& settin
 Problem formula_problem(FormulaDefinition definition, const std::string& file,
                         const ProblemSettings& settings) {
   if (!settings.material.empty())
-    throw InputError(
-        fmt::format("--material is for the liver oscillators; {} has its own [parameters]", file));
+    throw input_error("--material is for the liver oscillators; {} has its own [parameters]", file);
   set_parameters(definition, settings, file);
   definition.t0 = settings.t0.value_or(definition.t0);
   definition.t_end = settings.t_end.value_or(definition.t_end);
@@ -218,8 +216,7 @@ namespace {
 Problem made(const std::string& id_or_file, const ProblemSettings& settings) {
   const ProblemKind kind = problem_kind(id_or_file);
   if (settings.t0 && kind != ProblemKind::formulas)
-    throw InputError(
-        fmt::format("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file));
+    throw input_error("--t-start is of a file of formulas, FILE.toml; {} starts at 0", id_or_file);
   switch (kind) {
     case ProblemKind::plugin:
       return make_plugin_problem(id_or_file, settings);

@@ -1,8 +1,6 @@
 #include "catalogue/models/series.hpp"
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -10,7 +8,7 @@ namespace hmax {
 Table motion(const Problem& problem, const Method& method, double tolerance, double t_end, double every) {
   const auto* oscillator = std::get_if<Oscillator>(&problem.system);
   if (!oscillator)
-    throw InputError(fmt::format("{} is not an oscillator, so it has no displacement to draw", problem.id));
+    throw input_error("{} is not an oscillator, so it has no displacement to draw", problem.id);
   const RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = tolerance, .atol = tolerance, .every = every};
   check(spec, method, problem);
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/input/suggest.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/own_files.hpp"
 #include "core/sort_unique.hpp"
@@ -46,18 +46,16 @@ class NumberedPoints {
   [[nodiscard]] Index find(std::string_view text, const std::string& where) const {
     const auto number = whole_number(text);
     if (!number)
-      throw InputError(fmt::format(
-          "{} has '{}', which is no number of a point; write whole numbers like 1,5,9", where, text));
+      throw input_error("{} has '{}', which is no number of a point; write whole numbers like 1,5,9", where,
+                        text);
     const auto found = std::ranges::lower_bound(by_number_, *number, {}, &Entry::first);
     if (found == by_number_.end() || found->first != *number)
-      throw InputError(fmt::format("{} names point {}, but the points of {} are numbered from {} to {}{}",
-                                   where, *number, mesh_.name, by_number_.front().first,
-                                   by_number_.back().first,
-                                   dense() ? "; correct it" : " with gaps; correct it"));
+      throw input_error("{} names point {}, but the points of {} are numbered from {} to {}{}", where,
+                        *number, mesh_.name, by_number_.front().first, by_number_.back().first,
+                        dense() ? "; correct it" : " with gaps; correct it");
     const Index point = model_points_[static_cast<std::size_t>(found->second)];
     if (point < 0)
-      throw InputError(
-          fmt::format("{} names point {}, which is in no tetrahedron; leave it out", where, *number));
+      throw input_error("{} names point {}, which is in no tetrahedron; leave it out", where, *number);
     return point;
   }
 
@@ -83,8 +81,7 @@ std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mes
   note_input(file);
   std::ifstream in(file);
   if (!in)
-    throw InputError(
-        fmt::format("there is no file '{}' with the points of a support; correct the name behind @", file));
+    throw input_error("there is no file '{}' with the points of a support; correct the name behind @", file);
   const NumberedPoints points(mesh);
   std::vector<Index> found;
   std::string line;
@@ -149,8 +146,8 @@ std::optional<HalfSpace> half_space_of(const std::string& text) {
   const std::size_t number = sign + (text.substr(sign + 1, 1) == "=" ? 2 : 1);
   const auto bound = to_number(text.substr(number));
   if (!bound || std::isnan(*bound))
-    throw InputError(
-        fmt::format("the support '{}' is not one axis and one number of metres; write it like z<0.01", text));
+    throw input_error("the support '{}' is not one axis and one number of metres; write it like z<0.01",
+                      text);
   return HalfSpace{static_cast<int>(axes.find(text[name])), text[sign] == '<', *bound};
 }
 
@@ -191,14 +188,14 @@ std::vector<Index> called_points(const std::string& set, const LoadedMesh& mesh)
                       has_kind ? std::optional(static_cast<int>(kind - group_kinds.begin())) : std::nullopt);
   const std::size_t count = called.groups.size() + called.regions.size();
   if (count == 0)
-    throw InputError(fmt::format("{} has no group or region '{}'; {}", mesh.name, set,
-                                 called.known.empty() || set.find_first_of("<>=") != std::string::npos
-                                     ? "hold a box, z<0.01, points:1,5,9 or @FILE instead"
-                                     : suggestion(set, called.known)));
+    throw input_error("{} has no group or region '{}'; {}", mesh.name, set,
+                      called.known.empty() || set.find_first_of("<>=") != std::string::npos
+                          ? "hold a box, z<0.01, points:1,5,9 or @FILE instead"
+                          : suggestion(set, called.known));
   if (count > 1)
-    throw InputError(fmt::format(
+    throw input_error(
         "'{}' is the name of {} groups and regions of {}; write its kind and its number, like surface:30",
-        set, count, mesh.name));
+        set, count, mesh.name);
   std::vector<Index> points;
   if (!called.groups.empty()) {
     const std::vector<Index> model_points = origin.model_points();
@@ -240,10 +237,10 @@ std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMe
     points = called_points(set, mesh);
   if (points.empty()) {
     const std::string range = range_along(set, mesh.mesh);
-    throw InputError(fmt::format("no point of {} is in the support '{}'; {}", mesh.name, set,
-                                 !range.empty() ? range
-                                 : box_of(set)  ? "give a larger box, in metres"
-                                                : "name another set"));
+    throw input_error("no point of {} is in the support '{}'; {}", mesh.name, set,
+                      !range.empty() ? range
+                      : box_of(set)  ? "give a larger box, in metres"
+                                     : "name another set");
   }
   return points;
 }
@@ -262,8 +259,8 @@ std::vector<TetMesh::Index> points_of_sets(const std::vector<std::string>& sets,
   std::vector<Index> points = union_of_sets(sets, mesh);
   if (static_cast<Eigen::Index>(points.size()) == mesh.mesh.point_count()) {
     const std::string range = range_along(sets.front(), mesh.mesh);
-    throw InputError(fmt::format("the supports hold every point of {}, so that nothing moves; {}", mesh.name,
-                                 range.empty() ? "hold fewer" : range));
+    throw input_error("the supports hold every point of {}, so that nothing moves; {}", mesh.name,
+                      range.empty() ? "hold fewer" : range);
   }
   return points;
 }

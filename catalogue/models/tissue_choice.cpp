@@ -9,7 +9,7 @@
 #include "catalogue/input/suggest.hpp"
 #include "catalogue/models/idle_parameters.hpp"
 #include "catalogue/models/support_sets.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
@@ -26,8 +26,8 @@ constexpr std::array<std::string_view, 5> loads{"gravity", "press", "pull", "too
 
 void require_known(std::string_view what, const std::string& word, std::span<const std::string_view> known) {
   if (std::ranges::find(known, word) != known.end()) return;
-  throw InputError(fmt::format("unknown {} '{}'; {}", what, word,
-                               suggestion(word, std::vector<std::string>(known.begin(), known.end()))));
+  throw input_error("unknown {} '{}'; {}", what, word,
+                    suggestion(word, std::vector<std::string>(known.begin(), known.end())));
 }
 
 /// One number that users may set.
@@ -93,9 +93,9 @@ void require_computable(std::string_view name, double value) {
   constexpr double least = 1e-30, most = 1e30;
   const double size = std::abs(value);
   if (size == 0 || (size >= least && size <= most)) return;
-  throw InputError(fmt::format(
+  throw input_error(
       "{} is {}, and computing with it would leave the range of numbers; give it in SI units, between {} and {}",
-      name, to_text(value), to_text(least), to_text(most)));
+      name, to_text(value), to_text(least), to_text(most));
 }
 
 /// What has a value in each region.
@@ -122,14 +122,14 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
   if (what == table_name) {
     require_read(name, only_springs, id);
     if (!number || !std::isfinite(*number))
-      throw InputError(fmt::format("'{}' in {} is no strain; write it like phi:0.1=0.14", index, name));
+      throw input_error("'{}' in {} is no strain; write it like phi:0.1=0.14", index, name);
     parameters.table.emplace_back(*number, value);
     return true;
   }
   if (what == support_name) {
     if (value != 1)
-      throw InputError(fmt::format(
-          "{} is {}, but a set of points is held with 1; leave it out to set it free", name, to_text(value)));
+      throw input_error("{} is {}, but a set of points is held with 1; leave it out to set it free", name,
+                        to_text(value));
     parameters.supports.push_back(index);
     return true;
   }
@@ -139,8 +139,7 @@ bool take_indexed(TissueParameters& parameters, const std::string& name, double 
   }
   const auto it = std::ranges::find(named_of_region, what, &NamedOfRegion::name);
   if (it == named_of_region.end())
-    throw InputError(
-        fmt::format("'{}' has no value for each region; E, nu, rho and fibre_E do, like E:3=8000", what));
+    throw input_error("'{}' has no value for each region; E, nu, rho and fibre_E do, like E:3=8000", what);
   if (value != 0) require_read(name, std::ranges::find(all_named, what, &Named::name)->of, id);
   parameters.of_regions.push_back({it->value, index, value});
   return true;
@@ -174,8 +173,8 @@ std::vector<std::pair<std::string, std::string>> materials_in(const std::string&
     const std::string_view region = trimmed(of_region ? part.substr(0, equals) : ""),
                            material = trimmed(of_region ? part.substr(equals + 1) : part);
     if (material.empty() || (of_region && region.empty()))
-      throw InputError(fmt::format(
-          "--material '{}' has an empty part; write it like tissue:liver,tumour=tissue:fibroadenoma", text));
+      throw input_error(
+          "--material '{}' has an empty part; write it like tissue:liver,tumour=tissue:fibroadenoma", text);
     parts.emplace_back(region, material);
   }
   return parts;
@@ -185,12 +184,11 @@ std::vector<std::pair<std::string, std::string>> materials_in(const std::string&
 const PublishedTissue& tissue_called(const std::string& id, const std::string& region) {
   if (const PublishedTissue* tissue = find_published_tissue(id)) return *tissue;
   if (find_published_tissue("tissue:" + id))
-    throw InputError(fmt::format("unknown material '{}'; did you mean tissue:{}?", id, id));
+    throw input_error("unknown material '{}'; did you mean tissue:{}?", id, id);
   std::vector<std::string> known;
   for (const PublishedTissue& each : published_tissues()) known.emplace_back(each.id);
-  throw InputError(fmt::format("unknown material '{}'{}; {}", id,
-                               region.empty() ? "" : fmt::format(" of the region {}", region),
-                               suggestion(id, known)));
+  throw input_error("unknown material '{}'{}; {}", id,
+                    region.empty() ? "" : fmt::format(" of the region {}", region), suggestion(id, known));
 }
 
 /// @throws InputError  for a material that does not exist, and for a second one of the whole body
@@ -199,8 +197,8 @@ void take_material_of_body(const std::string& text, TissueParameters& parameters
   for (const auto& [region, id] : materials_in(text)) {
     if (!region.empty()) continue;
     if (is_taken)
-      throw InputError(fmt::format(
-          "--material {} names two materials of the whole body; write the second as REGION={}", text, id));
+      throw input_error("--material {} names two materials of the whole body; write the second as REGION={}",
+                        text, id);
     is_taken = true;
     if (id.starts_with("tissue:") || find_published_tissue("tissue:" + id)) {
       const TissueMaterial& material = tissue_called(id, region).material;
@@ -225,8 +223,7 @@ void take_materials_of_regions(const std::string& text, const TissueId& id, Tiss
   for (const auto& [region, name] : materials_in(text)) {
     if (region.empty()) continue;
     if (std::ranges::find(taken, region) != taken.end())
-      throw InputError(
-          fmt::format("--material {} names two materials of the region {}; leave one out", text, region));
+      throw input_error("--material {} names two materials of the region {}; leave one out", text, region);
     taken.push_back(region);
     const TissueMaterial& material = tissue_called(name, region).material;
     for (const NamedOfRegion& each : named_of_region) {
@@ -241,7 +238,7 @@ void take_materials_of_regions(const std::string& text, const TissueId& id, Tiss
 /// @throws InputError  when what is asked for is not that of the model, the mesh or the load
 void require_sensible(const TissueId& id, const TissueParameters& p, const TetMesh& mesh) {
   const auto refuse_negative = [](std::string_view name, double value) {
-    if (value < 0) throw InputError(fmt::format("{} is {} but must not be negative", name, to_text(value)));
+    if (value < 0) throw input_error("{} is {} but must not be negative", name, to_text(value));
   };
   for (const auto& [name, value] :
        std::initializer_list<std::pair<std::string_view, double>>{{"alpha", p.alpha},
@@ -264,13 +261,13 @@ void require_sensible(const TissueId& id, const TissueParameters& p, const TetMe
   if ((p.cubic != 0) + (p.exponential != 0) + !p.table.empty() > 1)
     throw InputError("cubic, exponential and phi are laws of the same springs; choose one of them");
   for (const auto& [name, value] : {std::pair("skin_thickness", p.skin_thickness), {"period", p.period}})
-    if (!(value > 0)) throw InputError(fmt::format("{} is {} but must be positive", name, to_text(value)));
+    if (!(value > 0)) throw input_error("{} is {} but must be positive", name, to_text(value));
   if (p.skin_thickness != TissueParameters{}.skin_thickness && p.skin == 0)
     throw InputError(
         "skin_thickness is that of a skin; give its stiffness too, like skin=1000, or leave it out");
   if (p.inclusion != 0 && region_count(mesh) < 2)
-    throw InputError(fmt::format(
-        "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh));
+    throw input_error(
+        "inclusion is for meshes of several regions, and {} has one; `hmax mesh info` counts them", id.mesh);
   if (id.load == "breathing" && p.holds_nothing())
     throw InputError(
         "breathing moves the held end, and with support = 0 nothing is held; give support a share");
@@ -312,10 +309,10 @@ void set_supports(const TissueParameters& p, const LoadedMesh& loaded, TissueSet
   }
   settings.elastic_supports.push_back(on_foundation(loaded.mesh, points, p.support_stiffness));
   if (settings.elastic_supports.front().points.empty())
-    throw InputError(fmt::format(
+    throw input_error(
         "support_stiffness acts on the surface, and no triangle of the surface has its three corners among the {} "
         "supported points; hold more points, or leave support_stiffness out",
-        points.size()));
+        points.size());
 }
 
 /// @throws InputError  for a law that does not rise through (0, 0), std::invalid_argument for repeated
@@ -325,19 +322,19 @@ TableSpring law_of_table(std::vector<std::pair<double, double>> points) {
       rest == points.end())
     points.emplace_back(0, 0);
   else if (rest->second != 0)
-    throw InputError(fmt::format("{}:0 is {}, but a spring of its own length has no tension; leave it out",
-                                 table_name, to_text(rest->second)));
+    throw input_error("{}:0 is {}, but a spring of its own length has no tension; leave it out", table_name,
+                      to_text(rest->second));
   std::ranges::sort(points);
   std::vector<double> strain, phi;
   for (const auto& [s, value] : points) {
     if (s <= -1)
-      throw InputError(fmt::format("{}:{} is a strain at which a spring has no length; give it above -1",
-                                   table_name, to_text(s)));
+      throw input_error("{}:{} is a strain at which a spring has no length; give it above -1", table_name,
+                        to_text(s));
     // Else it would be slack, or shorten by itself, and have no stable length.
     if (!phi.empty() && !(value > phi.back()))
-      throw InputError(fmt::format(
+      throw input_error(
           "the law of springs does not rise from strain {} to {}; give {} values that do, through (0, 0)",
-          to_text(strain.back()), to_text(s), table_name));
+          to_text(strain.back()), to_text(s), table_name);
     strain.push_back(s);
     phi.push_back(value);
   }
@@ -358,10 +355,10 @@ double default_tool_stiffness(double young, double depth, double radius) {
 void require_round(double radius, double size) {
   constexpr double most = 1e4;
   if (radius > most * size)
-    throw InputError(fmt::format(
+    throw input_error(
         "tool_radius is {} m, and contacts of spheres of more than {:.3g} m with a body of {:.3g} m may be lost to rounding; "
         "give that or less, which touches as a plane does",
-        to_text(radius), most * size, size));
+        to_text(radius), most * size, size);
 }
 
 /// A sphere that touches the body, or where the user places it its starting point, with its front and moves
@@ -442,12 +439,11 @@ std::size_t region_of(const LoadedMesh& loaded, const std::string& called) {
       named.push_back(i);
   }
   if (named.size() > 1)
-    throw InputError(fmt::format("{} regions of {} are called '{}'; give the number of one", named.size(),
-                                 loaded.name, called));
+    throw input_error("{} regions of {} are called '{}'; give the number of one", named.size(), loaded.name,
+                      called);
   if (!named.empty()) return named.front();
   if (numbered.empty())
-    throw InputError(
-        fmt::format("{} has no region {}; it has {}", loaded.name, called, fmt::join(known, ", ")));
+    throw input_error("{} has no region {}; it has {}", loaded.name, called, fmt::join(known, ", "));
   return numbered.front();
 }
 
@@ -462,9 +458,8 @@ void set_materials_of_regions(const TissueParameters& p, const LoadedMesh& loade
     const auto& [what, called, value, from_material] = set;
     const std::pair property(what, region_of(loaded, called));
     if (std::ranges::find(taken, property) != taken.end())
-      throw InputError(
-          fmt::format("{}:{} is set twice, once perhaps by the number of the region; leave one out",
-                      std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, called));
+      throw input_error("{}:{} is set twice, once perhaps by the number of the region; leave one out",
+                        std::ranges::find(named_of_region, what, &NamedOfRegion::value)->name, called);
     taken.push_back(property);
     materials[property.second].*what = value;
   }
@@ -509,7 +504,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
   take_material_of_body(settings.material, parameters);
   for (const auto& [parameter, value] : settings.parameters) {
     if (!std::isfinite(value))
-      throw InputError(fmt::format("{} is {}, which is not a finite number", parameter, to_text(value)));
+      throw input_error("{} is {}, which is not a finite number", parameter, to_text(value));
     require_computable(parameter, value);
     if (take_indexed(parameters, parameter, value, id)) continue;
     const auto it = std::ranges::find(all_named, parameter, &Named::name);
@@ -517,8 +512,7 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
       std::vector<std::string> known;
       for (const Named& each : all_named) known.emplace_back(each.name);
       for (const std::string_view each : nodal_force_names) known.push_back(fmt::format("{}:SET", each));
-      throw InputError(
-          fmt::format("unknown parameter '{}' of tissue; {}", parameter, suggestion(parameter, known)));
+      throw input_error("unknown parameter '{}' of tissue; {}", parameter, suggestion(parameter, known));
     }
     if (value != TissueParameters{}.*(it->value)) require_read(parameter, it->of, id);
     parameters.*(it->value) = value;
@@ -539,19 +533,19 @@ TissueParameters tissue_parameters(const TissueId& id, const ProblemSettings& se
         "--support names the sets of points that are held; give a box as such a set too, and leave out support, "
         "the share of an end");
   if (!(parameters.support >= 0 && parameters.support < 1))
-    throw InputError(fmt::format("support is {} but must be a share of the body, at least 0 and below 1",
-                                 to_text(parameters.support)));
+    throw input_error("support is {} but must be a share of the body, at least 0 and below 1",
+                      to_text(parameters.support));
   if (const double axis = std::abs(parameters.axis); axis != 1 && axis != 2 && axis != 3)
-    throw InputError(fmt::format(
+    throw input_error(
         "axis is {} but must be 1, 2 or 3 for the low end along x, y or z, or -1, -2 or -3 for the high one",
-        to_text(parameters.axis)));
+        to_text(parameters.axis));
   if (!(parameters.mass_step >= 0))
-    throw InputError(fmt::format("mass_step is {} s but must be a step, or 0 for the masses as they are",
-                                 to_text(parameters.mass_step)));
+    throw input_error("mass_step is {} s but must be a step, or 0 for the masses as they are",
+                      to_text(parameters.mass_step));
   if (parameters.equal_masses != 0 && parameters.equal_masses != 1)
-    throw InputError(fmt::format(
+    throw input_error(
         "equal_masses is {} but must be 1, the same mass at every point, or 0, by the volume around it",
-        to_text(parameters.equal_masses)));
+        to_text(parameters.equal_masses));
   require_acting(id, parameters, settings);
   return parameters;
 }

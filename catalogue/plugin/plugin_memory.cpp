@@ -12,9 +12,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 namespace {
@@ -80,9 +78,8 @@ PluginMemory::PluginMemory() {
       mprotect(static_cast<std::byte*>(memory) + guard, mapped - 2 * guard, PROT_READ | PROT_WRITE) != 0) {
     const std::string reason = std::strerror(errno);
     if (memory != MAP_FAILED) munmap(memory, mapped);
-    throw InputError(
-        fmt::format("the system refuses {} MB of address space for the plugin: {}; raise `ulimit -v`",
-                    mapped / 1'000'000, reason));
+    throw input_error("the system refuses {} MB of address space for the plugin: {}; raise `ulimit -v`",
+                      mapped / 1'000'000, reason);
   }
   page_ = new (static_cast<std::byte*>(memory) + guard) PluginPage;
 }

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 namespace {
@@ -144,10 +144,10 @@ void compare(std::string_view matrix, std::string_view of, const MatrixXd& A, co
   Eigen::Index worst = 0;
   const double apart = (told - seen).cwiseAbs().maxCoeff(&worst);
   if (apart > 0.01 * std::max(told.cwiseAbs().maxCoeff(), seen.cwiseAbs().maxCoeff()) + rounding)
-    throw InputError(fmt::format(
+    throw input_error(
         "{}() of the plugin is not the derivative of its {}() in the initial state: along one direction number {} changes by "
         "{:.4g}, by differences {:.4g}; correct it, or leave it out, then hmax takes differences",
-        matrix, of, worst + 1, told[worst], seen[worst]));
+        matrix, of, worst + 1, told[worst], seen[worst]);
 }
 
 /// Calls f twice with y0, and twice near it: at rest noise that is proportional to something is zero.
@@ -168,10 +168,10 @@ void check_repeatable(const Problem& problem) {
     const double apart = (first - second).cwiseAbs().maxCoeff(&worst);
     // Threads that add in another order change the last digits.
     if (apart > 1e-9 * first.cwiseAbs().maxCoeff())
-      throw InputError(fmt::format(
+      throw input_error(
           "{} is not deterministic: two calls at t = 0 with one state give {:.10g} and {:.10g} for the derivative of {}; "
           "let the plugin compute it from t and the state alone, without random numbers or a memory of earlier calls",
-          problem.id, first[worst], second[worst], problem.states[static_cast<std::size_t>(worst)]));
+          problem.id, first[worst], second[worst], problem.states[static_cast<std::size_t>(worst)]);
   }
 }
 
@@ -220,21 +220,20 @@ Problem plugin_problem(PluginName plugin, PluginSettings settings) {
   const PluginFacts& facts = link->facts();
   const std::string& subject = link->plugin().subject;
   if (facts.greeting.is_stepper != 0)
-    throw InputError(
-        fmt::format("'{}' of {} is a stepper and no model; use `hmax probe` for it", facts.name, subject));
-  if (!facts.y0.allFinite()) throw InputError(fmt::format("the initial state of {} is not finite", subject));
+    throw input_error("'{}' of {} is a stepper and no model; use `hmax probe` for it", facts.name, subject);
+  if (!facts.y0.allFinite()) throw input_error("the initial state of {} is not finite", subject);
   if (!(facts.greeting.t_end > 0 && std::isfinite(facts.greeting.t_end)))
-    throw InputError(fmt::format("the end time that start() of {} gives is not positive", subject));
+    throw input_error("the end time that start() of {} gives is not positive", subject);
   const bool mechanical = facts.greeting.has_force != 0;
   // Its matrices are dense: half a gigabyte each.
   if (constexpr Eigen::Index most = 8000; (mechanical ? facts.dim / 2 : facts.dim) > most)
-    throw InputError(
-        fmt::format("the model of {} has {} unknowns, but its matrices are dense, which serves up to {}; "
-                    "write its matrices to files and use --matrices",
-                    subject, mechanical ? facts.dim / 2 : facts.dim, most));
+    throw input_error(
+        "the model of {} has {} unknowns, but its matrices are dense, which serves up to {}; "
+        "write its matrices to files and use --matrices",
+        subject, mechanical ? facts.dim / 2 : facts.dim, most);
   if (mechanical && !(facts.mass.allFinite() && facts.mass.minCoeff() > 0))
-    throw InputError(
-        fmt::format("mass() of {} has numbers that are not positive; leave massless positions out", subject));
+    throw input_error("mass() of {} has numbers that are not positive; leave massless positions out",
+                      subject);
   std::vector<std::string> states;
   for (const ScenePart& state : facts.parts) states.push_back(state.name);
   for (Eigen::Index i = std::ssize(states); i < facts.dim; ++i)
@@ -262,14 +261,14 @@ Problem make_plugin_problem(std::string_view id, const ProblemSettings& settings
   PluginSettings process;
   for (const auto& [name, value] : settings.parameters) {
     if (name != patience_parameter)
-      throw InputError(fmt::format(
-          "a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT", name));
+      throw input_error("a plugin has no parameter '{}'; give it an argument instead, FILE.so:NAME:ARGUMENT",
+                        name);
     process.patience = value;
   }
   Problem problem = plugin_problem(parse_plugin(id.substr(plugin_prefix.size())), process);
   if (!settings.y0.empty() && static_cast<Eigen::Index>(settings.y0.size()) != problem.y0.size())
-    throw InputError(fmt::format("the initial state has {} numbers, but the model of the plugin {}",
-                                 settings.y0.size(), problem.y0.size()));
+    throw input_error("the initial state has {} numbers, but the model of the plugin {}", settings.y0.size(),
+                      problem.y0.size());
   if (!settings.y0.empty())
     problem.y0 = Eigen::Map<const Eigen::VectorXd>(settings.y0.data(), problem.y0.size());
   return problem;

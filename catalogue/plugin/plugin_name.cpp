@@ -4,9 +4,7 @@
 #include <array>
 #include <fstream>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/ranks/module.hpp"
 #include "core/text/digest.hpp"
 #include "core/text/split.hpp"
@@ -40,20 +38,19 @@ PluginName parse_engine_file(const std::string& file) {
       "a scene of MuJoCo (.xml), a robot (.urdf) or a body (.vtk, .vtu, .msh) for Bullet, or a unit of FMI 2.0 "
       "(.fmu)";
   std::error_code ignored;
-  if (!fs::exists(file, ignored))
-    throw InputError(fmt::format("there is no file '{}'; give {}", file, known));
+  if (!fs::exists(file, ignored)) throw input_error("there is no file '{}'; give {}", file, known);
   const EngineFormat* const kind = engine_format(file);
   if (is_listed(lower(fs::path(file).extension().string()), read_as_bodies))
-    throw InputError(
-        fmt::format("'{}' is no scene that is probed; `hmax stability predict --scene FILE` takes it", file));
+    throw input_error("'{}' is no scene that is probed; `hmax stability predict --scene FILE` takes it",
+                      file);
   if (!kind || !fs::is_regular_file(file, ignored))
-    throw InputError(fmt::format("'{}' is no scene; give {}, or a stepper of your own with --plugin FILE.so",
-                                 file, known));
+    throw input_error("'{}' is no scene; give {}, or a stepper of your own with --plugin FILE.so", file,
+                      known);
   const fs::path module = module_file(kind->module), whole = fs::absolute(file);
   if (!fs::exists(module, ignored))
-    throw InputError(fmt::format(
+    throw input_error(
         "this hmax has no module for {} files; install the package hmax-engines, or {} and build hmax again",
-        fs::path(file).extension().string(), kind->packages));
+        fs::path(file).extension().string(), kind->packages);
   return {.file = module,
           .argument = whole.string(),
           .text = file,
@@ -83,9 +80,9 @@ PluginName parse_plugin(std::string_view text) {
   }
   if (file.empty()) throw InputError("--plugin names no file; write FILE.so[:NAME[:ARGUMENT]]");
   if (!fs::exists(file, ignored))
-    throw InputError(fmt::format("there is no file '{}'; give the path of the shared library", file));
+    throw input_error("there is no file '{}'; give the path of the shared library", file);
   if (!fs::is_regular_file(file, ignored))
-    throw InputError(fmt::format("'{}' is no file; give the path of the shared library", file));
+    throw input_error("'{}' is no file; give the path of the shared library", file);
   plugin.file = fs::absolute(file);
   return plugin;
 }

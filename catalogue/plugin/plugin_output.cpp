@@ -16,7 +16,7 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 namespace {
@@ -80,7 +80,7 @@ void PluginOutput::show() {
   }
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (!failure.empty())
-    throw InputError(fmt::format("the system has no thread for the output of the plugin: {}", failure));
+    throw input_error("the system has no thread for the output of the plugin: {}", failure);
 }
 
 void PluginOutput::forward() {

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 
 #include "catalogue/plugin/plugin_child.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -85,7 +85,7 @@ void end_with_descendants(pid_t child) {
 PluginProcess::PluginProcess(PluginName plugin, PluginSettings settings)
     : plugin_(std::move(plugin)), settings_(std::move(settings)) {
   if (!(settings_.patience > 0))
-    throw InputError(fmt::format("--timeout {} is not positive; give seconds", to_text(settings_.patience)));
+    throw input_error("--timeout {} is not positive; give seconds", to_text(settings_.patience));
   try {
     start();
     greet();
@@ -128,8 +128,7 @@ void PluginProcess::start() {
     serve_plugin(page(), plugin_, parent);
   }
   if (child_ < 0)
-    throw InputError(
-        fmt::format("the system has no process for {}: {}", plugin_.subject, std::strerror(errno)));
+    throw input_error("the system has no process for {}: {}", plugin_.subject, std::strerror(errno));
   // Both do it: whoever comes first.
   setpgid(child_, child_);
   memory_->close_to_further_children();
@@ -164,25 +163,24 @@ void PluginProcess::explain_end() {
   const int status = end();
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    throw InputError(
-        fmt::format("{} crashed {} with signal {} ({}); run it in a debugger, or try other step sizes",
-                    plugin_.subject, place, signal, strsignal(signal)));
+    throw input_error("{} crashed {} with signal {} ({}); run it in a debugger, or try other step sizes",
+                      plugin_.subject, place, signal, strsignal(signal));
   }
-  throw InputError(fmt::format("{} ended the process {} with exit code {}; a plugin returns a code instead",
-                               plugin_.subject, place, WEXITSTATUS(status)));
+  throw input_error("{} ended the process {} with exit code {}; a plugin returns a code instead",
+                    plugin_.subject, place, WEXITSTATUS(status));
 }
 
 void PluginProcess::explain_hang() {
   const std::string place = where();
   end();
-  throw InputError(fmt::format("{} did not return within {} s {}; --timeout gives it longer", plugin_.subject,
-                               to_text(settings_.patience), place));
+  throw input_error("{} did not return within {} s {}; --timeout gives it longer", plugin_.subject,
+                    to_text(settings_.patience), place);
 }
 
 void PluginProcess::explain_flood() {
   end();
-  throw InputError(fmt::format("{} wrote more than {} MB to standard output and standard error; print less",
-                               plugin_.subject, flood_of_plugin_output / 1'000'000));
+  throw input_error("{} wrote more than {} MB to standard output and standard error; print less",
+                    plugin_.subject, flood_of_plugin_output / 1'000'000);
 }
 
 void PluginProcess::bound_processes() {
@@ -191,9 +189,8 @@ void PluginProcess::bound_processes() {
   counted_ = now;
   if (!has_more_descendants(child_, most_processes)) return;
   end();
-  throw InputError(
-      fmt::format("{} has more than {} processes; start fewer, and wait for those that have ended",
-                  plugin_.subject, most_processes));
+  throw input_error("{} has more than {} processes; start fewer, and wait for those that have ended",
+                    plugin_.subject, most_processes);
 }
 
 void PluginProcess::explain_destruction() {
@@ -254,7 +251,7 @@ std::string PluginProcess::text_of(const PluginReply& reply) {
 }
 
 bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in, std::span<double> out) {
-  if (!memory_) throw InputError(fmt::format("{} has ended; start the command again", plugin_.subject));
+  if (!memory_) throw input_error("{} has ended; start the command again", plugin_.subject);
   // Whatever goes wrong ends the child.
   try {
     page().request = request;
@@ -263,7 +260,7 @@ bool PluginProcess::ask(const PluginRequest& request, std::span<const double> in
     const PluginReply answer = reply();
     if (answer.kind == PluginReply::Kind::diverged) return false;
     if (answer.numbers != out.size())
-      throw InputError(fmt::format("{} returned a wrong count of numbers", plugin_.subject));
+      throw input_error("{} returned a wrong count of numbers", plugin_.subject);
     std::copy_n(page().numbers.begin(), out.size(), out.begin());
     return true;
   } catch (...) {
@@ -294,8 +291,7 @@ void PluginProcess::read_parts(std::string text, const double* numbers) {
 void PluginProcess::greet() {
   const PluginReply answer = reply();
   const std::string text = text_of(answer);
-  if (answer.numbers < greeting_size)
-    throw InputError(fmt::format("{} did not say what it is", plugin_.subject));
+  if (answer.numbers < greeting_size) throw input_error("{} did not say what it is", plugin_.subject);
   std::memcpy(static_cast<void*>(&facts_.greeting), page().numbers.data(), sizeof facts_.greeting);
   const PluginGreeting& said = facts_.greeting;
   // What a plugin that writes beyond its arrays has destroyed is not read as something else.
@@ -316,7 +312,7 @@ void PluginProcess::greet() {
   for (int i = 0; i < static_cast<int>(said.quaternions); ++i, ++at) {
     const double first = *at;
     if (!is_count(first, 0, said.dimension - 4))
-      throw InputError(fmt::format("a quaternion of {} lies outside of its state", plugin_.subject));
+      throw input_error("a quaternion of {} lies outside of its state", plugin_.subject);
     facts_.quaternions.push_back(static_cast<Eigen::Index>(first));
   }
   const auto vector = [&at](Eigen::Index n) {
@@ -327,7 +323,7 @@ void PluginProcess::greet() {
   if (said.has_scales != 0) {
     facts_.scales = vector(facts_.dim);
     if (!facts_.scales.allFinite() || facts_.scales.minCoeff() <= 0)
-      throw InputError(fmt::format("scales() of {} has numbers that are not positive", plugin_.subject));
+      throw input_error("scales() of {} has numbers that are not positive", plugin_.subject);
   }
   const auto index = [&] {
     const double group = *at++;

@@ -3,9 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 
@@ -22,11 +20,11 @@ std::vector<std::filesystem::path> write_plugin_examples(const std::filesystem::
     if (std::ifstream before(file); before) {
       const std::string there{std::istreambuf_iterator<char>(before), {}};
       if (there != text)
-        throw InputError(fmt::format("{} is there already and differs; name another folder", file.string()));
+        throw input_error("{} is there already and differs; name another folder", file.string());
     }
     std::ofstream out(file, std::ios::binary);
     out << text;
-    if (!out.flush()) throw InputError(fmt::format("cannot write {}; name another folder", file.string()));
+    if (!out.flush()) throw input_error("cannot write {}; name another folder", file.string());
     written.push_back(file);
   }
   return written;

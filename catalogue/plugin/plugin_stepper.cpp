@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 namespace {
@@ -20,13 +20,13 @@ std::span<double> numbers_of(Eigen::VectorXd& y) { return {y.data(), static_cast
 PluginStepper::PluginStepper(PluginName plugin, PluginSettings settings)
     : process_(std::move(plugin), std::move(settings)) {
   if (process_.facts().greeting.is_stepper == 0)
-    throw InputError(fmt::format("'{}' of {} is a model and has no step of its own; name a stepper",
-                                 process_.facts().name, process_.plugin().subject));
+    throw input_error("'{}' of {} is a model and has no step of its own; name a stepper",
+                      process_.facts().name, process_.plugin().subject);
   // Overlaps are told before anything is computed.
   try {
     if (!quaternions().empty()) StateCoordinates(dim(), quaternions());
   } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: {}", process_.plugin().subject, error.what()));
+    throw input_error("{}: {}", process_.plugin().subject, error.what());
   }
 }
 

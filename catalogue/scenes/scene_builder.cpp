@@ -11,7 +11,7 @@
 
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/tissue_parameters.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/process/whole_file.hpp"
 #include "core/text/split.hpp"
@@ -31,18 +31,18 @@ double unit_of(std::string_view what, std::string_view text, const NamedUnits& k
   if (value && *value >= least && *value <= most) return *value;
   std::string names;
   for (const auto& [name, ignored] : known) names += std::string(name) + ", ";
-  throw InputError(fmt::format("'{}' is no unit of {}; write {}or a number of {}", text, what, names,
-                               known.front().first));
+  throw input_error("'{}' is no unit of {}; write {}or a number of {}", text, what, names,
+                    known.front().first);
 }
 
 SceneUnits scene_units(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ",");
   if (text.empty() || parts.size() != 3)
-    throw InputError(fmt::format(
+    throw input_error(
         "{}; its moduli and densities need the units of length, mass and time: --unit m,kg,s, or mm,t,s "
         "where moduli are in MPa",
         text.empty() ? std::string("a scene does not say its units")
-                     : fmt::format("--unit {} is not enough for a scene", text)));
+                     : fmt::format("--unit {} is not enough for a scene", text));
   return {.length = unit_in_metres(parts[0]),
           .mass = unit_of("mass", parts[1], {{"kg", 1}, {"g", 1e-3}, {"t", 1e3}}),
           .time = unit_of("time", parts[2], {{"s", 1}, {"ms", 1e-3}})};
@@ -79,8 +79,7 @@ void SceneBuilder::take_units(const std::string& where, std::string_view told) {
 
 void SceneBuilder::refuse(std::string_view part, const std::string& where, const std::string& what) {
   if (!ignored_.contains(lower(part)))
-    throw InputError(
-        fmt::format("{}{}; remove it, or leave it out with --ignore {}", where, what, in_quotes(part)));
+    throw input_error("{}{}; remove it, or leave it out with --ignore {}", where, what, in_quotes(part));
   left_out_.insert(std::string(part));
 }
 
@@ -154,8 +153,7 @@ void SceneBuilder::set_forces() {
 Scene SceneBuilder::finish(const std::string& file) {
   for (const std::string& part : ignored_)
     if (std::ranges::none_of(left_out_, [&](const std::string& left) { return lower(left) == part; }))
-      throw InputError(
-          fmt::format("--ignore names {}, and {} has nothing of it to leave out; remove it", part, file));
+      throw input_error("--ignore names {}, and {} has nothing of it to leave out; remove it", part, file);
   set_forces();
   if (!left_out_.empty())
     scene.notes.push_back(fmt::format("left out of {}: {}", file, fmt::join(left_out_, ", ")));
@@ -196,13 +194,12 @@ void require_in_range(const Scene& scene, const Parameters& parameters) {
     const std::string_view what = std::string_view(name).substr(0, name.find(':'));
     const bool is_ratio = what == "nu";
     if (is_ratio ? value > -1 && value < 0.5 : value > 0 && std::isfinite(value)) continue;
-    throw InputError(
-        fmt::format("{}: {} is {} but must {}; correct it, or replace it with --set {}=", place->second,
-                    is_ratio      ? "Poisson's ratio"
-                    : what == "E" ? "Young's modulus"
-                                  : "the density",
-                    is_ratio ? to_text(value) : to_text(value) + (what == "E" ? " Pa" : " kg/m^3"),
-                    is_ratio ? "lie above -1 and below 0.5" : "be positive", name));
+    throw input_error("{}: {} is {} but must {}; correct it, or replace it with --set {}=", place->second,
+                      is_ratio      ? "Poisson's ratio"
+                      : what == "E" ? "Young's modulus"
+                                    : "the density",
+                      is_ratio ? to_text(value) : to_text(value) + (what == "E" ? " Pa" : " kg/m^3"),
+                      is_ratio ? "lie above -1 and below 0.5" : "be positive", name);
   }
 }
 
@@ -210,13 +207,12 @@ Scene read_scene(const std::string& file, std::string_view units, std::string_vi
   const std::string extension = lower(std::filesystem::path(file).extension().string());
   const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
   if (is_listed(extension, ".fmu|.urdf"))
-    throw InputError(
-        fmt::format("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file));
+    throw input_error("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file);
   if (format == formats.end())
-    throw InputError(
-        fmt::format("'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
-                    ".scn of SOFA, .feb of FEBio, or .xml of MuJoCo",
-                    file));
+    throw input_error(
+        "'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
+        ".scn of SOFA, .feb of FEBio, or .xml of MuJoCo",
+        file);
   return told_to_user([&] {
     return within_memory(file, [&] {
       const std::string bytes = read_whole(file, "a scene");

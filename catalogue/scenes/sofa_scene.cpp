@@ -12,7 +12,7 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/scenes/scene_builder.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/sort_unique.hpp"
 #include "core/text/split.hpp"
@@ -559,8 +559,8 @@ SofaStep sofa_step(const std::string& method, double h) {
   const std::string id = made.id.substr(0, made.id.find(':'));
   const auto* const found = std::ranges::find(sofa_solvers, id, &SofaMethod::method);
   if (found == sofa_solvers.end())
-    throw InputError(fmt::format("SOFA has no solver that steps as {}; take {}", made.id,
-                                 fmt::join(sofa_methods(), ", ")));
+    throw input_error("SOFA has no solver that steps as {}; take {}", made.id,
+                      fmt::join(sofa_methods(), ", "));
   return {.h = h,
           .solver = found->solver,
           .beta = made.parameter("beta").value_or(SofaStep{}.beta),

@@ -4,9 +4,7 @@
 #include <string>
 #include <system_error>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 
@@ -15,9 +13,9 @@ TemporaryFolder::TemporaryFolder() {
   const std::filesystem::path place = std::filesystem::temp_directory_path(error);
   std::string name = (place / "hmax_XXXXXX").string();
   if (error || !mkdtemp(name.data()))
-    throw InputError(
-        fmt::format("no folder for temporary files can be made{}; set TMPDIR to a place that can be written",
-                    error ? "" : " in " + place.string()));
+    throw input_error(
+        "no folder for temporary files can be made{}; set TMPDIR to a place that can be written",
+        error ? "" : " in " + place.string());
   path_ = name;
 }
 

@@ -3,9 +3,7 @@
 #include <dlfcn.h>
 #include <string>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 
@@ -21,11 +19,9 @@ void* symbol_of_module(const char* file, const char* symbol) {
   // Global, because the parts that OpenMPI loads look for its symbols there. It stays open: MPI ends once.
   void* const module = dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (!module)
-    throw InputError(
-        fmt::format("the module {} cannot be opened: {}; build or install hmax again", file, dlerror()));
+    throw input_error("the module {} cannot be opened: {}; build or install hmax again", file, dlerror());
   void* const found = dlsym(module, symbol);
-  if (!found)
-    throw InputError(fmt::format("{} is no module of this hmax; build or install hmax again", path));
+  if (!found) throw input_error("{} is no module of this hmax; build or install hmax again", path);
   return found;
 }
 

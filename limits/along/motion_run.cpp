@@ -12,7 +12,7 @@
 #include "catalogue/methods/bind.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/inversion.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "integrators/explicit/adaptive.hpp"
 #include "integrators/explicit/explicit_rk.hpp"
@@ -108,9 +108,9 @@ std::string_view words_of(Outcome outcome) {
 
 /// @throws InputError  because a motion does not reach its end
 [[noreturn]] void refuse(const Problem& problem, double t_end, const RunEnd<double>& end) {
-  throw InputError(fmt::format(
-      "the motion of {} does not reach t = {} s: {} at t = {} s; take a shorter --t-end", problem.id,
-      to_text(problem.shown.time(t_end)), words_of(end.outcome), short_number(problem.shown.time(end.t))));
+  throw input_error("the motion of {} does not reach t = {} s: {} at t = {} s; take a shorter --t-end",
+                    problem.id, to_text(problem.shown.time(t_end)), words_of(end.outcome),
+                    short_number(problem.shown.time(end.t)));
 }
 
 /// The sizes that a crude run sees, as far as it comes, of a body until an element is turned inside out.
@@ -142,11 +142,11 @@ bool is_far(double guess, double seen) {
 
 MotionTolerances motion_tolerances(const Problem& problem, double t_end, const Watcher& watcher) {
   if (!(t_end > 0) && (problem.shown.t0 != 0 || problem.shown.direction < 0))
-    throw InputError(
-        fmt::format("the end time {} does not lie behind the start t = {} of the motion, which goes {}; "
-                    "give another --t-end",
-                    to_text(problem.shown.time(t_end)), to_text(problem.shown.t0),
-                    problem.shown.direction < 0 ? "back in time" : "forward"));
+    throw input_error(
+        "the end time {} does not lie behind the start t = {} of the motion, which goes {}; "
+        "give another --t-end",
+        to_text(problem.shown.time(t_end)), to_text(problem.shown.t0),
+        problem.shown.direction < 0 ? "back in time" : "forward");
   check({.t_end = t_end, .adaptive = true, .rtol = motion_shares.rtol, .atol = motion_shares.atol},
         find_method("dormand_prince_54"), problem);
   const bool mechanical = is_second_order(problem);

@@ -19,7 +19,7 @@
 #include "catalogue/models/equilibria/inversion.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/model.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "limits/jacobian_changes.hpp"
@@ -40,10 +40,10 @@ ModeSet modes_along(const Problem& problem, const OperatingPoint& point) {
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return mode_set(model, point.is_body);
   ModeSet modes;
   if (!set_curve(model, modes, small_enough_for_dense) && !set_range(model, modes, small_enough_for_dense))
-    throw InputError(fmt::format(
+    throw input_error(
         "the stiffness of this body is not symmetric along its path, and all modes of {} degrees of freedom "
         "together are too many; take a smaller mesh, or a load that does not move",
-        problem.body->dofs()));
+        problem.body->dofs());
   return modes;
 }
 
@@ -237,8 +237,7 @@ MotionSize size_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) 
 std::optional<Path> path_of_matrices(const Problem& problem, double t_end) {
   if (!problem.matrices) return std::nullopt;
   if (!(t_end > 0 && std::isfinite(t_end)))
-    throw InputError(
-        fmt::format("the end time is {} s but must be positive and finite; give another", to_text(t_end)));
+    throw input_error("the end time is {} s but must be positive and finite; give another", to_text(t_end));
   Path path{.at = {0}};
   const std::vector<double> times = times_of_matrices(problem);
   std::ranges::copy_if(times, std::back_inserter(path.at), [&](double t) { return t > 0 && t < t_end; });
@@ -306,15 +305,15 @@ MotionSize size_of_motion(const Problem& problem, double t_end, const Watcher& w
 Path load_path(const Problem& problem, int points, const Watcher& watcher) {
   const TissueBody& body = require_body(problem, "so no load is brought on; look along its motion");
   if (has_moving_load(problem))
-    throw InputError(
-        fmt::format("the load of {} changes with time; take gravity, press or pull, or look along "
-                    "the motion",
-                    problem.id));
+    throw input_error(
+        "the load of {} changes with time; take gravity, press or pull, or look along "
+        "the motion",
+        problem.id);
   if (is_at_rest(body))
-    throw InputError(fmt::format(
+    throw input_error(
         "nothing loads {}, so no load can grow; give it one with --set, g of gravity or force of press "
         "and pull, or leave --along load out",
-        problem.id));
+        problem.id);
   Path path;
   for (int i = 0; i <= points; ++i) {
     look(watcher);

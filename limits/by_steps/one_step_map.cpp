@@ -4,9 +4,7 @@
 #include <limits>
 #include <memory>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -34,17 +32,17 @@ VectorFunction steps_map(const Method& method, const Problem& problem, double h,
   constexpr const char* remedy =
       "choose a one-step method of fixed steps, like explicit_euler, rk4 or trapezoidal";
   if (!method.fixed_step)
-    throw InputError(fmt::format("{} chooses its steps itself, so a step of it is no map of states; {}",
-                                 method.id, remedy));
+    throw input_error("{} chooses its steps itself, so a step of it is no map of states; {}", method.id,
+                      remedy);
   if (!(h > 0) || !std::isfinite(h))
-    throw InputError(
-        fmt::format("the step is {} but must be a positive finite number; give --h in seconds, for instance "
-                    "0.5",
-                    to_text(h)));
+    throw input_error(
+        "the step is {} but must be a positive finite number; give --h in seconds, for instance "
+        "0.5",
+        to_text(h));
   check({.t_end = t_end, .h = h}, method, problem);
   if (depends_on_past(method, problem))
-    throw InputError(fmt::format(
-        "{} remembers more than the last state, so a step of it is no map of states; {}", method.id, remedy));
+    throw input_error("{} remembers more than the last state, so a step of it is no map of states; {}",
+                      method.id, remedy);
   const auto own = std::make_shared<Problem>(problem);
   return [method, own, h, t_end](const VectorXd& y) { return steps_from(method, *own, h, t_end, y); };
 }

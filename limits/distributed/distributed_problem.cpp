@@ -5,14 +5,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/mesh_choice.hpp"
 #include "catalogue/models/problems.hpp"
 #include "catalogue/models/tissue_choice.hpp"
 #include "catalogue/models/tissue_problem.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "limits/distributed/limits_from_ends.hpp"
 #include "problems/tissue/body_pieces.hpp"
 
@@ -76,9 +74,8 @@ DistributedProblem distributed_problem(const std::string& id, const ProblemSetti
   double alpha = 0, beta = 0;
   for (const auto& [name, value] : settings.parameters) {
     if (name != "alpha" && name != "beta")
-      throw InputError(fmt::format("unknown parameter '{}' of matrices; they have alpha and beta", name));
-    if (!std::isfinite(value))
-      throw InputError(fmt::format("{} is {} but must be finite; give a number", name, value));
+      throw input_error("unknown parameter '{}' of matrices; they have alpha and beta", name);
+    if (!std::isfinite(value)) throw input_error("{} is {} but must be finite; give a number", name, value);
     (name == "alpha" ? alpha : beta) = value;
   }
   return {.structure = distributed_structure(matrix_files(id), alpha, beta)};

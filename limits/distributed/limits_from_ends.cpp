@@ -7,7 +7,7 @@
 
 #include "analysis/amplification/curve_limit.hpp"
 #include "core/coupled_mass.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "problems/matrices/read_matrix.hpp"
@@ -27,13 +27,12 @@ MatrixRows rows_of(const std::string& name, bool is_mass) {
     file.columns = file.rows;
   }
   if (file.storage == Storage::skew)
-    throw InputError(fmt::format(
-        "{} is skew-symmetric, and --engine petsc takes symmetric matrices; leave out --engine", name));
+    throw input_error("{} is skew-symmetric, and --engine petsc takes symmetric matrices; leave out --engine",
+                      name);
   if (file.rows == file.columns && file.storage == Storage::general && is_one_triangle(file) &&
       !file.entries.empty())
-    throw InputError(fmt::format(
-        "{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles",
-        name));
+    throw input_error(
+        "{} holds one triangle of a matrix, and --engine petsc takes whole ones; write both triangles", name);
   return matrix_rows(assembled(file, file.rows, file.columns));
 }
 
@@ -121,9 +120,9 @@ Linearised linearised(const Problem& pair, DistributedModel& model, StateKind ki
   }
   // alpha + beta kappa of motions as slow as nobody knows.
   if (ends.alpha < -1e-9 * ends.beta * ends.kappa_max)
-    throw InputError(fmt::format(
+    throw input_error(
         "damping with alpha {:.6g} /s excites slow motions, and --engine petsc does not compute the slow end; leave out --engine",
-        ends.alpha));
+        ends.alpha);
   DampingCurve curve{
       .alpha = ends.alpha, .beta = ends.beta, .kappa_min = least(ends), .kappa_max = ends.kappa_max};
   near.modes.slow_end = std::make_shared<SlowEnd>(curve.kappa_min);
@@ -138,7 +137,7 @@ Linearised linearised(const Problem& pair, DistributedModel& model, StateKind ki
 
 DistributedStructure distributed_structure(const MatrixFiles& files, double alpha, double beta) {
   const auto refuse = [](bool given, const char* what) {
-    if (given) throw InputError(fmt::format("--engine petsc does not take {}; leave out --engine", what));
+    if (given) throw input_error("--engine petsc does not take {}; leave out --engine", what);
   };
   refuse(!files.jacobian.empty(), "a jacobian, which is of first order");
   refuse(files.stiffness_series || files.damping_series, "series of matrices");

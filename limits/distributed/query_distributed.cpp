@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "limits/by_steps/predict_by_steps.hpp"
 #include "limits/distributed/distributed_runs.hpp"
 #include "limits/distributed/limits_from_ends.hpp"
@@ -58,8 +56,8 @@ void require_steps(const std::vector<Method>& methods) {
   const auto is_stepped = [](const Method& method) { return why_not_stepped(method).empty(); };
   const auto formula = std::ranges::find_if(methods, [](const Method& method) { return !method.bind; });
   if (formula == methods.end() && std::ranges::any_of(methods, is_stepped)) return;
-  throw InputError(fmt::format("{}; leave out --verify, or name other methods of `hmax list methods`",
-                               why_not_stepped(formula == methods.end() ? methods.front() : *formula)));
+  throw input_error("{}; leave out --verify, or name other methods of `hmax list methods`",
+                    why_not_stepped(formula == methods.end() ? methods.front() : *formula));
 }
 
 LimitAnswer query_distributed(DistributedEngine& engine, DistributedModel& model, const Problem& pair,

@@ -7,15 +7,13 @@
 #include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
 #include "analysis/statics/equilibrium.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/equilibria/support_advice.hpp"
 #include "catalogue/models/equilibria/tool_report.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "limits/by_steps/one_step_map.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/modes/mode_curve.hpp"
@@ -157,10 +155,10 @@ void add_modes(FidelityModel& model, std::size_t modes) {
   std::erase_if(slow, [&](const MechanicalMode& each) { return !(each.kappa > rounding); });
   const auto& curve = near.modes.curve;
   if (slow.empty() && !curve)
-    throw InputError(fmt::format(
+    throw input_error(
         "{} has no positive stiffness in its equilibrium, and neither stiffness nor a mode to show; start it near another "
         "one, or change its parameters",
-        model.problem.id));
+        model.problem.id);
   const auto damped = [&](const MechanicalMode& mode, const VectorXd& x) {
     const double omega = std::sqrt(mode.kappa);
     const VectorXd Cx = std::visit([&](const auto& held) -> VectorXd { return held * x; }, C);
@@ -189,9 +187,9 @@ void add_modes(FidelityModel& model, std::size_t modes) {
 
 void require_rest(const Problem& problem) {
   if (!is_second_order(problem))
-    throw InputError(fmt::format(
+    throw input_error(
         "{} has no positions and velocities, of which steps show stiffness and modes; take another model",
-        problem.id));
+        problem.id);
   if (is_driven(problem))
     throw InputError(
         "the load changes with time and never settles, so that nothing comes to rest; take one that stays, like gravity");

@@ -6,13 +6,11 @@
 #include <tuple>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "analysis/amplification/amplification.hpp"
 #include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/spectrum/extreme_eigenvalues.hpp"
 #include "analysis/statics/static_solution.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "limits/modes/mode_curve.hpp"
@@ -164,10 +162,10 @@ bool set_largest(const LinearModel& model, ModeSet& modes) {
   LargestEigenvalues largest =
       largest_eigenvalues(std::get<Eigen::SparseMatrix<double>>(J), 4, small_enough_for_dense, few_restarts);
   if (!largest.converged)
-    throw InputError(fmt::format(
+    throw input_error(
         "the largest eigenvalues of {} states lie so close together that they did not converge, and all of "
         "them are too many; `hmax run` with --method and --h shows whether a step holds",
-        model.y.size()));
+        model.y.size());
   modes.range = std::make_shared<ModeRange>();
   modes.range->open = true;
   for (Complex& lambda : largest.lambda) {

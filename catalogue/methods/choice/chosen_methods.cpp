@@ -7,7 +7,7 @@
 
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/unsuited.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 
 namespace hmax {
 
@@ -27,9 +27,9 @@ void add_methods(const std::string& name, const std::vector<Problem>& problems, 
 
 void require_any(const ChosenMethods& chosen, const std::vector<std::string>& names) {
   if (chosen.methods.empty() && !chosen.left_out.empty())
-    throw InputError(fmt::format(
+    throw input_error(
         "no method of {} can be taken: {}; name other methods, `hmax list methods` shows all of them",
-        fmt::join(names, ","), fmt::join(in_words(chosen.left_out), "; ")));
+        fmt::join(names, ","), fmt::join(in_words(chosen.left_out), "; "));
 }
 
 ChosenMethods chosen_methods(const std::vector<std::string>& names, const std::vector<Problem>& problems) {

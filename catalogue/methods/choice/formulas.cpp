@@ -10,7 +10,7 @@
 #include "analysis/amplification/stabilised_amplification.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/methods/choice/chosen_methods.hpp"
-#include "core/errors.hpp"
+#include "core/input_error.hpp"
 #include "core/numbers.hpp"
 
 namespace hmax {
@@ -100,8 +100,8 @@ std::optional<Formula> held_formula(std::string_view name) {
     if (!name.starts_with(prefix) || name.find(':', prefix.size()) != name.npos) continue;
     const std::optional<int> number = number_behind(name, prefix);
     if (!number || *number < pattern.least || *number > pattern.most)
-      throw InputError(fmt::format("'{}' is no formula: {} of {}{} is a whole number from {} to {}", name,
-                                   pattern.letter, prefix, pattern.letter, pattern.least, pattern.most));
+      throw input_error("'{}' is no formula: {} of {}{} is a whole number from {} to {}", name,
+                        pattern.letter, prefix, pattern.letter, pattern.least, pattern.most);
     Formula made = pattern.make(*number);
     made.id = std::string(name);
     for (const Method& method : methods())
@@ -136,17 +136,16 @@ Formula find_formula(std::string_view name) {
   if (std::optional<Formula> held = held_formula(name)) return *std::move(held);
   const Method method = find_method(name);
   if (const Pattern* const held = pattern_of(method))
-    throw InputError(fmt::format(
+    throw input_error(
         "{} chooses its {} as it runs, and every {} has a stability of its own; hold one, for instance {}{}",
-        method.id, held->chosen, held->chosen, held->prefix, held->example));
+        method.id, held->chosen, held->chosen, held->prefix, held->example);
   return formula_of(method);
 }
 
 Formula formula_of(const Method& method) {
   if (!method.amplification)
-    throw InputError(
-        fmt::format("{} {}; formulas that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
-                    method.id, why_no_stability(method)));
+    throw input_error("{} {}; formulas that are held are bdf_K, adams_moulton_K and adams_pece:order=K",
+                      method.id, why_no_stability(method));
   Formula formula{
       .id = method.id, .order = method.order, .amplification = method.amplification, .method = method};
   if (method.is_explicit) formula.evaluations = evaluations_of(method);
@@ -191,9 +190,9 @@ ChosenFormulas chosen_formulas(const std::vector<std::string>& names) {
     }
   }
   if (chosen.formulas.empty() && !chosen.left_out.empty())
-    throw InputError(fmt::format(
+    throw input_error(
         "no method of {} has a stability to show: {}; hold a formula, like bdf_3 or adams_pece:order=4",
-        fmt::join(names, ","), fmt::join(in_words(chosen.left_out), "; ")));
+        fmt::join(names, ","), fmt::join(in_words(chosen.left_out), "; "));
   return chosen;
 }
 
