@@ -8,6 +8,7 @@
 
 #include "analysis/spectrum/entry_rounding.hpp"
 #include "analysis/statics/equilibrium.hpp"
+#include "catalogue/methods/method.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "catalogue/models/model.hpp"
@@ -240,16 +241,10 @@ void look_at_fibres(OperatingPoint& point, const TissueBody& body) {
 /// @throws InputError  where the rates of the initial state are no numbers: matrices that are say nothing
 /// then
 void require_rates(const Problem& problem) {
-  std::visit(
-      [&]<class Sys>(const Sys& system) {
-        typename Sys::State y(problem.y0), f(problem.y0);
-        system.rhs(0, y, f);
-        if (!f.allFinite())
-          throw input_error(
-              "the rates of {} in its initial state are not finite; give another state, or correct the model",
-              problem.id);
-      },
-      problem.system);
+  if (!rhs_of(problem, 0, problem.y0).allFinite())
+    throw input_error(
+        "the rates of {} in its initial state are not finite; give another state, or correct the model",
+        problem.id);
 }
 
 /// Under a load the equilibrium of a body is found with its stiffness, half as many unknowns.

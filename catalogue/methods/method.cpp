@@ -68,6 +68,17 @@ bool has_split(const Problem& problem) {
   return any == nullptr || any->has_split();
 }
 
+Eigen::VectorXd rhs_of(const Problem& problem, double t, const Eigen::VectorXd& y) {
+  return std::visit(
+      [&]<class Sys>(const Sys& system) -> Eigen::VectorXd {
+        // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): mostly of another type
+        typename Sys::State state(y), dydt(y);
+        system.rhs(t, state, dydt);
+        return dydt;
+      },
+      problem.system);
+}
+
 bool is_undamped(const Problem& problem) {
   if (!is_second_order(problem)) return false;
   return std::visit(
@@ -178,23 +189,16 @@ void check_structure(const Method& method, const Problem& problem) {
 
 /// Throws unless the right-hand side is finite at the start.
 void check_start(const Problem& problem) {
-  std::visit(
-      [&](const auto& system) {
-        typename std::remove_cvref_t<decltype(system)>::State y = problem.y0, dydt = problem.y0;
-        system.rhs(0, y, dydt);
-        for (Eigen::Index i = 0; i < dydt.size(); ++i)
-          if (!std::isfinite(dydt[i])) {
-            if (problem.states.empty())
-              throw input_error("the forces on {} are not finite at the start; change its parameters",
-                                problem.id);
-            throw input_error(
-                "the derivative of {} in {} is {} at t = {} and y = ({}); change the initial "
-                "state or the parameters",
-                problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
-                to_text(problem.shown.time(0)), describe(problem.shown.state(problem.y0)));
-          }
-      },
-      problem.system);
+  const Eigen::VectorXd dydt = rhs_of(problem, 0, problem.y0);
+  for (Eigen::Index i = 0; i < dydt.size(); ++i)
+    if (!std::isfinite(dydt[i])) {
+      if (problem.states.empty())
+        throw input_error("the forces on {} are not finite at the start; change its parameters", problem.id);
+      throw input_error(
+          "the derivative of {} in {} is {} at t = {} and y = ({}); change the initial state or the parameters",
+          problem.states[static_cast<std::size_t>(i)], problem.id, to_text(dydt[i]),
+          to_text(problem.shown.time(0)), describe(problem.shown.state(problem.y0)));
+    }
 }
 
 }  // namespace

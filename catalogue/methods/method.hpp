@@ -102,6 +102,9 @@ inline constexpr std::int64_t adaptive_attempts = 20'000'000;
 bool is_second_order(const Problem& problem);
 bool has_split(const Problem& problem);
 
+/// f(t, y), shape (dim). @param y  shape (dim)
+Eigen::VectorXd rhs_of(const Problem& problem, double t, const Eigen::VectorXd& y);
+
 /// Whether no acceleration of a problem with positions and velocities depends on the velocities, as nine
 /// states show to the last bit.
 bool is_undamped(const Problem& problem);

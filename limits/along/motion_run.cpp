@@ -47,16 +47,9 @@ Sizes sizes_of(const Eigen::Ref<const Eigen::VectorXd>& y, bool mechanical) {
 Sizes rates_at_start(const Problem& problem, double t_end, bool mechanical) {
   constexpr int instants = 64;
   Sizes rates;
-  std::visit(
-      [&]<class Sys>(const Sys& system) {
-        const typename Sys::State y(problem.y0);
-        typename Sys::State f = y;
-        for (int i = 0; i < instants; ++i) {
-          system.rhs(t_end * (0.37 + i) / instants, y, f);
-          if (f.allFinite()) rates.include(sizes_of(f, mechanical));
-        }
-      },
-      problem.system);
+  for (int i = 0; i < instants; ++i)
+    if (const Eigen::VectorXd f = rhs_of(problem, t_end * (0.37 + i) / instants, problem.y0); f.allFinite())
+      rates.include(sizes_of(f, mechanical));
   return rates;
 }
 
