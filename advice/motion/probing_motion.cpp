@@ -53,17 +53,11 @@ double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
 }
 
-/// F that comes from `start` on and goes again: one force that stays and one against it.
+/// Afterwards the forces are 0, and not a sum that cancels but for rounding: beside that noise a body at rest
+/// has no equations that Newton's method can solve to its tolerance.
 void come_and_go(std::vector<PressingForce>& forces) {
-  std::vector<PressingForce> both;
-  for (PressingForce& force : forces) {
-    force.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = rise};
-    both.push_back(force);
-    force.force = -force.force;
-    force.profile.start = rise + hold;
-    both.push_back(std::move(force));
-  }
-  forces = std::move(both);
+  for (PressingForce& force : forces)
+    force.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = rise, .fall = rise + hold};
 }
 
 /// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of

@@ -77,6 +77,7 @@ void check_profile(const TimeProfile& profile) {
           "positive");
   require(std::isfinite(profile.start) && std::isfinite(profile.omega), profile.omega,
           "the frequency of a time profile", "finite, as must be its start");
+  require(profile.fall >= profile.start, profile.fall, "the fall of a ramp", "at its start or later");
   if (profile.kind == TimeProfile::Kind::samples && !profile.curve)
     throw std::invalid_argument("a time profile of samples has no curve");
 }

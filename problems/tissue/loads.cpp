@@ -58,8 +58,11 @@ double SampledCurve::rate(double t) const {
 double TimeProfile::value(double t) const {
   switch (kind) {
     case Kind::ramp: {
-      const double u = std::clamp((t - start) / rise, 0.0, 1.0);
-      return u * u * u * (10 - u * (15 - 6 * u));
+      const auto risen = [&](double since) {
+        const double u = std::clamp(since / rise, 0.0, 1.0);
+        return u * u * u * (10 - u * (15 - 6 * u));
+      };
+      return t > fall ? risen(t - start) - risen(t - fall) : risen(t - start);
     }
     case Kind::sine:
       return std::sin(omega * (t - start));
@@ -74,8 +77,11 @@ double TimeProfile::value(double t) const {
 double TimeProfile::rate(double t) const {
   switch (kind) {
     case Kind::ramp: {
-      const double u = std::clamp((t - start) / rise, 0.0, 1.0);
-      return 30 * u * u * (1 - u) * (1 - u) / rise;
+      const auto rising = [&](double since) {
+        const double u = std::clamp(since / rise, 0.0, 1.0);
+        return 30 * u * u * (1 - u) * (1 - u) / rise;
+      };
+      return t > fall ? rising(t - start) - rising(t - fall) : rising(t - start);
     }
     case Kind::sine:
       return omega * std::cos(omega * (t - start));
@@ -90,7 +96,7 @@ double TimeProfile::rate(double t) const {
 double TimeProfile::steady_from() const {
   switch (kind) {
     case Kind::ramp:
-      return start + rise;
+      return (std::isfinite(fall) ? fall : start) + rise;
     case Kind::sine:
       return std::numeric_limits<double>::infinity();
     case Kind::samples:
@@ -106,6 +112,7 @@ void TimeProfile::add_breakpoints(std::vector<double>& times) const {
   switch (kind) {
     case Kind::ramp:
       times.insert(times.end(), {start, start + rise});
+      if (std::isfinite(fall)) times.insert(times.end(), {fall, fall + rise});
       break;
     case Kind::samples:
       times.insert(times.end(), {curve->t_begin(), curve->t_end()});

@@ -1,6 +1,7 @@
 /// What acts on a body from outside: supports that hold or move points, forces, and a tool that touches.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -34,15 +35,17 @@ class SampledCurve {
 struct TimeProfile {
   enum class Kind {
     steady,  ///< 1
-    ramp,    ///< from 0 at `start` to 1 after `rise`, twice differentiable: 10 u^3 - 15 u^4 + 6 u^5
+    ramp,    ///< from 0 at `start` to 1 after `rise`, twice differentiable: 10 u^3 - 15 u^4 + 6 u^5; from
+             ///< `fall` on as smoothly back to 0
     sine,    ///< sin(omega (t - start))
     samples  ///< a curve through measured values
   };
   Kind kind = Kind::steady;
-  double start = 0;                                ///< [s]
-  double rise = 1;                                 ///< [s], of a ramp; positive
-  double omega = 1;                                ///< [rad/s], of a sine
-  std::shared_ptr<const SampledCurve> curve = {};  ///< of samples
+  double start = 0;                                       ///< [s]
+  double rise = 1;                                        ///< [s], of a ramp; positive
+  double omega = 1;                                       ///< [rad/s], of a sine
+  std::shared_ptr<const SampledCurve> curve = {};         ///< of samples
+  double fall = std::numeric_limits<double>::infinity();  ///< [s], of a ramp; infinity: it stays at 1
 
   [[nodiscard]] double value(double t) const;
   [[nodiscard]] double rate(double t) const;

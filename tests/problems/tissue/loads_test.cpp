@@ -36,6 +36,26 @@ TEST(Loads, OfABodyNameTheTimesWhereTheyBeginAndCeaseToMove) {
   EXPECT_EQ(body.breakpoints(0.05, 0.2), (Times{0.1}));
 }
 
+TEST(Loads, RiseAndFallToExactlyNothing) {
+  const TimeProfile profile{.kind = TimeProfile::Kind::ramp, .start = 0.1, .rise = 0.2, .fall = 0.5};
+  EXPECT_EQ(profile.value(0.1), 0);
+  EXPECT_NEAR(profile.value(0.2), 0.5, 1e-15);
+  EXPECT_EQ(profile.value(0.4), 1);
+  EXPECT_NEAR(profile.value(0.6), 0.5, 1e-15);
+  EXPECT_EQ(profile.value(0.8), 0);
+  for (const double t : {0.15, 0.25, 0.4, 0.55, 0.65, 0.8})
+    EXPECT_NEAR(profile.rate(t), (profile.value(t + 1e-6) - profile.value(t - 1e-6)) / 2e-6, 1e-8) << t;
+  EXPECT_EQ(profile.steady_from(), 0.5 + 0.2);
+  Times times;
+  profile.add_breakpoints(times);
+  EXPECT_EQ(times, (Times{0.1, 0.1 + 0.2, 0.5, 0.5 + 0.2}));
+  TissueSettings settings;
+  settings.forces.push_back({.points = {5}, .force = {0, 0, 1}, .profile = profile});
+  const TissueSettings after = after_ramps(settings);
+  EXPECT_TRUE(after.forces.front().force.isZero(0));
+  EXPECT_EQ(after.forces.front().profile.kind, TimeProfile::Kind::steady);
+}
+
 TEST(Loads, ThatNeverChangeOrAlwaysDoHaveNoBreakpoints) {
   TissueSettings settings;
   settings.materials = tissue_tests::two_materials();
