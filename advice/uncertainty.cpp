@@ -27,13 +27,14 @@ const std::array<Quantity, 3>& quantities() {
 }
 
 /// Parameters of the problem that belong to a quantity, those of single regions too, times a factor. A
-/// density does not act where the mass of the body is given.
+/// density does not act where the mass of the body is given. None of formulas: their k may be anything.
 std::vector<std::pair<std::string, double>> scaled(const Problem& problem, const Quantity& quantity,
                                                    double factor) {
   const bool has_mass = std::ranges::any_of(problem.parameters, [](const auto& parameter) {
     return parameter.first == "mass" && parameter.second != 0;
   });
   std::vector<std::pair<std::string, double>> values;
+  if (problem.kind() != ModelKind::body && problem.kind() != ModelKind::oscillator) return values;
   for (const auto& [name, value] : problem.parameters) {
     const std::string_view stem = std::string_view(name).substr(0, name.find(':'));
     if (value == 0 || (stem == "rho" && has_mass)) continue;

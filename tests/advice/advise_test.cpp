@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -20,6 +22,7 @@
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
 #include "tests/advice/cube.hpp"
+#include "tests/results/scratch.hpp"
 #include "tests/says.hpp"
 
 namespace hmax {
@@ -410,6 +413,19 @@ TEST(LimitBands, KnowDamping) {
   ASSERT_EQ(bands.size(), 3U);
   EXPECT_EQ(bands[2].quantity, "damping");
   EXPECT_LT(bands[2].exponent, 0);
+}
+
+// A rate of decay that is called k, and a share that is called m.
+TEST(LimitBands, AreNoneOfFormulas) {
+  const Scratch scratch;
+  const std::filesystem::path file = scratch / "decay.toml";
+  std::ofstream(file) << "[problem]\nt_end = 1\n[equations]\nx = \"-k*m*x\"\n"
+                         "[parameters]\nk = 3\nm = 0.5\n[initial]\nx = 1\n";
+  const auto make = [&](const std::vector<std::pair<std::string, double>>& values) {
+    return make_problem(file.string(), {.parameters = values});
+  };
+  const Problem problem = make({});
+  EXPECT_TRUE(limit_bands(find_method("rk4"), problem, problem.y0, make).empty());
 }
 
 TEST(Advise, NamesWhatBindsTheStep) {
