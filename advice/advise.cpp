@@ -309,6 +309,7 @@ class Search {
     enter(AdviceStage::searching, 0.05, "finding the reference motion");
     if (problem_.body || question_.motion)
       model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
+    if (make_) model.stiffer = stiffer(problem_, changed_state(), make_);
     model.slow = slowest_modes(model.near.modes);
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
     ExplicitLimits limits = explicit_limits(model.near);
@@ -328,6 +329,13 @@ class Search {
     });
     advice_.stiffened = model.stiffened;
     advice_.model = model_;
+  }
+
+  /// Where the problem is looked at with other parameters: at the start of the motion, or at rest where that
+  /// moves points which are free without it.
+  [[nodiscard]] const Eigen::VectorXd& changed_state() const {
+    const Eigen::VectorXd& start = model_->motion.problem.y0;
+    return start.size() == problem_.y0.size() ? start : problem_.y0;
   }
 
   /// Methods on the device of the question where that runs them; find_method() where there is none.
@@ -375,7 +383,7 @@ class Search {
                                       make_, watch_, std::min(10.0, time_.left() / 3));
     enter(AdviceStage::observing, 0.88, "how sure the limit is");
     if (make_ && std::isfinite(rows.front().h_max))
-      advice_.bands = limit_bands(rows.front().candidate.method, problem_, model.motion.problem.y0, make_);
+      advice_.bands = limit_bands(rows.front().candidate.method, problem_, changed_state(), make_);
   }
 
   /// Where elements are inverted, or loads are too large for this model: what one does that resists.

@@ -20,9 +20,10 @@ struct Quantity {
 };
 
 const std::array<Quantity, 3>& quantities() {
-  static const std::array<Quantity, 3> all{{{"stiffness", 0.29, {"E", "fibre_E", "k", "k1", "k3"}},
-                                            {"mass", 0.077, {"rho", "mass", "m"}},
-                                            {"damping", 0.33, {"alpha", "beta", "damper", "c"}}}};
+  static const std::array<Quantity, 3> all{
+      {{"stiffness", stiffness_spread, {"E", "fibre_E", "k", "k1", "k3"}},
+       {"mass", 0.077, {"rho", "mass", "m"}},
+       {"damping", 0.33, {"alpha", "beta", "damper", "c"}}}};
   return all;
 }
 
@@ -73,6 +74,16 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
     }
   }
   return bands;
+}
+
+std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make) {
+  const auto values = scaled(problem, quantities().front(), 1 + stiffness_spread);
+  if (values.empty()) return std::nullopt;
+  try {
+    return linearised(make(values), 0, y);
+  } catch (const InputError&) {
+    return std::nullopt;  // no such model
+  }
 }
 
 }  // namespace hmax

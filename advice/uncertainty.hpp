@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "catalogue/methods/method.hpp"
+#include "limits/linearised_problem.hpp"
 
 namespace hmax {
 
@@ -31,5 +33,13 @@ struct LimitBand {
 /// @param y  the state, shape (dim)
 std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem, const Eigen::VectorXd& y,
                                    const ProblemWith& make);
+
+/// Of the stiffness, relative.
+inline constexpr double stiffness_spread = 0.29;
+
+/// The problem at a state, with as much more stiffness as its spread: the stiffer end of limit_bands().
+/// Nothing of problems that have no bands of the stiffness.
+/// @param y  the state, shape (dim)
+std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make);
 
 }  // namespace hmax

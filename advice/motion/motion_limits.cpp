@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "advice/uncertainty.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "core/errors.hpp"
@@ -150,6 +151,22 @@ CandidateLimit limit_of_modes(const Prediction& start, const std::optional<Traje
   return limit;
 }
 
+/// d ln h / d ln K of the limit at the start, with what else the stiffness of the material changes; NaN where
+/// it is not known, or so small that something else than the stiffness sets the limit: no power of it tells
+/// when that ends.
+double stiffness_exponent(const Method& method, const AnalysedModel& model) {
+  constexpr double least = 0.4;
+  double exponent = unknown;
+  if (model.stiffer) {
+    const double here = predict(method, model.near).h_max.value_or(unknown),
+                 there = predict(method, *model.stiffer).h_max.value_or(unknown);
+    exponent = std::log(there / here) / std::log(1 + stiffness_spread);
+  } else if (model.near.point.model.mechanical->damping == Damping::none) {
+    exponent = -0.5;
+  }
+  return exponent <= -least ? exponent : unknown;
+}
+
 /// Whether the limit of modes takes a second for each state of a body.
 bool is_costly(const Method& method, const Problem& problem) {
   return problem.body && method.stages_by_radius;
@@ -196,7 +213,10 @@ double stiffening_margin(const Candidate& candidate, double h_max, const Analyse
                          const Watcher& watcher) {
   if (!(h > 0) || is_truncated(candidate) || candidate.jacobian.every > 1 || candidate.method.needs_split)
     return unknown;
-  if (!is_frozen(candidate)) return std::isfinite(h_max) ? std::pow(h_max / h, 2) : h_max;
+  if (!model.near.point.model.mechanical) return unknown;
+  if (!is_frozen(candidate))
+    return std::isfinite(h_max) ? std::pow(h_max / h, -1 / stiffness_exponent(candidate.method, model))
+                                : h_max;
   const Problem& problem = model.motion.problem;
   if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method)) {
     const auto tolerated = [&](const Linearised& place) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,10 +27,11 @@ struct CandidateLimit {
 struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
-  Linearised near;                     ///< at the start of the motion
-  Path path;                           ///< where limits are looked for
-  std::vector<Linearised> elsewhere;   ///< of bodies where the motion makes them stiffest, of small problems
-                                       ///< along it; may be empty
+  Linearised near;                    ///< at the start of the motion
+  std::optional<Linearised> stiffer;  ///< the same, and as much stiffer as stiffer() (advice/uncertainty.hpp)
+  Path path;                          ///< where limits are looked for
+  std::vector<Linearised> elsewhere;  ///< of bodies where the motion makes them stiffest, of small problems
+                                      ///< along it; may be empty
   std::vector<CandidateLimit> limits;  ///< of each candidate
   double stiffened =
       1;               ///< times the square of the fastest frequency at the start: the most along the motion
@@ -56,8 +58,10 @@ CandidateLimit pending_limit(const Candidate& candidate, const AnalysedModel& mo
 
 /// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen
 /// Jacobians from the maps of their steps where the motion makes the model stiffest, infinity from 64 on, or
-/// of the largest bodies as predict_limits(); of other methods from (h_max / h)^2. NaN where no limit is
-/// known, the Jacobian is of every tenth step, the iteration truncated or the method implicit-explicit.
+/// of the largest bodies as predict_limits(). Of other methods (h_max / h)^(-1 / e), where e = d ln h_max / d
+/// ln K comes from AnalysedModel::stiffer, and is -1/2 of undamped models without it. NaN where no limit is
+/// known, of models without a stiffness, where stiffness is not what limits steps, the Jacobian is of every
+/// tenth step, the iteration truncated or the method implicit-explicit.
 /// @param h_max  of the candidate, as CandidateLimit
 double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
                          const Watcher& watcher);

@@ -428,6 +428,46 @@ TEST(LimitBands, AreNoneOfFormulas) {
   EXPECT_TRUE(limit_bands(find_method("rk4"), problem, problem.y0, make).empty());
 }
 
+// The limit with as much more stiffness, relative to that without, is the step relative to its own limit:
+// where springs, and where dampers and beta K set the limit.
+TEST(StiffeningMargin, IsWhereTheLimitFallsToTheStep) {
+  struct Case {
+    const char *problem, *method, *stiffness;
+    double rate, damping;
+  };
+  for (const Case& of :
+       {Case{"liver_linear", "explicit_euler", "k1", 100, 0}, Case{"liver_linear", "rk4", "k1", 1, 0},
+        Case{"fem_green/press@cube:n=2", "rk4", "E", 1000, 0.02},
+        Case{"fem_green/press@cube:n=2", "explicit_euler", "E", 1000, 0.02}}) {
+    const auto make = [&](std::vector<std::pair<std::string, double>> values) {
+      if (of.damping > 0) values.emplace_back("beta", of.damping);
+      return make_problem(of.problem, {.parameters = std::move(values)});
+    };
+    const Problem problem = make({});
+    AdviceQuestion asked = question(of.rate, {of.method}, problem);
+    asked.tolerance = 0.05;
+    const Advice advice = advise(problem, asked, {}, make);
+    ASSERT_NE(advice.recommended(), nullptr) << of.problem << ": " << advice.rows.front().status;
+    const AdviceRow& row = advice.rows.front();
+    const auto given =
+        std::ranges::find(problem.parameters, of.stiffness, &std::pair<std::string, double>::first);
+    ASSERT_NE(given, problem.parameters.end());
+    const auto limit = [&](double factor) {
+      const Problem stiffer = make({{of.stiffness, factor * given->second}});
+      return predict(find_method(of.method), linearised(stiffer, 0, problem.y0)).h_max.value();
+    };
+    ASSERT_TRUE(std::isfinite(row.stiffening)) << of.problem;
+    EXPECT_NEAR(limit(row.stiffening) / limit(1), row.h / row.h_max, 0.02 * row.h / row.h_max)
+        << of.problem << ", " << of.method;
+  }
+}
+
+TEST(StiffeningMargin, IsNoneOfConcentrations) {
+  const Problem problem = make_problem("hires");
+  for (const AdviceRow& row : advise(problem, question(1, {"rk4", "implicit_euler"}, problem)).rows)
+    EXPECT_TRUE(std::isnan(row.stiffening)) << row.candidate.words();
+}
+
 TEST(Advise, NamesWhatBindsTheStep) {
   // So stiff that symplectic Euler takes several steps a frame.
   const Problem problem = cube("press", {{"E", 1e5}});
