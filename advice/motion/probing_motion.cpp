@@ -12,6 +12,7 @@
 #include "bench/timing/reference.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/equilibria/body_balance.hpp"
+#include "catalogue/models/free_parts.hpp"
 #include "catalogue/models/model.hpp"
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/errors.hpp"
@@ -30,12 +31,21 @@ double size_of(const TetMesh& mesh) {
   return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
 }
 
-/// The largest displacement K^-1 f [m]; 0 where K has no inverse.
-double linear_displacement(const TissueBody::DofMatrix& K, Eigen::VectorXd f) {
+/// The largest displacement K^-1 f [m]; 0 where K has no inverse. Where supports leave rigid motions, K has
+/// none: f then acts beside the inertia of these, and what it deforms counts alone.
+double linear_displacement(const TissueBody& body, TissueBody::DofMatrix K, Eigen::VectorXd f) {
+  constexpr double little = 1e-6;
+  const Eigen::MatrixXd rigid = free_motions(body);
+  if (rigid.cols() > 0) {
+    f -= body.mass().cwiseProduct(rigid * (rigid.transpose() * f));
+    const double shift = little * K.diagonal().cwiseAbs().mean();
+    for (Eigen::Index i = 0; i < K.rows(); ++i) K.coeffRef(i, i) += shift;
+  }
   SparseSolver<double> solver;
   solver.set({.by = LinearSolve::By::direct});
   if (!solver.factor(K)) return 0;
   solver.solve(f);
+  if (rigid.cols() > 0) f -= rigid * (rigid.transpose() * body.mass().cwiseProduct(f));
   return largest_displacement(f);
 }
 
@@ -49,8 +59,50 @@ double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   free.body->force(0, q, zero, without_force);
   TissueBody::DofMatrix K;
   body.stiffness(0, q, zero, K);
-  const double given = linear_displacement(K, with_force - without_force);
+  const double given = linear_displacement(body, std::move(K), with_force - without_force);
   return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
+}
+
+bool is_loose(const TissueBody& body) { return !loose_dofs(body).empty(); }
+
+/// Of some points the one furthest from a place.
+TetMesh::Index furthest(const TetMesh& mesh, const std::vector<TetMesh::Index>& of,
+                        const Eigen::Vector3d& place) {
+  return *std::ranges::max_element(of, {},
+                                   [&](TetMesh::Index i) { return (mesh.points.col(i) - place).norm(); });
+}
+
+/// Of some points those near one of them.
+std::vector<TetMesh::Index> around(const TetMesh& mesh, const std::vector<TetMesh::Index>& of,
+                                   TetMesh::Index tip) {
+  const double radius = 0.15 * size_of(mesh);
+  std::vector<TetMesh::Index> near;
+  for (const TetMesh::Index i : of)
+    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) near.push_back(i);
+  return near;
+}
+
+/// far_press(). A part that nothing holds would fly away: it is pulled at both ends, along the line between
+/// them, which neither moves nor turns it.
+std::vector<PressingForce> test_forces(const TissueBody& body) {
+  const TetMesh& mesh = body.mesh();
+  PressingForce near = far_press(body);
+  for (const std::vector<Eigen::Index>& part : loose_dofs(body)) {
+    std::vector<TetMesh::Index> points;
+    for (std::size_t i = 0; i < part.size(); i += 3)
+      points.push_back(body.free_points()[static_cast<std::size_t>(part[i] / 3)]);
+    if (std::ranges::find(points, near.points.front()) == points.end()) continue;
+    const auto surface = surface_of(mesh).points;
+    std::erase_if(points, [&](TetMesh::Index i) { return std::ranges::find(surface, i) == surface.end(); });
+    const auto middle = [&](const PressingForce& force) -> Eigen::Vector3d {
+      return mesh.points(Eigen::all, force.points).rowwise().mean();
+    };
+    PressingForce far{.points = around(mesh, points, furthest(mesh, points, middle(near)))};
+    far.force = (middle(far) - middle(near)).normalized();
+    near.force = -far.force;
+    return {near, far};
+  }
+  return {near};
 }
 
 /// Afterwards the forces are 0, and not a sum that cancels but for rounding: beside that noise a body at rest
@@ -83,7 +135,8 @@ double first_share(const Problem& problem) {
   TissueBody::DofMatrix K;
   body.force(0, zero, zero, f);
   body.stiffness(0, zero, zero, K);
-  const double most = 0.02 * size_of(body.mesh()), moved = linear_displacement(K, std::move(f));
+  const double most = 0.02 * size_of(body.mesh()),
+               moved = linear_displacement(body, std::move(K), std::move(f));
   double share = 1;
   while (share > 1.0 / 64 && share * moved > most) share /= 2;
   return share;
@@ -111,6 +164,13 @@ std::pair<double, std::string> probing_share(const Problem& problem, const Watch
                         ? "the load"
                         : fmt::format("{:.3g} of the load, {}", *share, words_of_share(*problem.body))};
   const double share = force_for_2_percent(problem, Eigen::VectorXd::Zero(problem.body->dofs()));
+  if (is_loose(*problem.body))
+    return {std::min(share, 1.0),
+            fmt::format(
+                "{}; nothing holds the body, and the load may carry it away",
+                share < 1 ? fmt::format("{:.3g} of the load, which deforms the body by about 2 % of its size",
+                                        share)
+                          : "the load")};
   return {share,
           fmt::format("{:.3g} of the load, which moves the body by about 2 % of its size; 1/64 of it has no "
                       "equilibrium",
@@ -128,11 +188,12 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
   std::string words;
   double share = 1;
   if (settings.forces.empty()) {
-    settings.forces = {far_press(body)};
-    const double force =
+    settings.forces = test_forces(body);
+    const double newtons =
         force_for_2_percent(with_settings(resting.problem, settings), resting.problem.y0.head(body.dofs()));
-    settings.forces.front().force *= force;
-    words = fmt::format("a press of {:.3g} N at the far end{}", force, resting.words);
+    for (PressingForce& force : settings.forces) force.force *= newtons;
+    words = fmt::format("a {} of {:.3g} N at {}{}", settings.forces.size() == 1 ? "press" : "pull", newtons,
+                        settings.forces.size() == 1 ? "the far end" : "both ends", resting.words);
   } else {
     std::tie(share, words) = probing_share(problem, watcher);
     for (PressingForce& force : settings.forces) force.force *= share;
@@ -260,13 +321,8 @@ PressingForce far_press(const TissueBody& body) {
     supported.insert(supported.end(), support.points.begin(), support.points.end());
   if (!supported.empty()) held = mesh.points(Eigen::all, supported).rowwise().mean();
   const auto surface = surface_of(mesh).points;
-  const auto distance = [&](TetMesh::Index i) { return (mesh.points.col(i) - held).norm(); };
-  const TetMesh::Index tip = *std::ranges::max_element(surface, {}, distance);
-  PressingForce press{.points = {}, .force = (held - mesh.points.col(tip)).normalized()};
-  const double radius = 0.15 * size_of(mesh);
-  for (const TetMesh::Index i : surface)
-    if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) press.points.push_back(i);
-  return press;
+  const TetMesh::Index tip = furthest(mesh, surface, held);
+  return {.points = around(mesh, surface, tip), .force = (held - mesh.points.col(tip)).normalized()};
 }
 
 RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher) {
@@ -308,18 +364,25 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
   }
   const TissueBody& body = *motion.problem.body;
   TissueSettings settings = body.settings();
-  PressingForce press = settings.forces.empty() ? far_press(body) : settings.forces.front();
-  const Eigen::Vector3d along = press.force.normalized(), across = along.unitOrthogonal();
-  press.force = across;
-  press.profile = {};
-  settings.forces = {press};
-  const double force =
+  const bool loose = is_loose(body);
+  if (loose) {
+    settings.forces = test_forces(body);
+  } else {
+    PressingForce press = settings.forces.empty() ? far_press(body) : settings.forces.front();
+    const Eigen::Vector3d along = press.force.normalized(), across = along.unitOrthogonal();
+    press.force = across;
+    press.profile = {};
+    settings.forces = {press};
+  }
+  const double newtons =
       0.5 * force_for_2_percent(with_settings(motion.problem, settings), motion.problem.y0.head(body.dofs()));
   const double omega = slowest > 0 ? slowest / 4 : 1;
-  settings.forces.front().force *= force;
-  settings.forces.front().profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
-  other.words = fmt::format("a force of {:.3g} N in another direction, back and forth every {:.3g} s", force,
-                            2 * std::numbers::pi / omega);
+  for (PressingForce& force : settings.forces) {
+    force.force *= newtons;
+    force.profile = {.kind = TimeProfile::Kind::sine, .omega = omega};
+  }
+  other.words = fmt::format("a force of {:.3g} N {}, back and forth every {:.3g} s", newtons,
+                            loose ? "along the body" : "in another direction", 2 * std::numbers::pi / omega);
   other.problem = with_settings(motion.problem, std::move(settings));
   other.problem.y0 = motion.problem.y0;
   return other;

@@ -27,9 +27,10 @@ struct ProbingMotion {
 /// Of a body whose loads do not change with time: they come within 0.1 s, stay for 0.2 s and go within 0.1 s,
 /// and the body moves freely for 0.2 s. Gravity, or the most of it that has an equilibrium, acts all the
 /// time, from there on. A body without any other load is pressed at its far end until it gives way by 2 % of
-/// its size. A load without an equilibrium is halved, up to six times, until it has one, and then taken as
-/// large as moves the body by 2 % of its size. Of bodies whose loads change with time, and of what is no
-/// body: the problem's own motion, up to its end.
+/// its size; one that nothing holds is pulled at both ends until it is deformed as much. A load without an
+/// equilibrium is halved, up to six times, until it has one, and then taken as large as moves the body by 2 %
+/// of its size. Of bodies whose loads change with time, and of what is no body: the problem's own motion, up
+/// to its end.
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
 
 /// A body as it rests under gravity, which is scaled by the largest share 1, 1/2, ..., 1/64 with an
@@ -46,8 +47,9 @@ RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher
 PressingForce far_press(const TissueBody& body);
 
 /// A motion that no step was chosen for. A body: beside gravity and loads of its own that change with time,
-/// slow oscillations across the direction of its press, as large as moves it by 1 % of its size. What is no
-/// body: its own motion from half of its initial state.
+/// slow oscillations across the direction of its press, as large as moves it by 1 % of its size, or along a
+/// body that nothing holds, which a force across would carry away. What is no body: its own motion from half
+/// of its initial state.
 /// @param t_end    [s]
 /// @param slowest  the slowest frequency of the body, which the load stays well below [rad/s]; 0: not known
 ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slowest);

@@ -106,6 +106,33 @@ TEST(Advise, HoldsImplicitStepsOfABodyThatHasComeToRest) {
   EXPECT_NE(advice.recommended(), nullptr) << advice.rows.front().status;
 }
 
+// Free stiffness has no inverse: 1e-15 N was made of it.
+TEST(ProbingMotion, DeformsABodyThatNothingHoldsAndDoesNotCarryItAway) {
+  const Problem problem = make_problem("fem_cauchy@cube:n=2", {.parameters = {{"support", 0}}});
+  const ProbingMotion motion = probing_motion(problem);
+  const TissueBody& body = *motion.problem.body;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(body.dofs());
+  Eigen::VectorXd f(body.dofs());
+  body.force(0.2, zero, zero, f);
+  const auto by_points = f.reshaped(3, f.size() / 3);
+  const Eigen::Vector3d net = by_points.rowwise().sum();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < by_points.cols(); ++i) {
+    const Eigen::Vector3d x = body.mesh().points.col(body.free_points()[static_cast<std::size_t>(i)]);
+    moment += x.cross(Eigen::Vector3d(by_points.col(i)));
+  }
+  EXPECT_GT(f.norm(), 0.01);
+  EXPECT_LT(net.norm(), 1e-12 * f.norm());
+  EXPECT_LT(moment.norm(), 1e-12 * f.norm());
+  // Sides of 0.1 m: the diagonal is 0.173 m. A load that rises within a period sways beyond its equilibrium.
+  const ReferenceMotion reference = reference_motion(motion, 0.01, 0.1);
+  EXPECT_GT(reference.scale, 0.5 * 0.02 * 0.173);
+  EXPECT_LT(reference.scale, 2.5 * 0.02 * 0.173);
+  const Advice advice = advise(problem, question(60, {"rk4", "newmark"}, problem));
+  ASSERT_NE(advice.recommended(), nullptr);
+  EXPECT_NEAR(advice.scale, reference.scale, 0.3 * reference.scale);
+}
+
 TEST(ProbingMotion, PressesABodyUnderGravityFromItsEquilibrium) {
   const ProbingMotion motion = probing_motion(cube("gravity"));
   const TissueBody& body = *motion.problem.body;
