@@ -40,6 +40,22 @@ bool can_be_larger(const TissueSettings& settings) {
          }));
 }
 
+/// The amplitude P of the force of what is no body; null where it has none, or it is 0.
+const double* amplitude(const Problem& problem) {
+  const auto P = std::ranges::find(problem.parameters, "P", &std::pair<std::string, double>::first);
+  return P != problem.parameters.end() && P->second != 0 ? &P->second : nullptr;
+}
+
+/// What larger_motion() makes larger; empty where that is nothing.
+std::string larger_loads(const Problem& problem, bool can_make) {
+  if (problem.body) return can_be_larger(settings_of(problem)) ? "loads" : "";
+  std::string loads;
+  if (can_make && amplitude(problem))
+    loads = problem.kind() == ModelKind::oscillator ? "force" : "parameter P";
+  if (!problem.y0.isZero(0)) loads += loads.empty() ? "initial state" : " and initial state";
+  return loads;
+}
+
 }  // namespace
 
 ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const ProblemWith& make) {
@@ -51,8 +67,8 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
     });
     return larger;
   }
-  const auto P = std::ranges::find(motion.problem.parameters, "P", &std::pair<std::string, double>::first);
-  if (make && P != motion.problem.parameters.end()) larger.problem = make({{"P", factor * P->second}});
+  if (const double* const P = amplitude(motion.problem); make && P)
+    larger.problem = make({{"P", factor * *P}});
   larger.problem.y0 = factor * motion.problem.y0;
   return larger;
 }
@@ -60,8 +76,8 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
                        const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher,
                        double most_cpu) {
-  LoadMargin margin;
-  if (motion.problem.body && !can_be_larger(settings_of(motion.problem))) return margin;
+  LoadMargin margin{.loads = larger_loads(motion.problem, make != nullptr)};
+  if (margin.loads.empty()) return margin;
   margin.inversion = first_inversion(motion, reference);
   if (margin.inversion) {
     margin.fails = 1;

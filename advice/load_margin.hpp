@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "advice/motion/candidate.hpp"
 #include "advice/motion/probing_motion.hpp"
@@ -14,6 +15,8 @@ namespace hmax {
 /// Found by running the candidate on larger motions.
 struct LoadMargin {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  std::string loads =
+      {};  ///< what the factors are of: "loads" of a body, else such as "force and initial state"
   double holds = none;  ///< the largest factor of the loads at which the step is stable
   double fails = none;  ///< the smallest tried at which it is not, or inverts an element; infinity: 8 holds
   double displacement =
@@ -31,7 +34,8 @@ ProbingMotion larger_motion(const ProbingMotion& motion, double factor, const Pr
 
 /// Motions of 2, 4 and 8 times the loads, until one fails or inverts an element, then two between; none is
 /// begun after most_cpu of CPU time [s], and `fails` is NaN where that ends the search before one has failed.
-/// All is NaN of bodies that a tool touches or that nothing but gravity loads.
+/// All is NaN of bodies that a tool touches or that nothing but gravity loads, and of what begins at zero and
+/// has no P.
 /// @param h  [s]
 LoadMargin load_margin(const Candidate& candidate, double h, const ProbingMotion& motion,
                        const ReferenceMotion& reference, const ProblemWith& make, const Watcher& watcher = {},

@@ -224,7 +224,7 @@ void add_measured(Facts& facts, const Problem& problem, const AdviceRow& row, co
 std::string words_of(const LoadMargin& margin, bool of_body) {
   if (std::isnan(margin.holds))
     return margin.inversion ? "none: " + in_words(*margin.inversion) + " by the loads of the motion" : "";
-  const std::string loads = of_body ? "loads" : "force and initial state";
+  const std::string& loads = margin.loads;
   const std::string size =
       of_body ? fmt::format(", which move it by {} mm", milliseconds(margin.displacement)) : "";
   const std::string held = margin.holds > 1 ? fmt::format("stable at {} times the {}{}",

@@ -610,6 +610,28 @@ TEST(LoadMargin, EndsWhereASpringThatStiffensIsTooFastForTheStep) {
   EXPECT_FALSE(holds(candidate, larger_motion(motion, margin.fails, {}), reference, h));
 }
 
+// The springs of the liver are pushed by P; what begins at rest and has no P has nothing to be made larger.
+TEST(LoadMargin, NamesWhatItMakesLarger) {
+  const Candidate candidate{find_method("rk4"), {}, {}};
+  const auto named = [&](const char* id, std::vector<double> y0, double P) {
+    const auto make = [&](const std::vector<std::pair<std::string, double>>& values) {
+      return make_problem(id, {.parameters = values, .y0 = y0});
+    };
+    ProbingMotion motion = probing_motion(P > 0 ? make({{"P", P}}) : make({}));
+    motion.t_end = 1;
+    const LoadMargin margin = load_margin(candidate, 0.01, motion, reference_motion(motion, 0.1, 0.01), make);
+    EXPECT_EQ(std::isnan(margin.holds), margin.loads.empty()) << margin.loads;
+    return margin.loads;
+  };
+  EXPECT_EQ(named("liver_forced", {0.1, 0}, 1), "force and initial state");
+  EXPECT_EQ(named("liver_forced", {0, 0}, 1), "force");
+  EXPECT_EQ(named("liver_linear", {0.1, 0}, 0), "initial state");
+  const Scratch scratch;
+  const std::filesystem::path file = scratch / "filled.toml";
+  std::ofstream(file) << "[problem]\nt_end = 1\n[equations]\nx = \"1 - x\"\n[initial]\nx = 0\n";
+  EXPECT_EQ(named(file.string().c_str(), {}, 0), "");
+}
+
 TEST(LoadMargin, MovesWhatMovesABody) {
   const Problem pressed = cube("press"), touched = cube("tool");
   const ProbingMotion larger = larger_motion(probing_motion(pressed), 3, {});
