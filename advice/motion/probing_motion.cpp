@@ -414,6 +414,11 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
   return reference;
 }
 
+double scale_of_state(const ReferenceMotion& reference, Eigen::Index i) {
+  const bool moves = i < reference.ranges.size() && reference.ranges[i] > 1e-9 * reference.scale;
+  return moves ? reference.ranges[i] : reference.scale;
+}
+
 double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,
                       const Eigen::Ref<const Eigen::VectorXd>& y) {
   if (motion.problem.body) {
@@ -424,9 +429,7 @@ double relative_error(const ProbingMotion& motion, const ReferenceMotion& refere
   for (Eigen::Index i = 0; i < y.size(); ++i) {
     const double away = std::abs(y[i] - reference.y[instant][i]);
     if (std::isnan(away)) return away;
-    // A state that stays where it is but for rounding is measured by the others.
-    const bool moves = reference.ranges[i] > 1e-9 * reference.scale;
-    largest = std::max(largest, away / (moves ? reference.ranges[i] : std::max(reference.scale, 1e-300)));
+    largest = std::max(largest, away / std::max(scale_of_state(reference, i), 1e-300));
   }
   return largest;
 }

@@ -84,6 +84,10 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
                                  const Watcher& watcher = {}, const ExplicitLimits& limits = {},
                                  const FindMethod& find = find_method);
 
+/// What a number of the state is measured by: of a body the scale; of others the range of that number, or the
+/// scale where it stays where it is but for rounding.
+double scale_of_state(const ReferenceMotion& reference, Eigen::Index i);
+
 /// The distance of a state from the reference: of a body the largest distance of a point, relative to the
 /// scale; of others the largest of the states, each relative to its own range.
 double relative_error(const ProbingMotion& motion, const ReferenceMotion& reference, std::size_t instant,

@@ -113,13 +113,15 @@ void side_by_side(bool at_once, const Watcher& watcher,
   if (why) std::rethrow_exception(why);
 }
 
-Pair neighbours(const Candidate& candidate, const Problem& problem, double scale, double h, double t_end,
-                double most_seconds, const Watcher& watcher) {
+/// @param scales  of each number that is compared
+Pair neighbours(const Candidate& candidate, const Problem& problem, const Eigen::VectorXd& scales, double h,
+                double t_end, double most_seconds, const Watcher& watcher) {
   // Another direction for each number, so that every mode has a part.
   Problem beside = problem;
   const Eigen::Index n = unknowns_of(problem);
   for (Eigen::Index i = 0; i < n; ++i)
-    beside.y0[i] += apart * scale * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
+    beside.y0[i] +=
+        apart * scales[i] * (2 * std::fmod(0.618033988749895 * static_cast<double>(i + 1), 1.0) - 1);
   Pair pair;
   const bool at_once = problem.body && !candidate.method.device;
   side_by_side(at_once, watcher,
@@ -133,7 +135,7 @@ Pair neighbours(const Candidate& candidate, const Problem& problem, double scale
                 }});
   if (!pair.ended()) return pair;
   const auto distance = [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
-    return (a - b).head(n).cwiseAbs().maxCoeff() / scale;
+    return (a - b).head(n).cwiseQuotient(scales).cwiseAbs().maxCoeff();
   };
   pair.apart_at_end = distance(pair.run.end.y, pair.beside.end.y);
   pair.growth = pair.apart_at_end / apart;
@@ -162,14 +164,15 @@ std::string words_of_end(const RunRecord& end) {
 
 /// Of a step whose neighbours part: whether the model parts them, as a quarter of the step shows.
 void judge_by_quarter(StepVerdict& verdict, const Pair& pair, const Candidate& candidate,
-                      const Problem& problem, double scale, double h, double t_end, const Watcher& watcher) {
+                      const Problem& problem, const Eigen::VectorXd& scales, double h, double t_end,
+                      const Watcher& watcher) {
   constexpr double most_larger = 2;
   verdict.why =
       fmt::format("runs from states {:.0e} apart are {:.2g} apart at t = {:.4g} s, relative to the motion",
                   apart, pair.apart_at_end, t_end);
   Pair quarter;
   try {
-    quarter = neighbours(candidate, problem, scale, h / 4, t_end, most_cpu / 2, watcher);
+    quarter = neighbours(candidate, problem, scales, h / 4, t_end, most_cpu / 2, watcher);
   } catch (const TooLong&) {
     verdict.why += "; with a quarter of the step they take too long to tell whether the model does this";
     return;
@@ -197,16 +200,18 @@ void judge_by_quarter(StepVerdict& verdict, const Pair& pair, const Candidate& c
 
 StepVerdict judged_step(const Candidate& candidate, const ProbingMotion& motion,
                         const ReferenceMotion& reference, double h, const Watcher& watcher) {
-  const double scale = std::max(reference.scale, std::numeric_limits<double>::min()),
-               t_end = std::max(motion.t_end, least_steps * h);
-  const Pair pair = neighbours(candidate, motion.problem, scale, h, t_end,
+  const double t_end = std::max(motion.t_end, least_steps * h);
+  Eigen::VectorXd scales(unknowns_of(motion.problem));
+  for (Eigen::Index i = 0; i < scales.size(); ++i)
+    scales[i] = std::max(scale_of_state(reference, i), std::numeric_limits<double>::min());
+  const Pair pair = neighbours(candidate, motion.problem, scales, h, t_end,
                                std::numeric_limits<double>::infinity(), watcher);
   StepVerdict verdict;
   verdict.inversion = pair.run.inversion;
   verdict.stable = pair.ended() && pair.apart_at_end <= parted;
   if (verdict.stable) return verdict;
   if (pair.ended())
-    judge_by_quarter(verdict, pair, candidate, motion.problem, scale, h, t_end, watcher);
+    judge_by_quarter(verdict, pair, candidate, motion.problem, scales, h, t_end, watcher);
   else
     verdict.why = words_of_end(pair.run.end.outcome != Outcome::reached_end ? pair.run.end : pair.beside.end);
   if (!verdict.stable && verdict.inversion) verdict.why = in_words(*verdict.inversion) + "; " + verdict.why;

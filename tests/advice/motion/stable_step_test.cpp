@@ -95,6 +95,16 @@ TEST(StableStep, OfALinearOscillatorIsDecidedByGrowthAlone) {
   EXPECT_FALSE(beyond.parts) << "a quarter of the step holds neighbours together";
 }
 
+// Of 1e5 rad/s: displacements of 1e-9 beside velocities of 1e-4, looked at after 191 and a half half-turns.
+TEST(StableStep, MeasuresEachStateByItsOwnRange) {
+  const Problem problem =
+      make_problem("liver_linear", {.parameters = {{"m", 1e-10}, {"c", 0}, {"k1", 1}}, .y0 = {1e-9, 0}});
+  ReferenceMotion reference{.t = {}, .y = {}, .scale = 1e-4, .ranges = Eigen::Vector2d(2e-9, 1e-4)};
+  const StepVerdict verdict = judged_step(rk4(), {.problem = problem, .t_end = 6.016e-3}, reference, 1e-6);
+  EXPECT_TRUE(verdict.stable) << verdict.why;
+  EXPECT_FALSE(verdict.parts);
+}
+
 TEST(StableStep, IsNotWhatChaosOfTheModelDecides) {
   // Neighbours of the Lorenz attractor part like exp(0.906 t) with every integrator: 1e-8 becomes 1 within 25
   // s.
