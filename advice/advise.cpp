@@ -300,7 +300,7 @@ class Search {
     advice_.suggested_support = suggested_support(problem_);
     enter(AdviceStage::searching, 0.02, "finding a load with an equilibrium");
     model.motion = question_.motion ? probing_motion(problem_, *question_.motion, watch_)
-                                    : probing_motion(problem_, watch_);
+                                    : probing_motion(problem_, watch_, question_.frame());
     lengthen(model.motion, question_);
     advice_.motion = fmt::format("{}; to t = {:.6g} s", model.motion.words, model.motion.t_end);
     advice_.t_end = model.motion.t_end;
@@ -395,7 +395,7 @@ class Search {
     enter(advice_.stage, 0.89, "a model that resists inversion");
     try {
       const ProbingMotion motion = question_.motion ? probing_motion(*other, *question_.motion, watch_)
-                                                    : probing_motion(*other, watch_);
+                                                    : probing_motion(*other, watch_, question_.frame());
       const ReferenceMotion reference = reference_motion(
           motion, question_.frame(), question_.tolerance, watch_,
           explicit_limits(linearised(motion.problem, 0, motion.problem.y0)), placing(motion.problem));

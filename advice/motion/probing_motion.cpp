@@ -25,7 +25,17 @@ namespace hmax {
 
 namespace {
 
-constexpr double rise = 0.1, hold = 0.2, after = 0.2;  // [s]
+/// Of a load that comes and goes.
+struct Course {
+  double rise, hold, after;  ///< [s]
+};
+
+/// Frames of a second would see nothing of a load that has gone within half of one.
+Course course_of(double frame) {
+  constexpr double least_frames = 2;
+  const double rise = std::max(0.1, least_frames * frame);
+  return {rise, 2 * rise, 2 * rise};
+}
 
 double size_of(const TetMesh& mesh) {
   return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
@@ -107,9 +117,10 @@ std::vector<PressingForce> test_forces(const TissueBody& body) {
 
 /// Afterwards the forces are 0, and not a sum that cancels but for rounding: beside that noise a body at rest
 /// has no equations that Newton's method can solve to its tolerance.
-void come_and_go(std::vector<PressingForce>& forces) {
+void come_and_go(std::vector<PressingForce>& forces, const Course& course) {
   for (PressingForce& force : forces)
-    force.profile = {.kind = TimeProfile::Kind::ramp, .start = 0, .rise = rise, .fall = rise + hold};
+    force.profile = {
+        .kind = TimeProfile::Kind::ramp, .start = 0, .rise = course.rise, .fall = course.rise + course.hold};
 }
 
 /// The searches for an equilibrium of a large body, each with a factor whose cost grows like the square of
@@ -177,7 +188,7 @@ std::pair<double, std::string> probing_share(const Problem& problem, const Watch
                       share)};
 }
 
-ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
+ProbingMotion of_body(const Problem& problem, const Watcher& watcher, double frame) {
   const TissueBody& body = *problem.body;
   if (has_moving_load(problem)) {
     const double t_end = end_of_motion(problem);
@@ -198,33 +209,15 @@ ProbingMotion of_body(const Problem& problem, const Watcher& watcher) {
     std::tie(share, words) = probing_share(problem, watcher);
     for (PressingForce& force : settings.forces) force.force *= share;
   }
-  come_and_go(settings.forces);
-  const double t_end = rise + hold + rise + after;
+  const Course course = course_of(frame);
+  come_and_go(settings.forces, course);
+  const double t_end = course.rise + course.hold + course.rise + course.after;
   return {.problem = with_settings(resting.problem, std::move(settings)),
           .t_end = t_end,
           .words = fmt::format("{}; it rises within {:.3g} s, stays for {:.3g} s and falls within {:.3g} s",
-                               words, rise, hold, rise),
+                               words, course.rise, course.hold, course.rise),
           .load_share = share,
           .gravity_share = resting.share};
-}
-
-/// The state at each of some instants, by a method at h; nothing where a step is not solved.
-/// @param at  multiples of the second one, which is one of h
-std::optional<std::vector<Eigen::VectorXd>> sampled(const ProbingMotion& motion, const Method& method,
-                                                    double h, const std::vector<double>& at,
-                                                    const Watcher& watcher) {
-  std::vector<Eigen::VectorXd> states;
-  const RunSpec spec{.t_end = motion.t_end,
-                     .h = h,
-                     .seen_every = at.size() > 1 ? std::llround(at[1] / h) : 1,
-                     .max_steps = 100'000'000};
-  const RunRecord record =
-      method.bind(motion.problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
-        if (watcher) watcher();
-        if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
-      });
-  if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
-  return states;
 }
 
 /// The largest distance of a point between two states of a body.
@@ -233,11 +226,41 @@ double distance(const Eigen::Ref<const Eigen::VectorXd>& a, const Eigen::Ref<con
   return largest_displacement(difference.head(difference.size() / 2));
 }
 
-/// The largest excursion from the start.
-double scale_of(const std::vector<Eigen::VectorXd>& y) {
-  double scale = 0;
-  for (const Eigen::VectorXd& state : y) scale = std::max(scale, distance(state, y.front()));
-  return scale;
+/// States of a run, and its largest excursion from the start, between them too.
+struct Sampled {
+  std::vector<Eigen::VectorXd> states;
+  double reach = 0;
+};
+
+/// How many steps lie between two looks at a motion: a whole part of those between two instants, 20 ms at
+/// most.
+std::int64_t steps_between_looks(std::int64_t steps, double h) {
+  constexpr double longest = 0.02;
+  std::int64_t few = std::clamp<std::int64_t>(std::llround(std::floor(longest / h * (1 + 1e-9))), 1, steps);
+  while (steps % few != 0) --few;
+  return few;
+}
+
+/// The state at each of some instants, by a method at h; nothing where a step is not solved.
+/// @param at  multiples of the second one, which is one of h
+std::optional<Sampled> sampled(const ProbingMotion& motion, const Method& method, double h,
+                               const std::vector<double>& at, const Watcher& watcher) {
+  Sampled run;
+  std::vector<Eigen::VectorXd>& states = run.states;
+  const std::int64_t looks = at.size() > 1 ? steps_between_looks(std::llround(at[1] / h), h) : 1,
+                     seen_every = method.device ? looks : 1;
+  const RunSpec spec{.t_end = motion.t_end, .h = h, .seen_every = seen_every, .max_steps = 100'000'000};
+  std::int64_t step = -seen_every;
+  const RunRecord record =
+      method.bind(motion.problem).run(spec, [&](double t, const Eigen::Ref<const Eigen::VectorXd>& y) {
+        if (watcher) watcher();
+        step += seen_every;
+        if (states.size() < at.size() && t >= at[states.size()] - 0.25 * h) states.emplace_back(y);
+        if (step % looks == 0 && t <= at.back() + 0.25 * h)
+          run.reach = std::max(run.reach, distance(y, states.front()));
+      });
+  if (record.outcome != Outcome::reached_end || states.size() != at.size()) return std::nullopt;
+  return run;
 }
 
 /// What integrates the reference of a body, from which step on, which divides a frame [s], and how often that
@@ -275,18 +298,18 @@ bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, 
                         double tolerance, ReferenceMotion& reference, const Watcher& watcher) {
   const double goal = tolerance / 10;
   const int order = method.order;
-  std::optional<std::vector<Eigen::VectorXd>> coarse;
+  std::optional<Sampled> coarse;
   double h = by.h;
   for (int halving = 0; halving <= by.halvings; ++halving, h /= 2) {
     auto fine = sampled(motion, method, h, reference.t, watcher);
     if (fine && coarse) {
-      reference.scale = scale_of(*fine);
+      reference.scale = fine->reach;
       double change = 0;
-      for (std::size_t i = 0; i < fine->size(); ++i)
-        change = std::max(change, distance((*fine)[i], (*coarse)[i]));
+      for (std::size_t i = 0; i < fine->states.size(); ++i)
+        change = std::max(change, distance(fine->states[i], coarse->states[i]));
       reference.error_bound = reference.scale > 0 ? change / reference.scale : 0;
       if (reference.error_bound <= goal) {
-        reference.y = std::move(*fine);
+        reference.y = std::move(fine->states);
         return true;
       }
       if (std::log2(reference.error_bound / goal) / order > by.halvings - halving) return false;
@@ -349,8 +372,8 @@ RestingBody resting_under_gravity(const Problem& problem, const Watcher& watcher
           " without gravity, under which there is no equilibrium", 0};
 }
 
-ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher) {
-  if (problem.body) return of_body(problem, watcher);
+ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher, double frame) {
+  if (problem.body) return of_body(problem, watcher, frame);
   return {.problem = problem, .t_end = problem.t_end, .words = "its own motion"};
 }
 
@@ -400,9 +423,16 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
     return steady_reference(motion, frame, tolerance, limits, std::move(reference), watcher, find);
   const Reference exact = make_reference(motion.problem, motion.t_end);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
+  // Few instants may all be alike, of a period: the ranges are those of at least so many as there are
+  // usually.
+  const double looks = std::ceil(most_instants / frames);
   for (const double t : reference.t) {
     reference.y.push_back(exact.at(std::min(t, exact.valid_until)));
-    reference.ranges = reference.ranges.cwiseMax((reference.y.back() - reference.y.front()).cwiseAbs());
+    for (double look = 0; look < looks; ++look) {
+      const Eigen::VectorXd y =
+          look == 0 ? reference.y.back() : exact.at(std::min(t + look / looks * frame, exact.valid_until));
+      reference.ranges = reference.ranges.cwiseMax((y - reference.y.front()).cwiseAbs());
+    }
   }
   reference.scale = reference.ranges.maxCoeff();
   // What rounding alone moves is no motion: errors relative to it are around one at every step.

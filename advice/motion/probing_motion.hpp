@@ -31,7 +31,10 @@ struct ProbingMotion {
 /// equilibrium is halved, up to six times, until it has one, and then taken as large as moves the body by 2 %
 /// of its size. Of bodies whose loads change with time, and of what is no body: the problem's own motion, up
 /// to its end.
-ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {});
+/// @param frame  [s]: where it is longer than 0.05 s, the load rises and falls within two of it, and the
+/// other
+///               times are longer in proportion
+ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {}, double frame = 0);
 
 /// A body as it rests under gravity, which is scaled by the largest share 1, 1/2, ..., 1/64 with an
 /// equilibrium; without gravity where there is none, or none acts.
@@ -58,7 +61,8 @@ ProbingMotion other_motion(const ProbingMotion& motion, double t_end, double slo
 struct ReferenceMotion {
   std::vector<double> t;           ///< [s], the first is 0
   std::vector<Eigen::VectorXd> y;  ///< shape (dim) each
-  double scale = 0;          ///< the largest displacement of a body [m], or the largest range of a state
+  /// The largest displacement of a body [m], every 20 ms at least, or the largest range of a state.
+  double scale = 0;
   Eigen::VectorXd ranges{};  ///< of what is no body: max |y_i - y_i(0)|, shape (dim); else empty
   double error_bound = 0;    ///< of the instants, relative as relative_error()
 };

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -195,6 +196,36 @@ TEST(ReferenceMotion, IsAsCloseAsItSays) {
     away = std::max(away, relative_error(motion, fine, i, coarse.y[i]));
   EXPECT_LE(away, 0.012);
   EXPECT_GT(away, 0);
+}
+
+// Of small strains 2 % are 2 % of the diagonal, 0.173 m. The load had gone before the first frame of a
+// second.
+TEST(ProbingMotion, LastsSomeFrames) {
+  const ProbingMotion motion = probing_motion(make_problem("fem_cauchy@cube:n=2"), {}, 1);
+  EXPECT_EQ(motion.t_end, 12);
+  EXPECT_TRUE(says(motion.words, "rises within 2 s"));
+  EXPECT_NEAR(reference_motion(motion, 1, 0.1).scale, 0.02 * 0.1 * std::sqrt(3.0), 1e-4);
+  EXPECT_EQ(probing_motion(make_problem("fem_cauchy@cube:n=2"), {}, 0.05).t_end,
+            probing_motion(cube("press")).t_end);
+}
+
+TEST(ReferenceMotion, HasTheScaleOfItsStatesBetweenFramesToo) {
+  // A force that is nothing at the end of each frame.
+  const double frame = 0.2;
+  ProbingMotion motion =
+      probing_motion(make_problem("fem_cauchy/press@cube:n=2", {.parameters = {{"E", 1e5}}}));
+  motion.problem = with_settings(motion.problem, [&](TissueSettings& settings) {
+    settings.forces.front().profile = {.kind = TimeProfile::Kind::sine,
+                                       .omega = 2 * std::numbers::pi / frame};
+  });
+  motion.t_end = 5 * frame;
+  const double scale = reference_motion(motion, 0.01, 0.01).scale;
+  EXPECT_NEAR(reference_motion(motion, frame, 0.01).scale, scale, 0.05 * scale);
+  // An oscillator of amplitude 1, seen once in each period.
+  const double k1 = 5.3, m = 1.45, period = 2 * std::numbers::pi / std::sqrt(k1 / m);
+  const Problem spring = make_problem("liver_linear", {.parameters = {{"c", 0}}, .y0 = {1, 0}});
+  const ReferenceMotion seldom = reference_motion({.problem = spring, .t_end = 8.5 * period}, period, 0.01);
+  EXPECT_NEAR(seldom.ranges[0], 2, 0.15);
 }
 
 TEST(ReferenceMotion, IsTheSameByEachMethod) {
