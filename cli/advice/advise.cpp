@@ -220,11 +220,13 @@ std::exception_ptr search(const AdviseOptions& options, const Problem& problem,
   const LeavesIterations leaves(interrupted, [] { throw Interrupted{"no method was finished"}; });
   const double begun = elapsed_seconds();
   bool waits = !console.json;  // whether people may still wait for a first answer
+  Advice first;                // its rows, which the search changes
   const AdviceWatcher watcher = [&](double share, const std::string& what) {
     if (interrupted) throw Interrupted{"no method was finished"};
+    if (waits && first.rows.empty() && advice.stage == AdviceStage::searching) first.rows = advice.rows;
     if (waits && advice.stage == AdviceStage::searching && elapsed_seconds() - begun > soon) {
       progress.clear();
-      console.print(words_of_first_answer(problem, question, advice, console));
+      console.print(words_of_first_answer(problem, question, first, console));
       console.flush();
       waits = false;
     }

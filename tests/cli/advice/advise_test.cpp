@@ -153,6 +153,15 @@ TEST(AdviseCommand, AnswersWithinATime) {
   expect_refused(shell.hmax(question + "soon"), "--within");
 }
 
+TEST(AdviseCommand, SaysFirstWhatIsPredicted) {
+  // Some of these methods are run within the two seconds after which the first answer is shown.
+  const std::string told = Shell().hmax("advise --mesh cube:n=3 --rate 100 --frames 20 --within 5").out;
+  const std::size_t end = told.find("The answer of runs follows");
+  if (end == std::string::npos) GTEST_SKIP() << "the whole answer takes less";
+  EXPECT_TRUE(says(told.substr(0, end), "predicted\n"));
+  EXPECT_FALSE(says(told.substr(0, end), "suitable\n"));
+}
+
 TEST(AdviseCommand, RecommendsAStepForABallThatBounces) {
   const Shell shell;
   write_text(shell / "ball.toml",
