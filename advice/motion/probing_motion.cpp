@@ -263,6 +263,18 @@ std::optional<Sampled> sampled(const ProbingMotion& motion, const Method& method
   return run;
 }
 
+/// What rounding alone moves is no motion: errors relative to it are around one at every step.
+/// @throws InputError  where the problem does not move further
+void require_motion(const Problem& problem, double scale) {
+  // Equilibria of bodies are found to 1e-10.
+  const double rounding = problem.body ? 1e-8 * largest_displacement(problem.y0.head(problem.y0.size() / 2))
+                                       : 1e-10 * problem.y0.cwiseAbs().maxCoeff();
+  if (!(scale > rounding))
+    throw InputError(fmt::format(
+        "{} stays at its initial state, and steps are judged by a motion; give another {}", problem.id,
+        problem.body ? "load, or --motion with forces that are not 0" : "start with --y0"));
+}
+
 /// What integrates the reference of a body, from which step on, which divides a frame [s], and how often that
 /// is halved at most.
 struct ReferenceMethod {
@@ -304,6 +316,7 @@ bool halve_until_steady(const ProbingMotion& motion, const ReferenceMethod& by, 
     auto fine = sampled(motion, method, h, reference.t, watcher);
     if (fine && coarse) {
       reference.scale = fine->reach;
+      require_motion(motion.problem, reference.scale);
       double change = 0;
       for (std::size_t i = 0; i < fine->states.size(); ++i)
         change = std::max(change, distance(fine->states[i], coarse->states[i]));
@@ -435,11 +448,7 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
     }
   }
   reference.scale = reference.ranges.maxCoeff();
-  // What rounding alone moves is no motion: errors relative to it are around one at every step.
-  if (!(reference.scale > 1e-10 * motion.problem.y0.cwiseAbs().maxCoeff()))
-    throw InputError(fmt::format(
-        "{} stays at its initial state, and steps are judged by a motion; give another start with --y0",
-        motion.problem.id));
+  require_motion(motion.problem, reference.scale);
   reference.error_bound = exact.error_bound / reference.scale;
   return reference;
 }

@@ -83,7 +83,8 @@ using FindMethod = std::function<Method(std::string_view id)>;
 /// @param frame      [s]
 /// @param tolerance  relative to the scale
 /// @param find       how its runs find a method
-/// @throws InputError  where no step is solved, or 12 halvings do not suffice
+/// @throws InputError  where no step is solved, or 12 halvings do not suffice, or nothing moves but by
+/// rounding
 ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, double tolerance,
                                  const Watcher& watcher = {}, const ExplicitLimits& limits = {},
                                  const FindMethod& find = find_method);

@@ -72,6 +72,17 @@ TEST(UserMotion, IsWhatStepsAreJudgedBy) {
   EXPECT_EQ(advice.t_end, 0.2);
 }
 
+// Beside gravity a body stays at its equilibrium but for rounding, which no steps resolve.
+TEST(UserMotion, IsRefusedWhereNothingMoves) {
+  const Scratch scratch;
+  const UserMotion still = read_user_motion(written(scratch, "t,fz\n0,0\n0.2,0\n"));
+  for (const char* load : {"press", "gravity"}) {
+    const ProbingMotion motion = probing_motion(pressed_cube(load), still);
+    EXPECT_TRUE(says(error_of<InputError>([&] { reference_motion(motion, 0.01, 0.01); }), "initial state"))
+        << load;
+  }
+}
+
 TEST(UserMotion, RefusesWhatIsNone) {
   const Scratch scratch;
   const auto refused = [&](const std::string& text, const std::string& why) {
