@@ -117,15 +117,18 @@ namespace {
 /// rounding.
 struct Rates {
   double slowest = infinity, fastest = 0;
+  bool conserve = false;  ///< some are zero, and no free motions
 };
 Rates rates_of(const Prediction& row, bool has_free_motions) {
   Rates rates;
   for (const ModeMargin& margin : row.modes)
     rates.fastest = std::max(rates.fastest, std::abs(margin.mode.lambda));
-  const double least = has_free_motions ? 1e-7 * rates.fastest : 0;
+  const double least = has_free_motions ? 1e-7 * rates.fastest : noise_of(row.modes.size(), rates.fastest);
   for (const ModeMargin& margin : row.modes)
     if (const double rate = std::abs(margin.mode.lambda); rate > least)
       rates.slowest = std::min(rates.slowest, rate);
+    else
+      rates.conserve = !has_free_motions;
   return rates;
 }
 
@@ -186,15 +189,17 @@ Eigen::MatrixXd free_motions_of_matrices(const Linearised& near) {
 FarSteps far_steps(const Problem& problem, const ModeStart& start, const Rates& rates) {
   // Longer steps of large matrices take a factor: minutes.
   if (!problem.body && start.large) return short_far_steps(rates.fastest);
-  // Of a large structure: where a step carries what velocities there are too far, it is not linear.
-  const double farthest = (start.mode_alone ? 1e3 : 1e6) / rates.slowest;
+  // Of a large structure: where a step carries what velocities there are too far, it is not linear. What a
+  // model conserves rounding moves in proportion to h |lambda|.
+  const double farthest = (start.mode_alone || rates.conserve ? 1e3 : 1e6) / rates.slowest;
   return {.h = steps_without_limit(problem, farthest), .most = start.mode_alone ? 512 : 4096};
 }
 
 /// Runs of a method that is unstable at no step.
-/// @param outcome  of the last run
-Finding watch_without_limit(const ModeStart& start, const ShowSteps& run, const Outcome& outcome,
-                            const FarSteps& far) {
+/// @param nonlinear  whether steps solve nonlinear equations
+/// @param outcome    of the last run
+Finding watch_without_limit(bool nonlinear, const ModeStart& start, const ShowSteps& run,
+                            const Outcome& outcome, const FarSteps& far) {
   Finding finding{.note = far.note};
   Observation& seen = finding.seen;
   const double farthest = far.h.back();
@@ -203,15 +208,15 @@ Finding watch_without_limit(const ModeStart& start, const ShowSteps& run, const 
     seen.steps = h < farthest ? 100 : far.most;
     seen.agrees = !grows_at(run, start.distance, h, seen.steps);
     if (seen.agrees) continue;
-    finding.unsolved = seen.excused = outcome == Outcome::newton_failed;
-    finding.why =
-        finding.unsolved
-            ? fmt::format(
-                  "no step is unstable, but Newton's method does not solve the equations of a step of {} s{}: it limits "
-                  "the step",
-                  to_text(h), h < farthest ? "" : ", far beyond the slowest time scale")
-            : fmt::format("no step is unstable by the analysis, but runs of {} steps of {} s grow",
-                          seen.steps, to_text(h));
+    seen.excused = outcome == Outcome::newton_failed;
+    finding.unsolved = seen.excused && nonlinear;
+    finding.why = seen.excused
+                      ? fmt::format("no step is unstable, but {} the equations of a step of {} s{}{}",
+                                    nonlinear ? "Newton's method does not solve" : "rounding leaves unsolved",
+                                    to_text(h), h < farthest ? "" : ", far beyond the slowest time scale",
+                                    nonlinear ? ": it limits the step" : "")
+                      : fmt::format("no step is unstable by the analysis, but runs of {} steps of {} s grow",
+                                    seen.steps, to_text(h));
     break;
   }
   seen.h_max = seen.agrees ? infinity : std::numeric_limits<double>::quiet_NaN();
@@ -239,8 +244,9 @@ Finding watch_limit(const Prediction& row, const Method& method, const Linearise
 Finding watch_runs(const Prediction& row, const Method& method, const Linearised& near,
                    const ModeStart& start, const ShowSteps& run, const Outcome& outcome,
                    const FarSteps& far) {
+  const bool nonlinear = method.solves_nonlinear_equations() && !is_affine(near.point.linearity);
   return row.bound == Bound::stability ? watch_limit(row, method, near, start, run)
-                                       : watch_without_limit(start, run, outcome, far);
+                                       : watch_without_limit(nonlinear, start, run, outcome, far);
 }
 
 /// Puts into the row what was seen, and why it does not agree.

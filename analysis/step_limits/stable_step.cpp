@@ -30,11 +30,6 @@ StepLimit over_modes(std::size_t count, const Grows& grows, const FirstExit& fir
   return limit;
 }
 
-/// What is rounding in a spectrum of this radius: an eigenvalue that should be zero comes out as some of it.
-double noise_of(std::size_t count, double radius) {
-  return 4 * static_cast<double>(count + 1) * std::numeric_limits<double>::epsilon() * radius;
-}
-
 bool grows(Complex lambda, double noise) {
   return lambda.real() > std::max(noise, eigenvalue_rounding * std::abs(lambda));
 }
@@ -75,6 +70,10 @@ double exit_of(const Amplification& amplification, Eigenmode mode, double noise,
 }
 
 }  // namespace
+
+double noise_of(std::size_t count, double radius) {
+  return 4 * static_cast<double>(count + 1) * std::numeric_limits<double>::epsilon() * radius;
+}
 
 std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum) {
   const double noise =

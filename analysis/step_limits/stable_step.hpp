@@ -22,9 +22,12 @@ struct StepLimit {
 /// Re lambda of an eigenvalue that was computed in double is zero when it is less than this of |lambda|.
 inline constexpr double eigenvalue_rounding = 1e-13;
 
+/// 4 (count + 1) epsilon radius, the rounding that the largest |lambda| leaves in all others [1/s]: an
+/// eigenvalue that should be zero comes out as some of it.
+double noise_of(std::size_t count, double radius);
+
 /// The modes of a spectrum that grow in the model itself: Re lambda is beyond eigenvalue_rounding of |lambda|
-/// and beyond 4 (n + 1) epsilon of the largest |lambda| of n, which is the rounding that a stiff mode leaves
-/// in all others.
+/// and beyond noise_of() the spectrum.
 std::vector<std::size_t> growing_modes(std::span<const Complex> spectrum);
 
 /// Which first exits are sought.

@@ -6,6 +6,7 @@
 #include "catalogue/models/problems.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
+#include "tests/results/scratch.hpp"
 
 namespace hmax {
 namespace {
@@ -47,6 +48,28 @@ TEST(Verify, DisagreesWhereOneSideOfALimitAloneIsAsPredicted) {
   EXPECT_TRUE(agrees("rk4", "rk4"));
   EXPECT_FALSE(agrees("rk4", "explicit_euler")) << "nothing grows above";
   EXPECT_FALSE(agrees("explicit_euler", "rk4")) << "the motion grows below already";
+}
+
+Prediction verified_row(const Problem& problem, const char* method) {
+  const Linearised near = linearised(problem);
+  Prediction row = predict(find_method(method), near);
+  verify(row, find_method(method), problem, near);
+  return row;
+}
+
+/// A + B + C is conserved: one eigenvalue is zero, but for rounding.
+TEST(Verify, TakesAnEigenvalueOfRoundingForNoTimeScale) {
+  const Scratch scratch;
+  write_text(scratch / "reaction.toml",
+             "[equations]\nA = \"-0.31*A + 0.13*B\"\nB = \"0.31*A - 0.13*B - 170.7*B + 3.3*C\"\n"
+             "C = \"170.7*B - 3.3*C\"\n[initial]\nA = 1\nB = 0.5\nC = 0.2\n");
+  const Problem reaction = make_problem(scratch / "reaction.toml");
+  for (const char* method : {"implicit_euler", "trapezoidal", "implicit_midpoint", "rosenbrock_23"}) {
+    const Prediction row = verified_row(reaction, method);
+    EXPECT_EQ(row.bound, Bound::accuracy) << method;
+    ASSERT_TRUE(row.observed) << method;
+    EXPECT_TRUE(row.observed->confirms()) << method << ": " << row.note;
+  }
 }
 
 }  // namespace
