@@ -342,19 +342,31 @@ Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWa
   return near;
 }
 
-double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
-                          double most) {
+SmallDisplacement small_displacement(const Problem& problem, const Linearised& near,
+                                     const Eigen::VectorXd& direction, double most) {
   // Of the size of the states of the problem, whatever their unit.
   const auto largest = [](const Eigen::VectorXd& y) { return y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff(); };
   const double scale = std::max(largest(near.point.model.y), largest(problem.y0));
-  double size = 1e-6 * (problem.body ? std::max(scale, 1.0) : scale > 0 ? scale : 1);
-  const auto change = [&] {
+  const double first = 1e-6 * (problem.body ? std::max(scale, 1.0) : scale > 0 ? scale : 1);
+  const auto change_on = [&](double size) {
     const Eigen::VectorXd y = near.point.model.y + size * direction;
     const LinearModel displaced = linear_model(problem, near.point.model.t, y);
     return relative_distance(near.point.model, displaced);
   };
-  for (int tenth = 0; tenth < 3 && change() > most; ++tenth) size /= 10;
-  return size;
+  const auto change_at = [&](double size) {
+    return problem.body ? change_on(size) : std::max(change_on(size), change_on(-size));
+  };
+  // Beside numbers that are not zero smaller ones are lost; a kink is one at any size.
+  constexpr int usual = 3, about_zero = 30;
+  SmallDisplacement small{.size = first};
+  double change = change_at(first), size = first;
+  for (int tenth = 1; change > most && tenth <= usual; ++tenth) change = change_at(small.size = size /= 10);
+  if (!problem.body && near.point.model.y.isZero(0) && !is_driven(problem))
+    for (int tenth = usual; change > most && tenth < about_zero; ++tenth) change = change_at(size /= 10);
+  if (!(change > most)) small.size = size;
+  // Runs look a thousandth of the limit to both sides of it.
+  small.is_linear = !(change > std::max(most, 1e-3));
+  return small;
 }
 
 }  // namespace hmax

@@ -33,10 +33,15 @@ OperatingPoint operating_point(const Problem& problem, double t, const Eigen::Ve
 /// where the system has a workspace, as plugins do.
 /// @param problem  that of the point, or one that was made as it was
 void ask(OperatingPoint& point, const Problem& problem);
-/// How much of `direction`, shape (dim), is small enough for the model to be linear: the Jacobian changes by
-/// less than `most` of itself. About rest at zero nothing is lost by that.
-double small_displacement(const Problem& problem, const Linearised& near, const Eigen::VectorXd& direction,
-                          double most);
+/// How much of a direction is small enough for the model to be linear.
+struct SmallDisplacement {
+  double size = 0;
+  bool is_linear = true;  ///< no more than a thousandth of the Jacobian changes
+};
+/// Of `direction`, shape (dim): the Jacobian changes by less than `most` of itself. About rest at zero
+/// nothing is lost by that; elsewhere, and of bodies, it is a thousandth of the first size or more.
+SmallDisplacement small_displacement(const Problem& problem, const Linearised& near,
+                                     const Eigen::VectorXd& direction, double most);
 /// entry_rounding() of a symmetric stiffness; 0 of other models.
 double rounding_of_stiffness(const LinearModel& model);
 /// All modes, or of large structures those that limits need.

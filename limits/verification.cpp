@@ -343,10 +343,14 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const double most_change = start.mode_alone ? 1e-7 : 1e-4;
   // Near zero, where no offset hides a displacement of one.
   const bool linear = is_affine(near.point.linearity) && !near.point.is_body && rest.isZero(0);
-  const double size = linear ? 1 : small_displacement(problem, near, start.displacement, most_change);
+  const SmallDisplacement small = linear ? SmallDisplacement{.size = 1}
+                                         : small_displacement(problem, near, start.displacement, most_change);
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
-  const ShowSteps run = watched(steps_of(step, free, rest, size * start.displacement, outcome), watch);
+  const ShowSteps run = watched(steps_of(step, free, rest, small.size * start.displacement, outcome), watch);
   Finding finding = watch_runs(row, method, near, start, run, *outcome, far_steps(problem, start, rates));
+  if (!problem.body && !small.is_linear && !finding.seen.excused)
+    finding.excuse(
+        "not verified: the model is not linear within the smallest motions about this state that runs can show");
   if (driven_away(near, free)) finding.excuse_drive();
   if (row.bound != Bound::stability && free_rigid.cols() > 0 && rounding_of_stiffness(near.point.model) > 0)
     finding.excuse(

@@ -238,7 +238,7 @@ void verify_steps(Found& found, const Method& method, const Problem& problem, co
   const VectorXd noise = start_vector(rest.size());
   VectorXd motion = found.limit.motion / length(found.limit.motion) + 0.01 / length(noise) * noise;
   motion /= motion.cwiseAbs().maxCoeff();
-  const double size = small_displacement(problem, near, motion, 1e-7);
+  const double size = small_displacement(problem, near, motion, 1e-7).size;
   const auto outcome = std::make_shared<Outcome>(Outcome::reached_end);
   const ShowSteps run =
       steps_of(method, as_run(free, question, jacobian), rest, size * motion, outcome, spec);

@@ -57,6 +57,30 @@ Prediction verified_row(const Problem& problem, const char* method) {
   return row;
 }
 
+/// x'' = -f(x), at rest at 0.
+Prediction verified_spring(const std::string& f) {
+  const Scratch scratch;
+  write_text(scratch / "spring.toml",
+             "[equations]\nx = \"v\"\nv = \"-(" + f + ")\"\n[initial]\nx = 0\nv = 0\n");
+  return verified_row(make_problem(scratch / "spring.toml"), "rk4");
+}
+
+TEST(Verify, MovesByLittleEnoughForTheModelToBeLinear) {
+  for (const char* f : {"x + x^3", "x + 1e18*x^3", "x + 1e24*x^3"}) {
+    const Prediction row = verified_spring(f);
+    ASSERT_TRUE(row.observed) << f;
+    EXPECT_TRUE(row.observed->confirms()) << f << ": " << row.note;
+  }
+}
+
+TEST(Verify, OfAKinkAtRestIsNoContradiction) {
+  const Prediction row = verified_spring("x + max(0, x)");
+  ASSERT_TRUE(row.observed);
+  EXPECT_FALSE(row.observed->agrees);
+  EXPECT_FALSE(row.observed->contradicts()) << row.note;
+  EXPECT_NE(row.note.find("not verified: the model is not linear"), std::string::npos) << row.note;
+}
+
 /// A + B + C is conserved: one eigenvalue is zero, but for rounding.
 TEST(Verify, TakesAnEigenvalueOfRoundingForNoTimeScale) {
   const Scratch scratch;
