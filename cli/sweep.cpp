@@ -18,6 +18,7 @@
 #include "cli/shared/outputs.hpp"
 #include "cli/shared/work_limit.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/ranks/ranks.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
@@ -164,6 +165,21 @@ const Row* fastest(const Group& group, double error) {
   return best;
 }
 
+/// The powers of ten between which the errors of a group are.
+struct Decades {
+  int most, least;
+};
+Decades decades_of(const Group& group) {
+  double least = infinity, most = 0;
+  for (const Row* row : group.rows)
+    if (row->error_global > 0 && std::isfinite(row->error_global)) {
+      least = std::min(least, row->error_global);
+      most = std::max(most, row->error_global);
+    }
+  if (most == 0) return {0, 0};
+  return {static_cast<int>(std::ceil(std::log10(most))), static_cast<int>(std::floor(std::log10(least)))};
+}
+
 /// The fastest row for each power of ten of the error; one that serves several is shown at the smallest.
 std::string fastest_table(const Group& group, const Console& console) {
   const Row& first = *group.rows.front();
@@ -171,10 +187,10 @@ std::string fastest_table(const Group& group, const Console& console) {
   TextTable table({"error at most", "fastest method", adaptive ? "tolerances" : "h [s]", "error",
                    fmt::format("{}{} [s]", first.explored ? "approximate " : "", name_of_time(first.key)),
                    "real-time factor"});
-  for (int decade = 0; decade >= -15; --decade) {
+  const Decades decades = decades_of(group);
+  for (int decade = decades.most; decade >= decades.least; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
-    if (!best) break;
-    if (best == fastest(group, std::pow(10.0, decade - 1))) continue;
+    if (!best || (decade > decades.least && best == fastest(group, std::pow(10.0, decade - 1)))) continue;
     const double median = summarise(times_of(*best)).median;
     table.add(
         {fmt::format("1e{}", decade), best->key.method,

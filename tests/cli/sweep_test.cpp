@@ -195,6 +195,18 @@ TEST(SweepCommand, ShowsTheFastestMethodForEachErrorAndWhatToDoNext) {
   EXPECT_TRUE(says(told.out, "hmax export results/runs/quick.sqlite"));
 }
 
+TEST(SweepCommand, ShowsErrorsOfEverySize) {
+  const Shell shell;
+  for (const char* start : {"1e5", "1", "1e-9"}) {
+    const std::string name = fmt::format("from_{}", start);
+    write_text(shell / (name + ".toml"),
+               fmt::format("[equations]\nx = \"-2*x\"\n[initial]\nx = {}\n", start));
+    const Told told = shell.hmax(
+        fmt::format("sweep --problem {0}.toml --methods rk4 --h 1,0.001 --fixed --t-end 2 --out {0}", name));
+    EXPECT_NE(told.out.find("rk4"), told.out.rfind("rk4")) << "a row for each step in\n" << told.out;
+  }
+}
+
 TEST(SweepCommand, ReadsAFileAndLetsFlagsGoBeforeIt) {
   const Shell shell;
   write_text(shell / "mine.toml",
