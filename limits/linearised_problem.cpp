@@ -247,14 +247,35 @@ void require_rates(const Problem& problem) {
         problem.id);
 }
 
+/// Whether more than supports that start at once, which drag at their neighbours, acts on a body at rest at
+/// time 0.
+bool is_loaded_at_once(const TissueBody& body) {
+  const TissueSettings& settings = body.settings();
+  const auto moved = [](const Support& support) {
+    return !support.travel.isZero(0) && support.profile.value(0) != 0;
+  };
+  const auto pressed = [](const PressingForce& load) {
+    return !load.force.isZero(0) && load.profile.value(0) != 0;
+  };
+  const auto touched = [](const auto& reach) { return reach.penetration > 0; };
+  return !settings.gravity.isZero(0) || std::ranges::any_of(settings.supports, moved) ||
+         std::ranges::any_of(settings.forces, pressed) ||
+         std::ranges::any_of(body.tool_reaches(0, Eigen::VectorXd::Zero(body.dim())), touched);
+}
+
 /// Under a load the equilibrium of a body is found with its stiffness, half as many unknowns.
 EquilibriumSearch equilibrium_of_body(const Problem& problem, const EquilibriumWatcher& watcher) {
   const TissueBody& body = *problem.body;
   EquilibriumSearch search;
   search.outcome = EquilibriumOutcome::found;
   search.state = problem.y0;
-  // A load that never settles does not act yet; only supports that start at once drag at their neighbours.
-  if (body.steady_from() != equilibrium_time(body)) return search;
+  if (body.steady_from() != equilibrium_time(body)) {
+    if (is_at_rest(body) || !is_loaded_at_once(body)) return search;
+    search.outcome = EquilibriumOutcome::no_equilibrium;
+    search.message =
+        "no equilibrium was looked for: a load never settles, and others act on the body at rest";
+    return search;
+  }
   // A tool at the end of its path may stand within a body that does not move, and touch nothing of it.
   if (body.is_autonomous() && is_at_rest(body)) return search;
   StaticSettings settings{.tolerance = 1e-12};

@@ -1,6 +1,7 @@
 #include "limits/query/query_limits.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -46,6 +47,7 @@ TrajectoryLimit as_shown(TrajectoryLimit limit, const UserView& shown) {
 
 /// Says what helps a body that has no equilibrium.
 void add_remedy(const Problem& problem, OperatingPoint& point) {
+  if (!std::isfinite(problem.body->steady_from())) return;  // none was looked for
   const std::string remedy = remedy_without_equilibrium(problem);
   if (remedy.empty()) return;
   point.status += "; " + remedy;

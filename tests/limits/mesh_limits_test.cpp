@@ -295,6 +295,21 @@ TEST(MeshLimits, AtRestAreThoseOfABodyWithoutItsWeight) {
   EXPECT_EQ(linearised(loaded).point.kind, StateKind::equilibrium);
 }
 
+TEST(MeshLimits, BesideALoadThatNeverSettlesAreOfAnEquilibriumWhereForcesBalance) {
+  const auto point_of = [](Numbers numbers) {
+    return operating_point(make_problem("fem_green/breathing@cube:n=2", {.parameters = std::move(numbers)}));
+  };
+  for (const Numbers& balanced : {Numbers{}, Numbers{{"beta", 1e-3}}, Numbers{{"force_z:points:14", 0}}}) {
+    const OperatingPoint point = point_of(balanced);
+    EXPECT_EQ(point.kind, StateKind::equilibrium);
+    EXPECT_TRUE(point.at_equilibrium);
+  }
+  const OperatingPoint pushed = point_of({{"force_z:points:14", 0.5}});
+  EXPECT_EQ(pushed.kind, StateKind::rest);
+  EXPECT_FALSE(pushed.at_equilibrium);
+  EXPECT_NE(pushed.status.find("never settles"), std::string::npos) << pushed.status;
+}
+
 TEST(MeshLimits, OfLargeMeshesNeedNoDenseMatrix) {
   const Problem problem = mesh_problem("fem_cauchy@ball:n=6", {{"alpha", 3}});
   ASSERT_GT(problem.body->dofs(), most_dense_modes);
