@@ -10,9 +10,16 @@
 
 namespace hmax {
 
+/// Units in which the numbers of a state are near one.
+struct StateUnits {
+  double positions = 1;  ///< of mechanical systems
+  double others = 1;     ///< of their velocities, of other systems of every number
+};
+
 /// States on a grid of [0, valid_until], computed once at a tight tolerance and once at a looser one; between
 /// two grid points the engine integrates on from the left one. The largest difference of the two computations
-/// is the bound; the grid ends where they part, as at a pole.
+/// is the bound; the grid ends where they part, as at a pole. Of formulas absolute tolerances are shares of
+/// the size of the motion so far.
 class FormulaReference {
  public:
   /// @param y0  shape (dim)
@@ -31,6 +38,7 @@ class FormulaReference {
   AnySystem system_;
   double interval_;
   std::vector<Eigen::VectorXd> grid_;
+  std::vector<StateUnits> units_;  ///< of each interval
   double error_bound_ = 0;
 };
 

@@ -29,6 +29,29 @@ TEST(FormulaReference, OfExponentialDecayIsWithinItsBound) {
   }
 }
 
+TEST(FormulaReference, IsAsExactInAnyUnitOfItsStates) {
+  // x'' = -x - k x^3 from x = 1 / sqrt(k) is one motion in units of 1 / sqrt(k); from x = v = 0 with a force
+  // of that size another.
+  for (const double pushed : {0, 1}) {
+    const auto reference_in = [&](double unit) {
+      const FormulaSystem system(
+          FormulaDefinition{.name = "spring",
+                            .equations = {{"x", "v"}, {"v", "f - x - k*x^3"}},
+                            .parameters = {{"k", 1 / (unit * unit)}, {"f", pushed * unit}},
+                            .y0 = {(1 - pushed) * unit, 0}});
+      return FormulaReference(AnySystem(system), system.y0(), 50);
+    };
+    const FormulaReference plain = reference_in(1);
+    for (const double unit : {1e-9, 1e6}) {
+      const FormulaReference scaled = reference_in(unit);
+      EXPECT_LT(scaled.error_bound(), 1e-9 * unit);
+      for (const double t : {3.17, 20.0, 49.99})
+        for (const int i : {0, 1})
+          EXPECT_NEAR(scaled.at(t)[i] / unit, plain.at(t)[i], 1e-9) << unit << " " << t;
+    }
+  }
+}
+
 TEST(FormulaReference, IsNaNOutsideItsInterval) {
   const FormulaReference reference = decay(1);
   EXPECT_FALSE(std::isnan(reference.at(0)[0]));
