@@ -35,10 +35,12 @@ std::optional<Path> path_of_matrices(const Problem& problem, double t_end);
 /// most_observed_steps attempts
 Path motion_path(const Problem& problem, double t_end, int points = 400, const Watcher& watcher = {});
 
+/// Strides of the load that users are told of.
+inline constexpr int load_strides = 40;
 /// The equilibria of a body under shares of its load from 0 to 1 in `points` equal strides, as far as there
 /// are any.
 /// @throws InputError  for what is no body, and for loads that change with time
-Path load_path(const Problem& problem, int points = 40, const Watcher& watcher = {});
+Path load_path(const Problem& problem, int points = load_strides, const Watcher& watcher = {});
 
 /// h_max of the tangent frozen at the points of a path: for stability at each of them it is necessary, for
 /// the motion it proves nothing. A step longer than the least may be stable where a motion passes that point

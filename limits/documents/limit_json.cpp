@@ -92,8 +92,9 @@ std::string words_of_growth(const LimitRow& row) {
   if (std::isnan(row.along_grows_from)) return {};
   return row.point.path == "load"
              ? fmt::format(
-                   "the body buckles from {} of the load on: the stiffness of its equilibrium has a negative eigenvalue "
-                   "there; take less load, or look where it goes with `--along motion`",
+                   "the body buckles between {} and {} of the load: the stiffness of its equilibrium has a negative "
+                   "eigenvalue from there on; take less load, or look where it goes with `--along motion`",
+                   short_number(std::max(0.0, row.along_grows_from - 1.0 / load_strides), 4),
                    short_number(row.along_grows_from, 4))
              : fmt::format(
                    "the tangent grows on {} % of the motion, from t = {} s on, where neighbours part "

@@ -187,7 +187,7 @@ class Query {
     if (question_.path.empty()) return std::nullopt;
     const Watcher watch = watch_in(LimitStage::path, problem);
     try {
-      if (question_.path == "load") return load_path(problem, 40, watch);
+      if (question_.path == "load") return load_path(problem, load_strides, watch);
       // Contact comes and goes faster than a body moves otherwise; differences of many states take long.
       constexpr double most_evaluations = 4e5;
       const double states = static_cast<double>(problem.y0.size());
