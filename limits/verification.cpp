@@ -254,8 +254,8 @@ void conclude(Prediction& row, const Method& method, const Finding& finding) {
   Observation& seen = row.observed.emplace(finding.seen);
   seen.step_defect = step_defect(method.analysed());
   if (finding.unsolved) row.bound = Bound::newton;
-  if (!finding.note.empty()) row.note = finding.note;
-  if (!seen.agrees) row.note = (row.growing ? row.note + "; " : "") + finding.why;
+  add_sentence(row.note, finding.note);
+  if (!seen.agrees) add_sentence(row.note, finding.why);
   if (!seen.has_steps_of_analysis())
     row.note = joined(row.note, fmt::format("its steps are not those of its analysis, they differ by {}",
                                             to_text(seen.step_defect)));
@@ -332,7 +332,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const Method& step = method.analysed();
   Problem free = after_ramps(problem);
   if (std::string why = why_not_verified(step, free, near); !why.empty()) {
-    row.note = std::move(why);
+    add_sentence(row.note, why);
     return;
   }
   const MemoryShare memory(memory_of_runs(step, free));

@@ -57,6 +57,26 @@ Prediction verified_row(const Problem& problem, const char* method) {
   return row;
 }
 
+TEST(Verify, KeepsWhatWasSaidOfARow) {
+  const Linearised near = linearised(make_problem("liver_linear"));
+  const Method method = find_method("implicit_euler");
+  const auto note_of = [&](double growth) {
+    Prediction row = predict(method, near);
+    row.note = "first";
+    ModeStart start;
+    start.distance = [](const auto& y) { return y.norm(); };
+    const ShowSteps run = [&](double, std::int64_t steps, const auto& show) {
+      Eigen::VectorXd y = Eigen::Vector2d(1, 1);
+      for (std::int64_t i = 0; i <= steps; ++i, y *= growth) show(y);
+      return true;
+    };
+    verify_from(start, run, row, method, near, {.h = {1}, .most = 40, .note = "second"});
+    return row.note;
+  };
+  EXPECT_EQ(note_of(1), "first; second");
+  EXPECT_EQ(note_of(2).rfind("first; second; no step is unstable by the analysis, but", 0), 0U) << note_of(2);
+}
+
 /// x'' = -f(x), at rest at 0.
 Prediction verified_spring(const std::string& f) {
   const Scratch scratch;
