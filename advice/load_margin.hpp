@@ -8,7 +8,7 @@
 #include "advice/motion/candidate.hpp"
 #include "advice/motion/probing_motion.hpp"
 #include "advice/motion/stable_step.hpp"
-#include "advice/uncertainty.hpp"
+#include "advice/motion/uncertainty.hpp"
 
 namespace hmax {
 

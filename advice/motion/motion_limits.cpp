@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "advice/uncertainty.hpp"
+#include "advice/motion/uncertainty.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/matrix_problem.hpp"
 #include "core/errors.hpp"

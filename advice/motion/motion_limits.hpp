@@ -27,11 +27,12 @@ struct CandidateLimit {
 struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
-  Linearised near;                    ///< at the start of the motion
-  std::optional<Linearised> stiffer;  ///< the same, and as much stiffer as stiffer() (advice/uncertainty.hpp)
-  Path path;                          ///< where limits are looked for
-  std::vector<Linearised> elsewhere;  ///< of bodies where the motion makes them stiffest, of small problems
-                                      ///< along it; may be empty
+  Linearised near;  ///< at the start of the motion
+  std::optional<Linearised>
+      stiffer;  ///< the same, and as much stiffer as stiffer() (advice/motion/uncertainty.hpp)
+  Path path;    ///< where limits are looked for
+  std::vector<Linearised> elsewhere;   ///< of bodies where the motion makes them stiffest, of small problems
+                                       ///< along it; may be empty
   std::vector<CandidateLimit> limits;  ///< of each candidate
   double stiffened =
       1;               ///< times the square of the fastest frequency at the start: the most along the motion

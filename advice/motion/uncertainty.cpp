@@ -1,4 +1,4 @@
-#include "advice/uncertainty.hpp"
+#include "advice/motion/uncertainty.hpp"
 
 #include <algorithm>
 #include <array>

@@ -27,9 +27,9 @@ struct LimitBand {
 /// The bands of the limit of a method at a state, with that quantity alone changed and the state kept; of
 /// quantities that the problem does not have, or where a limit is missing, there are none; nor of what is
 /// neither a body nor the oscillator of the liver, whose parameters mean what their formulas say.
-///   stiffness  E, k, k1, k3: 29 %, the standard deviation of 429 healthy livers, 5.49 +- 1.59 kPa
-///   [roulot2008liver] mass       rho, mass, m: 7.7 %, the range 1.2 to 1.4 kg of the female livers of the
-///   study damping    alpha, beta, damper, c: 33 %, the range of c of the study, 4.5 to 8 N s/m about 6
+///   stiffness  E, k, k1, k3: 29 %, that of 429 healthy livers, 5.49 +- 1.59 kPa [roulot2008liver]
+///   mass       rho, mass, m: 7.7 %, the range 1.2 to 1.4 kg of the female livers of the study
+///   damping    alpha, beta, damper, c: 33 %, the range of c of the study, 4.5 to 8 N s/m about 6
 /// @param y  the state, shape (dim)
 std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem, const Eigen::VectorXd& y,
                                    const ProblemWith& make);
