@@ -310,6 +310,10 @@ class Search {
     if (problem_.body || question_.motion)
       model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
     if (make_) model.stiffer = stiffer(problem_, changed_state(), make_);
+    if (model.stiffer)
+      model.with_stiffness = [problem = problem_, y = changed_state(), make = make_](double factor) {
+        return stiffer(problem, y, make, factor);
+      };
     model.slow = slowest_modes(model.near.modes);
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
     ExplicitLimits limits = explicit_limits(model.near);

@@ -167,6 +167,24 @@ double stiffness_exponent(const Method& method, const AnalysedModel& model) {
   return exponent <= -least ? exponent : unknown;
 }
 
+/// The factor of the stiffness at which the limit is a share of what it is. As far as it is cheap, the
+/// exponent is that over the whole way: it changes where damping gives way to springs.
+double stiffness_at(const Method& method, const AnalysedModel& model, double share) {
+  constexpr int most = 20;
+  constexpr double resolution = 1e-3;
+  double factor = std::pow(share, 1 / stiffness_exponent(method, model));
+  if (!model.with_stiffness || model.motion.problem.y0.size() > small) return factor;
+  const double here = predict(method, model.near).h_max.value_or(unknown);
+  for (int i = 0; i < most && std::abs(std::log(factor)) > resolution; ++i) {
+    const auto there = model.with_stiffness(factor);
+    const double reached = there ? predict(method, *there).h_max.value_or(unknown) / here : unknown;
+    if (std::abs(std::log(reached / share)) < resolution) return factor;
+    factor = std::pow(share, std::log(factor) / std::log(reached));
+    if (!std::isfinite(factor)) return unknown;
+  }
+  return factor;
+}
+
 /// Whether the limit of modes takes a second for each state of a body.
 bool is_costly(const Method& method, const Problem& problem) {
   return problem.body && method.stages_by_radius;
@@ -215,8 +233,7 @@ double stiffening_margin(const Candidate& candidate, double h_max, const Analyse
     return unknown;
   if (!model.near.point.model.mechanical) return unknown;
   if (!is_frozen(candidate))
-    return std::isfinite(h_max) ? std::pow(h_max / h, -1 / stiffness_exponent(candidate.method, model))
-                                : h_max;
+    return std::isfinite(h_max) ? stiffness_at(candidate.method, model, h / h_max) : h_max;
   const Problem& problem = model.motion.problem;
   if (problem.y0.size() <= most_states_stepped && takes_step_options(candidate.method)) {
     const auto tolerated = [&](const Linearised& place) {

@@ -30,7 +30,9 @@ struct AnalysedModel {
   Linearised near;  ///< at the start of the motion
   std::optional<Linearised>
       stiffer;  ///< the same, and as much stiffer as stiffer() (advice/motion/uncertainty.hpp)
-  Path path;    ///< where limits are looked for
+  /// The start with its stiffness times a factor; null where that cannot be made.
+  std::function<std::optional<Linearised>(double factor)> with_stiffness = {};
+  Path path;                           ///< where limits are looked for
   std::vector<Linearised> elsewhere;   ///< of bodies where the motion makes them stiffest, of small problems
                                        ///< along it; may be empty
   std::vector<CandidateLimit> limits;  ///< of each candidate
@@ -60,9 +62,10 @@ CandidateLimit pending_limit(const Candidate& candidate, const AnalysedModel& mo
 /// How many times stiffer than on the motion the model may become before steps of h are unstable: of frozen
 /// Jacobians from the maps of their steps where the motion makes the model stiffest, infinity from 64 on, or
 /// of the largest bodies as predict_limits(). Of other methods (h_max / h)^(-1 / e), where e = d ln h_max / d
-/// ln K comes from AnalysedModel::stiffer, and is -1/2 of undamped models without it. NaN where no limit is
-/// known, of models without a stiffness, where stiffness is not what limits steps, the Jacobian is of every
-/// tenth step, the iteration truncated or the method implicit-explicit.
+/// ln K comes from AnalysedModel::stiffer, of small models from the factor itself, and is -1/2 of undamped
+/// models without it. NaN where no limit is known, of models without a stiffness, where stiffness is not what
+/// limits steps, the Jacobian is of every tenth step, the iteration truncated or the method
+/// implicit-explicit.
 /// @param h_max  of the candidate, as CandidateLimit
 double stiffening_margin(const Candidate& candidate, double h_max, const AnalysedModel& model, double h,
                          const Watcher& watcher);

@@ -76,8 +76,9 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
   return bands;
 }
 
-std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make) {
-  const auto values = scaled(problem, quantities().front(), 1 + stiffness_spread);
+std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make,
+                                  double factor) {
+  const auto values = scaled(problem, quantities().front(), factor);
   if (values.empty()) return std::nullopt;
   try {
     return linearised(make(values), 0, y);

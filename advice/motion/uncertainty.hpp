@@ -37,9 +37,10 @@ std::vector<LimitBand> limit_bands(const Method& method, const Problem& problem,
 /// Of the stiffness, relative.
 inline constexpr double stiffness_spread = 0.29;
 
-/// The problem at a state, with as much more stiffness as its spread: the stiffer end of limit_bands().
+/// The problem at a state, with its stiffness times a factor, by default the stiffer end of limit_bands().
 /// Nothing of problems that have no bands of the stiffness.
 /// @param y  the state, shape (dim)
-std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make);
+std::optional<Linearised> stiffer(const Problem& problem, const Eigen::VectorXd& y, const ProblemWith& make,
+                                  double factor = 1 + stiffness_spread);
 
 }  // namespace hmax

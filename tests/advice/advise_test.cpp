@@ -263,14 +263,16 @@ TEST(LimitBands, AreNoneOfFormulas) {
 TEST(StiffeningMargin, IsWhereTheLimitFallsToTheStep) {
   struct Case {
     const char *problem, *method, *stiffness;
-    double rate, damping;
+    double rate;
+    std::vector<std::pair<std::string, double>> damping = {};
   };
   for (const Case& of :
-       {Case{"liver_linear", "explicit_euler", "k1", 100, 0}, Case{"liver_linear", "rk4", "k1", 1, 0},
-        Case{"fem_green/press@cube:n=2", "rk4", "E", 1000, 0.02},
-        Case{"fem_green/press@cube:n=2", "explicit_euler", "E", 1000, 0.02}}) {
+       {Case{"liver_linear", "explicit_euler", "k1", 100}, Case{"liver_linear", "rk4", "k1", 1},
+        Case{"liver_linear", "rk4", "k1", 100, {{"c", 2}}},
+        Case{"fem_green/press@cube:n=2", "rk4", "E", 1000, {{"beta", 0.02}}},
+        Case{"fem_green/press@cube:n=2", "explicit_euler", "E", 1000, {{"beta", 0.02}}}}) {
     const auto make = [&](std::vector<std::pair<std::string, double>> values) {
-      if (of.damping > 0) values.emplace_back("beta", of.damping);
+      values.insert(values.end(), of.damping.begin(), of.damping.end());
       return make_problem(of.problem, {.parameters = std::move(values)});
     };
     const Problem problem = make({});
