@@ -24,11 +24,12 @@ void for_each_entry(const Sparse& A, const Visit& visit) {
 
 }  // namespace
 
-std::optional<std::pair<Eigen::Index, Eigen::Index>> first_asymmetry(const Sparse& A) {
+std::optional<std::pair<Eigen::Index, Eigen::Index>> first_asymmetry(const Sparse& A, double noise) {
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(A.rows());
   for_each_entry(A, [&](Eigen::Index i, Eigen::Index j, double value) {
     for (const Eigen::Index k : {i, j}) largest(k) = std::max(largest(k), std::abs(value));
   });
+  const double let_pass = A.rows() > 0 ? noise * largest.maxCoeff() : 0;
   Sparse difference = A.transpose();
   if (same_pattern(A, difference))
     difference.coeffs() = A.coeffs() - difference.coeffs();
@@ -38,8 +39,8 @@ std::optional<std::pair<Eigen::Index, Eigen::Index>> first_asymmetry(const Spars
   for_each_entry(difference, [&](Eigen::Index i, Eigen::Index j, double value) {
     if (found || value == 0) return;
     const double a = largest(i), b = largest(j);
-    if (std::abs(value) > std::max(1e-10 * std::sqrt(a) * std::sqrt(b), 1e-14 * std::max(a, b)))
-      found = {i, j};
+    const double allowed = std::max({1e-9 * std::sqrt(a) * std::sqrt(b), 1e-14 * std::max(a, b), let_pass});
+    if (std::abs(value) > allowed) found = {i, j};
   });
   return found;
 }

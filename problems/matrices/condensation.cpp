@@ -138,7 +138,7 @@ CondensedStructure condensed(const Sparse& K, const Sparse& C, const std::vector
     throw std::invalid_argument(
         "without its unknowns without mass the stiffness has too many entries; give them a mass");
   if (is_symmetric(K)) result.K = symmetrised(result.K);
-  if (is_symmetric(C)) result.C = symmetrised(result.C);
+  if (is_symmetric(C, damping_noise)) result.C = symmetrised(result.C);
   return result;
 }
 

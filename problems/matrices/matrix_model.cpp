@@ -240,8 +240,9 @@ void condense_massless(MatrixModel& model, Structure& structure) {
 }
 
 /// Takes rounding out of matrices that are symmetric but for it. False where one is not symmetric.
-bool settle_symmetry(MatrixSeries& series) {
-  const bool symmetric = std::ranges::all_of(series.at, is_symmetric);
+bool settle_symmetry(MatrixSeries& series, double noise = 0) {
+  const bool symmetric =
+      std::ranges::all_of(series.at, [&](const Sparse& A) { return is_symmetric(A, noise); });
   if (symmetric)
     for (Sparse& A : series.at) symmetrised(A).swap(A);
   return symmetric;
@@ -275,7 +276,7 @@ void settle(MatrixModel& model, Structure structure) {
     facts.coupled_mass = facts.coupled_mass || (i != j && value != 0);
   });
   facts.symmetric_K = settle_symmetry(structure.K);
-  facts.symmetric_C = settle_symmetry(structure.C);
+  facts.symmetric_C = settle_symmetry(structure.C, damping_noise);
   facts.free_directions = model.size() == facts.rows ? free_directions(structure.K.at.front()) : 0;
   facts.look_swapped = facts.coupled_mass && look_swapped(structure.K.at.front(), structure.M);
   facts.damped = std::ranges::any_of(structure.C.at, has_entries<Sparse>);
@@ -298,7 +299,7 @@ void settle(MatrixModel& model, Structure structure) {
 void reduce(MatrixModel& model, Structure structure) {
   model.unknowns = all_rows(structure.M);
   settle_symmetry(structure.K);
-  settle_symmetry(structure.C);
+  settle_symmetry(structure.C, damping_noise);
   leave_out_constraint_rows(model, structure);
   eliminate_multipliers(model, structure);
   condense_massless(model, structure);

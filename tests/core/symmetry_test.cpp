@@ -28,8 +28,24 @@ TEST(Symmetry, RoundingOfAssemblyAndOfTextIsNone) {
   Eigen::Matrix3d K;
   K << 3, 1 / 3.0, -1e5, 1 / 3.0 + 1e-11, 2, -1e5, -1e5 * (1 + 2e-11), -1e5, 1e11;
   EXPECT_TRUE(is_symmetric(K.sparseView()));
-  K(0, 1) += 1e-4;
+  K(0, 1) += 1e-3;
   EXPECT_FALSE(is_symmetric(K.sparseView()));
+}
+
+TEST(Symmetry, TenDigitsOfTextBesideAPenaltyAreNone) {
+  Eigen::Matrix3d K;
+  K << 2, -1.000000001, 0, -1.000000000, 2, -1, 0, -1, 1e5;
+  EXPECT_TRUE(is_symmetric(K.sparseView()));
+}
+
+TEST(Symmetry, DampingOfNothingButRoundingIsNone) {
+  Eigen::Matrix3d C;
+  C << 1e-15, 3e-16, 0, -2e-16, 2e-15, 0, 0, 0, 5;
+  const Sparse noise = C.sparseView(0, 1);
+  EXPECT_FALSE(is_symmetric(noise));
+  EXPECT_TRUE(is_symmetric(noise, damping_noise));
+  C(0, 1) = 0.4;
+  EXPECT_FALSE(is_symmetric(Sparse(C.sparseView(0, 1)), damping_noise));
 }
 
 TEST(Symmetry, ARowOfNothingButRoundingIsNone) {
