@@ -130,6 +130,7 @@ TEST_F(Scenes, CollectDirectionsOfHeldPoints) {
     EXPECT_EQ(body(read(twice, "BOUNDARY"))->dofs(), dofs);
   }
   EXPECT_EQ(body(read(replaced(whole, "*BOUNDARY", "*BOUNDARY, TYPE=VELOCITY"), "BOUNDARY"))->dofs(), 48);
+  EXPECT_EQ(body(read(replaced(whole, "*BOUNDARY", "*BOUNDARY, TYPE=DISPLACEMENT")))->dofs(), 36);
   EXPECT_EQ(held("FIX, XSYMM\nFIX, YSYMM\nFIX, ZSYMM\n"), 36);
   ASSERT_EQ(freed.notes.size(), 2U);
   EXPECT_TRUE(says(freed.notes.back(), "BOUNDARY"));

@@ -29,7 +29,8 @@ std::optional<std::string> InpCard::parameter(const std::string& name) const {
 
 const std::string* InpCard::unknown_parameter(std::string_view known) const {
   for (const auto& [name, value] : parameters)
-    if (!is_listed(name, known) || (name == "OP" && value != "MOD") || (name == "SYSTEM" && value != "R"))
+    if (!is_listed(name, known) || (name == "OP" && value != "MOD") || (name == "SYSTEM" && value != "R") ||
+        (name == "TYPE" && keyword == "BOUNDARY" && value != "DISPLACEMENT"))
       return &name;
   return nullptr;
 }

@@ -100,7 +100,7 @@ struct InpMesh {
 };
 
 /// The parameters of a *BOUNDARY that is read: what is fixed at 0 does not move, whatever its amplitude.
-inline constexpr std::string_view boundary_parameters = "OP|AMPLITUDE";
+inline constexpr std::string_view boundary_parameters = "OP|AMPLITUDE|TYPE";
 
 /// @throws std::invalid_argument  one sentence with file, line and remedy
 InpMesh inp_mesh(const InpFile& file);

@@ -104,8 +104,9 @@ class SofaMeshReader {
     for (const auto& [name, value] : part.tag.attributes) {
       if (!is_listed(name, attributes)) continue;
       const double neutral = name.starts_with('s') || name == "restScale" ? 1 : 0;
-      for (const double number : file_.numbers(part, name))
-        if (number != neutral)
+      const std::vector<double> numbers = file_.numbers(part, name);
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        if (numbers[i] != (name == "transformation" && i % 5 == 0 ? 1 : neutral))  // the identity
           file_.fail(part, in_quotes(name) + " = " + in_quotes(value) + " of " + std::string(part.type) +
                                " is not read; move the points themselves");
     }
