@@ -57,7 +57,8 @@ StateUnits units_of(const AnySystem& system, StateUnits sizes, double t, const E
     constexpr double least = 1e-290, most = 1e290;
     return size > 0 ? std::exp2(std::round(std::log2(std::clamp(size, least, most)))) : 1;
   };
-  return {near(sizes.positions), near(sizes.others)};
+  // A small state beside a large one of another unit keeps the tolerance of numbers near one.
+  return {std::min(1.0, near(sizes.positions)), std::min(1.0, near(sizes.others))};
 }
 
 /// Integrates y from t0 to t1, between which f does not jump; false when the engine gives up or y is no

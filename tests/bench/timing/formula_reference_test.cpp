@@ -52,6 +52,17 @@ TEST(FormulaReference, IsAsExactInAnyUnitOfItsStates) {
   }
 }
 
+TEST(FormulaReference, KeepsASmallStateBesideALargeOneOfAnotherUnit) {
+  const FormulaSystem system(
+      FormulaDefinition{.name = "pressed",
+                        .equations = {{"p", "-0.01*(p - 101000)"}, {"x", "v"}, {"v", "-w^2*x"}},
+                        .parameters = {{"w", 125}},
+                        .y0 = {101325, 1e-6, 0}});
+  const FormulaReference reference(AnySystem(system), system.y0(), 1);
+  for (const double t : {0.3, 0.77, 1.0})
+    EXPECT_NEAR(reference.at(t)[1], 1e-6 * std::cos(125 * t), 1e-11) << t;
+}
+
 TEST(FormulaReference, IsNaNOutsideItsInterval) {
   const FormulaReference reference = decay(1);
   EXPECT_FALSE(std::isnan(reference.at(0)[0]));
