@@ -309,7 +309,9 @@ class Search {
     enter(AdviceStage::searching, 0.05, "finding the reference motion");
     if (problem_.body || question_.motion)
       model.near = linearised(model.motion.problem, 0, model.motion.problem.y0);
-    if (make_) model.stiffer = stiffer(problem_, changed_state(), make_);
+    // Points that a motion moves are free without it: the limits would be those of two systems.
+    if (make_ && model.motion.problem.y0.size() == problem_.y0.size())
+      model.stiffer = stiffer(problem_, changed_state(), make_);
     if (model.stiffer)
       model.with_stiffness = [problem = problem_, y = changed_state(), make = make_](double factor) {
         return stiffer(problem, y, make, factor);

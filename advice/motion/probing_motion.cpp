@@ -30,11 +30,11 @@ struct Course {
   double rise, hold, after;  ///< [s]
 };
 
-/// Frames of a second would see nothing of a load that has gone within half of one.
+/// Frames of a second would see nothing of a load that has gone within half of one; it still comes as fast,
+/// and so makes the body vibrate.
 Course course_of(double frame) {
-  constexpr double least_frames = 2;
-  const double rise = std::max(0.1, least_frames * frame);
-  return {rise, 2 * rise, 2 * rise};
+  const double some_frames = std::max(0.2, 4 * frame);
+  return {0.1, some_frames, some_frames};
 }
 
 double size_of(const TetMesh& mesh) {
@@ -107,7 +107,12 @@ std::vector<PressingForce> test_forces(const TissueBody& body) {
     const auto middle = [&](const PressingForce& force) -> Eigen::Vector3d {
       return mesh.points(Eigen::all, force.points).rowwise().mean();
     };
-    PressingForce far{.points = around(mesh, points, furthest(mesh, points, middle(near)))};
+    const TetMesh::Index tip = furthest(mesh, points, middle(near));
+    PressingForce far{.points = around(mesh, points, tip)};
+    if (std::ranges::find(near.points, tip) != near.points.end()) {  // a fragment as small as what is pressed
+      near.points = {furthest(mesh, points, mesh.points.col(tip))};
+      far.points = {tip};
+    }
     far.force = (middle(far) - middle(near)).normalized();
     near.force = -far.force;
     return {near, far};

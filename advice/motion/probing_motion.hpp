@@ -31,9 +31,7 @@ struct ProbingMotion {
 /// equilibrium is halved, up to six times, until it has one, and then taken as large as moves the body by 2 %
 /// of its size. Of bodies whose loads change with time, and of what is no body: the problem's own motion, up
 /// to its end.
-/// @param frame  [s]: where it is longer than 0.05 s, the load rises and falls within two of it, and the
-/// other
-///               times are longer in proportion
+/// @param frame  [s]: where it is longer than 0.05 s, the load stays for four of it, and is gone for four
 ProbingMotion probing_motion(const Problem& problem, const Watcher& watcher = {}, double frame = 0);
 
 /// A body as it rests under gravity, which is scaled by the largest share 1, 1/2, ..., 1/64 with an

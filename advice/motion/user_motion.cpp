@@ -84,7 +84,7 @@ ProbingMotion probing_motion(const Problem& problem, const UserMotion& user, con
     else
       settings.supports.push_back({.points = points, .travel = unit, .profile = profile});
   }
-  ProbingMotion motion{.problem = with_settings(problem, std::move(settings)),
+  ProbingMotion motion{.problem = told_to_user([&] { return with_settings(problem, settings); }),
                        .t_end = user.t_end,
                        .words = fmt::format("{} of {} on {}", presses ? "the forces" : "the displacements",
                                             user.name, counted(points.size(), "point"))};
