@@ -20,6 +20,7 @@
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 #include "core/ranks/ranks.hpp"
+#include "core/text/split.hpp"
 #include "plots/draw.hpp"
 #include "plots/steps.hpp"
 #include "results/fingerprint.hpp"
@@ -165,7 +166,8 @@ const Row* fastest(const Group& group, double error) {
   return best;
 }
 
-/// The powers of ten between which the errors of a group are.
+/// The powers of ten between which the errors of a group are; those of more than the initial state, and than
+/// 1, are of runs that have grown away.
 struct Decades {
   int most, least;
 };
@@ -177,6 +179,10 @@ Decades decades_of(const Group& group) {
       most = std::max(most, row->error_global);
     }
   if (most == 0) return {0, 0};
+  double size = 1;
+  for (const std::string_view part : split(group.rows.front()->key.y0, ","))  // "rest" of a body has none
+    if (const auto y = to_number(part)) size = std::max(size, std::abs(*y));
+  most = std::min(most, std::max(size, least));
   return {static_cast<int>(std::ceil(std::log10(most))), static_cast<int>(std::floor(std::log10(least)))};
 }
 
