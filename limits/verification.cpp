@@ -280,12 +280,16 @@ void Finding::excuse(std::string reason) {
   why = std::move(reason);
 }
 
-void Finding::excuse_drive() {
-  excuse(
-      "the force moves the model away from this state, so that the runs show the limit of other states; the safe step "
-      "along the motion says more");
+void Finding::excuse_states(std::string reason) {
+  excuse(std::move(reason));
   // Limits of different states are no prediction and observation of one.
   if (!seen.agrees) seen.gap = std::numeric_limits<double>::quiet_NaN();
+}
+
+void Finding::excuse_drive() {
+  excuse_states(
+      "the force moves the model away from this state, so that the runs show the limit of other states; the safe step "
+      "along the motion says more");
 }
 
 FarSteps short_far_steps(double fastest) {
@@ -349,7 +353,7 @@ void verify(Prediction& row, const Method& method, const Problem& problem, const
   const ShowSteps run = watched(steps_of(step, free, rest, small.size * start.displacement, outcome), watch);
   Finding finding = watch_runs(row, method, near, start, run, *outcome, far_steps(problem, start, rates));
   if (!problem.body && !small.is_linear && !finding.seen.excused)
-    finding.excuse(
+    finding.excuse_states(
         "not verified: the model is not linear within the smallest motions about this state that runs can show");
   if (driven_away(near, free)) finding.excuse_drive();
   if (row.bound != Bound::stability && free_rigid.cols() > 0 && rounding_of_stiffness(near.point.model) > 0)

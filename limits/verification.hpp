@@ -51,7 +51,9 @@ struct Finding {
 
   /// Gives a reason for which runs do not agree, and that is no mistake of the prediction.
   void excuse(std::string reason);
-  /// The same of driven_away().
+  /// The same where the runs are of other states than the prediction: there is no gap.
+  void excuse_states(std::string reason);
+  /// That of driven_away().
   void excuse_drive();
 };
 

@@ -13,6 +13,7 @@
 #include "integrators/spectral_radius.hpp"
 #include "limits/modes/structure_start.hpp"
 #include "limits/verification.hpp"
+#include "problems/linearity.hpp"
 
 namespace hmax {
 namespace {
@@ -85,6 +86,7 @@ class DistributedSystem {
   using Dofs = VectorXd;
   using DofMatrix = Eigen::SparseMatrix<double>;
   static constexpr bool autonomous = true;
+  static constexpr Linearity linearity() { return Linearity::linear; }
 
   /// @param fastest  |lambda| of the fastest mode [1/s]
   DistributedSystem(Shared shared, double fastest)
