@@ -316,7 +316,7 @@ class GeneralizedAlpha {
   bool iterate(const Sys& system, Real t, const State& y, Real h, State& y_new, int iterations, bool newton) {
     const Eigen::Index n = detail::dofs_of(y);
     const Real t_f = t + (1 - alpha_f_) * h, share = 1 / (1 - alpha_m_);
-    // With beta = 0 positions do not depend on a_new, and damping is nearly always constant.
+    // With beta = 0 positions do not depend on a_new: one force a step, wrong only where damping switches.
     const bool remembers = !newton && (beta_ == 0 || is_linear(system));
     Real before = 0, rate = remembers ? rate_ : Real(1);
     update_candidate(y, h, y_new);

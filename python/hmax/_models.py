@@ -96,8 +96,9 @@ class Body:
         **parameters: float,
     ) -> None:
         name, metres = (mesh.name, mesh.unit) if isinstance(mesh, Mesh) else (str(mesh), _metres(unit))
-        if unit is not None and metres != _metres(unit):
-            raise ValueError(f"unit is {unit!r} but the mesh was read in units of {metres} m; leave it out")
+        own = 1.0 if metres is None else metres
+        if unit is not None and isinstance(mesh, Mesh) and own != _metres(unit):
+            raise ValueError(f"unit is {unit!r} but the mesh was read in units of {own} m; leave it out")
         down = None if gravity is None else vector("gravity", gravity)
         if down is not None and len(down) != 3:
             raise ValueError(f"gravity has {len(down)} numbers but is a vector of three, such as (0, -9.81, 0)")

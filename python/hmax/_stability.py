@@ -135,7 +135,7 @@ class Modes:
     shapes: Any
     """Shapes u, one a column, with u^T M u = 1, shape (n, count)."""
     kappa: Any
-    """u^T K u [1/s^2], shape (count): omega^2; negative of modes that grow."""
+    """u^T K u [1/s^2], shape (count): omega^2; negative of modes that grow. The slowest modes are those nearest to zero."""
 
     @property
     def frequency(self) -> Any:
