@@ -22,7 +22,7 @@ Matrix read_matrix(const std::string& file, const ReadRows& read);
 /// @throws std::runtime_error  for a diagonal or a sum that is not positive
 Vector lumped_mass(Mat M, bool lumped, const std::string& file);
 
-/// @throws std::runtime_error  unless A and its transpose agree to 1e-10 of the largest entry
+/// @throws std::runtime_error  unless A and its transpose agree to 1e-9 of the largest entries of their rows
 void require_symmetric(Mat A, const std::string& file);
 
 /// A diagonal matrix of one number, which is stored even where it is 0, with the rows of A.
