@@ -15,8 +15,8 @@ namespace hmax {
 /// Found by running the candidate on larger motions.
 struct LoadMargin {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  std::string loads =
-      {};  ///< what the factors are of: "loads" of a body, else such as "force and initial state"
+  /// What the factors are of: "loads" of a body, else such as "force and initial state".
+  std::string loads = {};
   double holds = none;  ///< the largest factor of the loads at which the step is stable
   double fails = none;  ///< the smallest tried at which it is not, or inverts an element; infinity: 8 holds
   double displacement =

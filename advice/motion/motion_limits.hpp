@@ -28,8 +28,8 @@ struct AnalysedModel {
   ProbingMotion motion;
   ReferenceMotion reference;
   Linearised near;  ///< at the start of the motion
-  std::optional<Linearised>
-      stiffer;  ///< the same, and as much stiffer as stiffer() (advice/motion/uncertainty.hpp)
+  /// The same, as much stiffer as stiffer() (advice/motion/uncertainty.hpp) makes it.
+  std::optional<Linearised> stiffer;
   /// The start with its stiffness times a factor; null where that cannot be made.
   std::function<std::optional<Linearised>(double factor)> with_stiffness = {};
   Path path;                           ///< where limits are looked for

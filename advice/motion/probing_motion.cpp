@@ -103,7 +103,7 @@ std::vector<PressingForce> test_forces(const TissueBody& body) {
       points.push_back(body.free_points()[static_cast<std::size_t>(part[i] / 3)]);
     if (std::ranges::find(points, near.points.front()) == points.end()) continue;
     const auto surface = surface_of(mesh).points;
-    std::erase_if(points, [&](TetMesh::Index i) { return std::ranges::find(surface, i) == surface.end(); });
+    std::erase_if(points, [&](TetMesh::Index i) { return !std::ranges::binary_search(surface, i); });
     const auto middle = [&](const PressingForce& force) -> Eigen::Vector3d {
       return mesh.points(Eigen::all, force.points).rowwise().mean();
     };
