@@ -43,7 +43,7 @@ class Multibody final : public Scene {
   void add_joint(const Urdf& robot, int i);
   void add_parts(const Urdf& robot);
 
-  static constexpr double gravity_ = 9.81;
+  static constexpr double gravity = 9.81;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
@@ -75,7 +75,7 @@ Multibody::Multibody(const Urdf& robot, bool is_fixed)
     limits_.back()->finalizeMultiDof();
   }
   // What falls feels no gravity.
-  world_.setGravity(btVector3(0, 0, is_fixed ? -gravity_ : 0));
+  world_.setGravity(btVector3(0, 0, is_fixed ? -gravity : 0));
   link_damping_ = body_->getLinearDamping();
   add_parts(robot);
   words_ = "multibody of " + std::to_string(moving_.size()) + (moving_.size() == 1 ? " joint" : " joints") +

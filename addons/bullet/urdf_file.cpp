@@ -54,7 +54,7 @@ void Reader::refuse_others(const XmlPart& part, Names taken, Names passed_over) 
 }
 
 std::string Reader::name_of(const XmlPart& part) const {
-  const std::string name = unescaped(part.name());
+  std::string name = unescaped(part.name());
   if (name.empty()) file_.fail(part, "<" + std::string(part.type) + "> has no name; give it one");
   return name;
 }

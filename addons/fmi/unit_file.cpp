@@ -33,7 +33,8 @@ void write(unzFile zip, const fs::path& file, std::int64_t& left) {
   std::ofstream out(file, std::ios::binary);
   std::array<char, 65536> block;
   require_whole(unzOpenCurrentFile(zip));
-  for (int count = 0; (count = unzReadCurrentFile(zip, block.data(), block.size())) != 0;) {
+  const auto read = [&] { return unzReadCurrentFile(zip, block.data(), block.size()); };
+  for (int count = read(); count != 0; count = read()) {
     require_whole(count);
     if ((left -= count) < 0) throw Failure{"its files have more than 1 GB"};
     out.write(block.data(), count);

@@ -58,7 +58,10 @@ struct Scene {
   Scene& operator=(const Scene&) = delete;
 
   /// qpos, qvel and the activations.
-  [[nodiscard]] std::size_t dim() const { return static_cast<std::size_t>(m->nq + m->nv + m->na); }
+  [[nodiscard]] std::size_t dim() const {
+    return static_cast<std::size_t>(m->nq) + static_cast<std::size_t>(m->nv) +
+           static_cast<std::size_t>(m->na);
+  }
   void state(double* y) const {
     y = std::copy_n(d->qpos, m->nq, y);
     y = std::copy_n(d->qvel, m->nv, y);
@@ -186,13 +189,14 @@ class Settling final : public SettlingScene {
 
 std::unique_ptr<Scene> scene_of(const Argument& argument) {
   auto scene = std::make_unique<Scene>();
-  std::string message(1000, '\0');
+  std::array<char, 1000> told{};
   guarded([&] {
-    scene->m = mj_loadXML(argument.file.c_str(), nullptr, message.data(), static_cast<int>(message.size()));
+    scene->m = mj_loadXML(argument.file.c_str(), nullptr, told.data(), static_cast<int>(told.size()));
   });
+  const std::string message = told.data();
   if (!scene->m)
     throw Failure{
-        in_one_line(message.c_str()) +
+        in_one_line(message) +
         (message.find("'flexcomp'") == message.npos
              ? ""
              : "; this MuJoCo has no flexes, `hmax stability predict --scene FILE` reads one as a body")};

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace hmax::mujoco {
 namespace {
@@ -11,6 +12,12 @@ using Kind = Part::Kind;
 struct Numbers {
   double stiffness = 0, damping = 0;
 };
+
+/// Row i of one of its tables.
+template <class T>
+T* row(T* table, int i, int width) {
+  return table + static_cast<std::ptrdiff_t>(i) * width;
+}
 
 /// Of a constraint. [MuJoCo, Modeling, Solver parameters]: (time constant, damping ratio) or (-stiffness,
 /// -damping), but for the impedance, by which both are divided.
@@ -86,7 +93,7 @@ std::string tendon(const mjModel* m, int id) {
 }
 
 std::string actuator(const mjModel* m, int id) {
-  const int of = m->actuator_trnid[2 * id];
+  const int of = row(m->actuator_trnid, id, 2)[0];
   switch (m->actuator_trntype[id]) {
     case mjTRN_JOINT:
     case mjTRN_JOINTINPARENT:
@@ -144,7 +151,7 @@ std::string name_of(const mjModel* m, Kind kind, int id) {
 bool is_muscle(const mjModel* m, int i) { return m->actuator_gaintype[i] == mjGAIN_MUSCLE; }
 
 Numbers numbers_of_actuator(const mjModel* m, int i) {
-  const mjtNum *gain = m->actuator_gainprm + i * mjNGAIN, *bias = m->actuator_biasprm + i * mjNBIAS;
+  const mjtNum *gain = row(m->actuator_gainprm, i, mjNGAIN), *bias = row(m->actuator_biasprm, i, mjNBIAS);
   // Its peak force, or the scale of that.
   if (is_muscle(m, i)) return {gain[2] > 0 ? gain[2] : gain[3], 0};
   Numbers numbers;
@@ -155,8 +162,9 @@ Numbers numbers_of_actuator(const mjModel* m, int i) {
 }
 
 void scale_actuator(mjModel* m, const mjModel* from, int i, Numbers factors) {
-  mjtNum *gain = m->actuator_gainprm + i * mjNGAIN, *bias = m->actuator_biasprm + i * mjNBIAS;
-  const mjtNum *gain0 = from->actuator_gainprm + i * mjNGAIN, *bias0 = from->actuator_biasprm + i * mjNBIAS;
+  mjtNum *gain = row(m->actuator_gainprm, i, mjNGAIN), *bias = row(m->actuator_biasprm, i, mjNBIAS);
+  const mjtNum *gain0 = row(from->actuator_gainprm, i, mjNGAIN),
+               *bias0 = row(from->actuator_biasprm, i, mjNBIAS);
   if (is_muscle(from, i)) {
     for (const int k : {2, 3}) {
       gain[k] = gain0[k] * (gain0[k] > 0 ? factors.stiffness : 1);
@@ -179,7 +187,7 @@ void scale_actuator(mjModel* m, const mjModel* from, int i, Numbers factors) {
 /// The rate of the activation.
 double rate_of_filter(const mjModel* m, int i) {
   const bool filters = m->actuator_dyntype[i] == mjDYN_FILTER || m->actuator_dyntype[i] == mjDYN_MUSCLE;
-  const double constant = m->actuator_dynprm[i * mjNDYN];
+  const double constant = row(m->actuator_dynprm, i, mjNDYN)[0];
   return filters && constant > 0 ? 1 / constant : 0;
 }
 
@@ -204,7 +212,7 @@ std::vector<Part> parts_of(const mjModel* m, std::size_t most) {
                      .damping = numbers.damping});
   };
   const auto add_constraint = [&](Kind kind, int id, const mjtNum* references, int k) {
-    add(kind, id, numbers_of(references + k * mjNREF));
+    add(kind, id, numbers_of(row(references, k, mjNREF)));
   };
   add(Kind::gravity, 0, {mju_norm3(m->opt.gravity), 0});
   add(Kind::viscosity, 0, {0, m->opt.viscosity});
@@ -235,7 +243,7 @@ void scale(mjModel* m, const mjModel* from, const Part& part, double stiffness, 
   const int i = part.id;
   const Numbers factors{stiffness, damping};
   const auto reference = [&](mjtNum* to, const mjtNum* of, int k) {
-    scale_reference(to + k * mjNREF, of + k * mjNREF, factors);
+    scale_reference(row(to, k, mjNREF), row(of, k, mjNREF), factors);
   };
   const auto dofs = [&](const auto& change) {
     const int end = i + 1 < from->njnt ? from->jnt_dofadr[i + 1] : from->nv;

@@ -72,7 +72,7 @@ class Engine final : public DistributedEngine {
     while (MPI_Test(&request, &together, MPI_STATUS_IGNORE), !together) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       if (message.empty() || std::chrono::steady_clock::now() < patience) continue;
-      message = "hmax: rank " + std::to_string(rank_) + ": " + message + "\n";
+      message.insert(0, "hmax: rank " + std::to_string(rank_) + ": ").push_back('\n');
       const ssize_t written = write(error_, message.data(), message.size());
       MPI_Abort(world, written < 0 ? 3 : 2);
     }

@@ -34,7 +34,7 @@ namespace {
 /// program afterwards is what it would have given.
 class OwnRandomNumbers {
  public:
-  OwnRandomNumbers() : lock_(mutex()), before_(initstate(1, state_, sizeof state_)) {}
+  OwnRandomNumbers() : lock_(mutex()), before_(initstate(1, state, sizeof state)) {}
   ~OwnRandomNumbers() { setstate(before_); }
   OwnRandomNumbers(const OwnRandomNumbers&) = delete;
   OwnRandomNumbers& operator=(const OwnRandomNumbers&) = delete;
@@ -46,7 +46,7 @@ class OwnRandomNumbers {
   }
   std::lock_guard<std::mutex> lock_;
   // A thread that takes it for the state before keeps it.
-  alignas(long) static inline char state_[128];
+  alignas(long) static inline char state[128];
   char* before_;
 };
 

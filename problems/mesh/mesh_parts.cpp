@@ -67,7 +67,7 @@ Eigen::MatrixXd rigid_motions(const TetMesh& mesh, const std::vector<Index>& poi
   Eigen::MatrixXd motions(3 * static_cast<Index>(points.size()), 6);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d arm = (mesh.points.col(points[i]) - centre) / size;
-    auto rows = motions.middleRows<3>(3 * static_cast<Index>(i));
+    auto rows = motions.middleRows<3>(3 * static_cast<Eigen::Index>(i));
     rows.leftCols<3>().setIdentity();
     for (int axis = 0; axis < 3; ++axis) rows.col(3 + axis) = Eigen::Vector3d::Unit(axis).cross(arm);
   }

@@ -308,7 +308,7 @@ void TissueBody::build_rayleigh_damping() {
         for (std::size_t a = 0; a < points.size(); ++a)
           for (std::size_t b = 0; b < points.size(); ++b)
             if (const Index row = pattern_.free()[at(points[a])]; row >= 0 && moved[at(points[b])])
-              drag.segment<3>(3 * row) +=
+              drag.segment<3>(Eigen::Index{3} * row) +=
                   beta * K.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b)) *
                   support.travel;
       });

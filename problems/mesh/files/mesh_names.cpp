@@ -187,10 +187,10 @@ TetMesh unmodified_mesh(const MeshRequest& request) {
     if (is_modifier(name)) continue;
     const auto place = std::ranges::find(values, name, &std::pair<std::string, double>::first);
     if (place == values.end()) {
-      std::string names = "refine, mend, merge";
-      for (const auto& each : known->parameters) names += ", " + each.first;
-      throw std::invalid_argument("the mesh " + request.name + " has no parameter '" + name + "'; it takes " +
-                                  names);
+      std::string message = "the mesh " + request.name;
+      message += " has no parameter '" + name + "'; it takes refine, mend, merge";
+      for (const auto& each : known->parameters) message += ", " + each.first;
+      throw std::invalid_argument(message);
     }
     place->second = value;
   }

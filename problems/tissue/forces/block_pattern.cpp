@@ -135,7 +135,8 @@ void BlockPattern::shape(Matrix& A) const {
     const auto* found = A.innerIndexPtr() + std::ptrdiff_t{9} * first_[at(j)];
     const Index* wanted = rows_.data() + first_[at(j)];
     Index different = 0;
-    for (Index k = 0; k < (same ? blocks : 0); ++k) different |= found[3 * k] ^ (3 * wanted[k]);
+    for (Index k = 0; k < (same ? blocks : 0); ++k)
+      different |= found[std::ptrdiff_t{3} * k] ^ (3 * wanted[k]);
     same = same && different == 0;
   }
   if (!same) {

@@ -38,7 +38,7 @@ class FlexcompReader {
 
  private:
   [[nodiscard]] std::vector<double> given(const XmlPart& part, std::string_view attribute,
-                                          std::vector<double> otherwise) const {
+                                          const std::vector<double>& otherwise) const {
     return part.has(attribute) ? file_.numbers(part, attribute, otherwise.size()) : otherwise;
   }
 
