@@ -114,7 +114,7 @@ HMAX_DEVICE inline double arithmetic_value(FormulaOp op, double a, double b, dou
     case FormulaOp::sign:
       return a < 0 ? -1 : a > 0 ? 1 : 0;
     case FormulaOp::rint:
-      return std::floor(a + 0.5);
+      return a - std::floor(a) < 0.5 ? std::floor(a) : std::ceil(a);
     default:
       return other(op, a, b);
   }

@@ -241,6 +241,9 @@ TEST(FormulaSystem, OperatorsBindAsTheyAlwaysDid) {
   EXPECT_EQ(value("-e^2"), -std::pow(std::exp(1.0), 2));
   EXPECT_EQ(value("2*x^2^2"), 162);
   EXPECT_EQ(value("rint(2.5) + 10*rint(-2.5) + 100*rint(3.5)"), 3 - 20 + 400);
+  // Where a + 0.5 rounds.
+  EXPECT_EQ(value("rint(0.49999999999999994)"), 0);
+  EXPECT_EQ(value("rint(4503599627370497)"), 4503599627370497);
   EXPECT_EQ(value("sign(0)"), 0);
   EXPECT_EQ(value("sum(1,2,3) + avg(1,2,3)"), 8);
   EXPECT_EQ(value("min(x,a,1) + max(x) + 5. + .5 + 1e3"), 1009.5);
