@@ -70,11 +70,11 @@ def finite(name: str, values: Any) -> None:
         raise ValueError(f"{name}[{bad[0]}] is {values[bad[0]]}; every number must be finite")
 
 
-def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix]) -> Tuple[Any, Any, Any]:
-    """K, M and C of M q'' + C q' + K q = 0."""
+def structure(K: Optional[Matrix], M: Optional[Matrix], C: Optional[Matrix], otherwise: str = "") -> Tuple[Any, Any, Any]:
+    """K, M and C of M q'' + C q' + K q = 0; `otherwise` is what may be given instead."""
     if K is None or M is None:
         missing = "K" if K is None else "M"
-        raise ValueError(f"{missing} is missing; give the stiffness K and the mass M, or the Jacobian J of y' = J y")
+        raise ValueError(f"{missing} is missing; give the stiffness K and the mass M{otherwise and ', or ' + otherwise}")
     return matrix("K", K), masses(M), None if C is None else matrix("C", C)
 
 

@@ -102,6 +102,8 @@ class Body:
         down = None if gravity is None else vector("gravity", gravity)
         if down is not None and len(down) != 3:
             raise ValueError(f"gravity has {len(down)} numbers but is a vector of three, such as (0, -9.81, 0)")
+        for given in parameters.keys() & {"gx", "gy", "gz"} if down is not None else ():
+            raise ValueError(f"gravity and {given} say the same; give one of them")
         if not isinstance(supports, (str, list, tuple)):
             raise ValueError(f"supports is {supports!r} but must be a list of sets of points, such as ['surface:30']")
         sets = [supports] if isinstance(supports, str) else [str(each) for each in supports]
@@ -215,7 +217,7 @@ def advise(
     if model is None:
         for given in [*parameters, *(["material"] if material else [])]:
             raise ValueError(f"{given} is of a model, and matrices are given; leave it out")
-        matrices, end = structure(K, M, C), between("t_end", 1 if t_end is None else t_end, 1e-9, 1e9)
+        matrices, end = structure(K, M, C, "a model"), between("t_end", 1 if t_end is None else t_end, 1e-9, 1e9)
         if y0 is None:
             raise ValueError("y0 is missing; give the displacements and velocities that the motion begins with")
         return answer(_core.Model.of_matrices(*matrices, vector("y0", y0), end).advise(*question))

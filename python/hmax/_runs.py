@@ -10,7 +10,7 @@ from ._arguments import Matrix, function, matrix, number, structure, vector
 from ._stability import method_name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Run:
     """The points of an integration."""
 
@@ -73,7 +73,7 @@ def integrate(
         return Run(**_core.run_function(method_name(method), function("rhs", rhs), _as_matrices(function("jacobian", jacobian)), start, *settings))
     if jacobian is not None:
         raise ValueError("jacobian is of rhs, and matrices are given; leave it out")
-    return Run(**_core.run_structure(method_name(method), *structure(K, M, C), start, *settings))
+    return Run(**_core.run_structure(method_name(method), *structure(K, M, C, "rhs"), start, *settings))
 
 
 def run_settings(t_end: Any, h: Any, rtol: Any, atol: Any, every: Any) -> List[Optional[float]]:

@@ -118,13 +118,13 @@ def largest_stable_step(
     0.017481 s, limited by stability of omega = 161.80 rad/s
     """
     if J is None:
-        return Limit(**_core.limit_of_structure(method_name(method), *structure(K, M, C), bool(verify)))
+        return Limit(**_core.limit_of_structure(method_name(method), *structure(K, M, C, "the Jacobian J of y' = J y"), bool(verify)))
     if any(given is not None for given in (K, M, C)):
         raise ValueError("J is of a first-order model and K, M and C are of one of second order; give one of them")
     return Limit(**_core.limit_of_jacobian(method_name(method), sparse.csc_matrix(matrix("J", J)), bool(verify)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
     """Modes of free motion."""
 

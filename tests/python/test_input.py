@@ -36,7 +36,7 @@ def limit(**given):
         ({"K": np.ones((2, 2, 2))}, "3 dimensions"),
         ({"K": np.ones((0, 0)), "M": []}, "no rows"),
         ({"K": sparse.csc_matrix((0, 0)), "M": np.ones(0)}, "no rows"),
-        ({"K": None}, "K is missing"),
+        ({"K": None}, "K and the mass M, or the Jacobian"),
         ({"M": None}, "M is missing"),
         ({"M": [0.01, 0.0]}, "mass of degree of freedom 2 is 0"),
         ({"M": [0.01, -1.0]}, "must be positive"),

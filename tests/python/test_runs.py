@@ -89,7 +89,7 @@ def test_a_run_that_diverges_says_so():
 @pytest.mark.parametrize(
     "given, words",
     [
-        ({"rhs": None}, "K is missing"),
+        ({"rhs": None}, "K and the mass M, or rhs$"),
         ({"method": "rk44"}, "rk4"),
         ({"y0": None}, "y0 is missing"),
         ({"y0": [[1.0]]}, "2 dimensions"),
