@@ -50,8 +50,10 @@ Model named_model(const std::string& id, const std::string& material, const Valu
 
 Model model_of_matrices(StructureMatrix K, StructureMatrix M, std::optional<StructureMatrix> C, VectorXd y0,
                         double t_end) {
-  const Problem problem = structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end);
-  return {[=] { return problem; }, [] { return Remaking(); }};
+  return {[problem = structure_problem(std::move(K), std::move(M), std::move(C), std::move(y0), t_end)] {
+            return problem;
+          },
+          [] { return Remaking(); }};
 }
 
 /// A body on a mesh.
