@@ -61,6 +61,7 @@ struct OrderReport {
   double fastest =
       0;  ///< the largest |eigenvalue| of the Jacobian at the start [1/s]; 0 where it is not known
   bool extended = false;  ///< in long double
+  bool blurred = false;   ///< by the error of the reference, before it is by rounding
   std::string reference;
 
   [[nodiscard]] bool shown() const {
@@ -74,7 +75,13 @@ struct OrderReport {
                          : seen.lack == OrderLack::not_asymptotic && slope(seen.h.size() - 1) < expected;
   }
 
-  /// Whether the slopes come nearer to the expected order up to the step at which errors are rounding.
+  /// What errors below the floor are worth.
+  [[nodiscard]] std::string_view floor() const {
+    return blurred ? "what the error of the reference blurs" : "rounding level";
+  }
+
+  /// Whether the slopes come visibly nearer to the expected order up to the step at which errors are
+  /// rounding.
   [[nodiscard]] bool is_unsettled() const {
     if (shown() || !seen.observed || !seen.h_rounded) return false;
     double before = std::numeric_limits<double>::infinity();
@@ -83,7 +90,7 @@ struct OrderReport {
       if (std::abs(off) >= std::abs(before) || (i > 1 && off * before < 0)) return false;
       before = off;
     }
-    return true;
+    return std::abs(slope(1) - slope(seen.h.size() - 1)) > 0.01;
   }
 
   /// From one point to the next.
@@ -102,22 +109,22 @@ struct OrderReport {
     const auto at = [](const std::optional<double>& h) { return short_number(h.value_or(0), 3); };
     if (is_unsettled())
       return fmt::format(
-          "the slopes still change, from {:.3f} to {:.3f}, where errors reach rounding level at h = {} s: the "
+          "the slopes still change, from {:.3f} to {:.3f}, where errors reach {} at h = {} s: the "
           "steps above it are too large to show order {}; try another --t-end",
-          slope(1), slope(seen.h.size() - 1), at(seen.h_rounded), expected);
+          slope(1), slope(seen.h.size() - 1), floor(), at(seen.h_rounded), expected);
     switch (seen.lack) {
       case OrderLack::diverged:
         return fmt::format(
             "the runs diverge, or miss the solution, at all steps down to h = {} s; try a smaller --t-end",
             at(seen.h_diverged));
       case OrderLack::rounded:
-        return fmt::format("errors are at rounding level from h = {} s on{}; try another --t-end",
+        return fmt::format("errors are at {} from h = {} s on{}; try another --t-end", floor(),
                            at(seen.h_rounded), seen.h.empty() ? "" : ", and above it are too few steps");
       case OrderLack::narrow:
         return fmt::format(
-            "the runs diverge, or miss the solution, down to h = {} s, and errors are at rounding level from h = {} s on; "
+            "the runs diverge, or miss the solution, down to h = {} s, and errors are at {} from h = {} s on; "
             "try another --t-end",
-            at(seen.h_diverged), at(seen.h_rounded));
+            at(seen.h_diverged), floor(), at(seen.h_rounded));
       case OrderLack::stalled:
         return fmt::format(
             "the error no longer falls from h = {} s on, far above rounding: the runs do not converge to "
@@ -185,9 +192,8 @@ OrderReport measured(const Method& method, const Problem& problem, const std::ve
       extended ? std::numeric_limits<long double>::epsilon() : std::numeric_limits<double>::epsilon();
   const double size = size_of(problem, times, exact);
   // Rounding of up to 20000 steps, with a margin that keeps it out of the slope.
-  const double floor =
-      std::max(static_cast<double>(200 * epsilon * size),
-               30 * (reference.extended_at ? reference.extended_error : reference.error_bound));
+  const auto rounding = static_cast<double>(200 * epsilon * size);
+  const double blur = 30 * (reference.extended_at ? reference.extended_error : reference.error_bound);
 
   Progress progress(console, "order");
   const auto error_of = [&](double t_end, double h) {
@@ -195,11 +201,12 @@ OrderReport measured(const Method& method, const Problem& problem, const std::ve
     progress.update(at / static_cast<double>(times.size()));
     return static_cast<double>((end_state(h, t_end) - exact(t_end)).cwiseAbs().maxCoeff());
   };
-  return {.seen = observe_order(error_of, times, {floor, size}),
+  return {.seen = observe_order(error_of, times, {std::max(rounding, blur), size}),
           .expected = order_on(method, problem),
           .tolerance = method.order_tolerance(),
           .fastest = fastest_rate(problem),
           .extended = extended,
+          .blurred = blur > rounding,
           .reference = reference.name};
 }
 

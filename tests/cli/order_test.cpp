@@ -66,6 +66,17 @@ TEST(OrderCommand, AlsoServesTheUsersFiles) {
   }
 }
 
+/// The reference of a motion with friction errs by more than rounding, and no slope comes nearer to 4.
+TEST(OrderCommand, NamesTheErrorOfTheReference) {
+  const Shell shell;
+  write_text(shell / "rubs.toml",
+             "[equations]\nx = \"v\"\nv = \"-x - 0.3*sign(v)\"\n[initial]\nx = 2\nv = 0\n");
+  const Told told = shell.hmax("order --problem rubs.toml --method rk4 --json");
+  EXPECT_EQ(told.exit_code, 1);
+  const auto status = told.json().at("status").get<std::string>();
+  EXPECT_FALSE(says(status, "rounding") || says(status, "still change")) << status;
+}
+
 TEST(OrderCommand, FailsWhereNoSlopeCanBeSeen) {
   const Shell shell;
   // The solution stays at rest, so every error is zero.
