@@ -430,6 +430,7 @@ void phase_poincare(const PhaseOptions& options, Console& console) {
 void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const std::vector<double> values = values_of(options);
   const std::string& name = options.bifurcation;
+  options.problem.refuse_varied(name, "--bifurcation");
   const Problem first = with_value(options.problem, name, values.front());
   const Looks seen = looks_of(options, 64);
   const auto steps = fixed_steps_of(options);
@@ -461,7 +462,9 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   document["follow"] = options.follow;
   document["columns"] = list;
 
-  std::string text = headline(first) + "\n";
+  Problem held = first;
+  std::erase_if(held.parameters, [&](const auto& parameter) { return parameter.first == name; });
+  std::string text = headline(held) + "\n";
   TextTable table({"settles to", name + " from", "to"});
   for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
@@ -470,8 +473,8 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   if (!options.output.empty()) {
     const auto names = states_with_units(first);
     std::string parameters;
-    for (const auto& [parameter, value] : first.parameters)
-      if (parameter != name) parameters += fmt::format(" {}={}", parameter, to_text(value));
+    for (const auto& [parameter, value] : held.parameters)
+      parameters += fmt::format(" {}={}", parameter, to_text(value));
     deliver({.title = fmt::format("{}: what the motion settles to, over {}", first.id, name),
              .panels = {diagram(columns, with_unit(first, name), names[0])},
              .footer = fmt::format(

@@ -273,6 +273,15 @@ ProblemSettings ProblemChoice::settings() const {
   return settings;
 }
 
+void ProblemChoice::refuse_varied(std::string_view name, std::string_view option) const {
+  std::vector<std::pair<std::string, double>> given = own.parameters(set);
+  for (const std::string& assignment : set) given.push_back(parse_assignment("--set", assignment));
+  for (const auto& [each, value] : given)
+    if (each == name)
+      throw InputError(fmt::format("{} varies {}, and {} is given for it; leave one of them out", option,
+                                   name, to_text(value)));
+}
+
 void ProblemChoice::remark_idle(Console& console, const Problem& made, bool takes_linear) const {
   body.remark_scene(console, takes_linear);
   for (const std::string& assignment : set) {

@@ -91,6 +91,8 @@ struct ProblemChoice {
   /// What make_problem takes. @throws InputError  when a problem is missing, or given twice
   [[nodiscard]] std::string id() const;
   [[nodiscard]] ProblemSettings settings() const;
+  /// @throws InputError  where it gives a parameter that `option` varies
+  void refuse_varied(std::string_view name, std::string_view option) const;
   /// Says on standard error which parameters of --set change nothing of the problem that came of them, and
   /// what a scene leaves out, as remark_scene() has it.
   void remark_idle(Console& console, const Problem& made, bool takes_linear = false) const;

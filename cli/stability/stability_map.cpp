@@ -238,6 +238,8 @@ void check_length(const MapOptions& options, const MapStudy& study, const Proble
 MapStudy study_of(const MapOptions& options, Console& console) {
   auto [x, y] = axes_of(options);
   MapStudy study{.x = std::move(x), .y = std::move(y), .bare = options.problem.make()};
+  options.problem.refuse_varied(study.x.name, "--x");
+  options.problem.refuse_varied(study.y.name, "--y");
   const ProblemSettings settings = options.problem.settings();
   const ProblemAt problem_at = options.rayleigh
                                    ? over_rayleigh(options.problem.id(), settings)

@@ -310,6 +310,8 @@ TEST(Phase, RefusesLooksThatSayNothing) {
   expect_refused(shell.hmax("phase --problem liver_forced --from 3"), "--bifurcation");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3"), "--to");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 3 --to 3"), "no range");
+  expect_refused(shell.hmax("phase --problem liver_forced --bifurcation P --from 0 --to 1 --set P=9"),
+                 "--bifurcation varies P, and 9 is given for it");
   expect_refused(shell.hmax("phase --problem liver_forced --bifurcation Q --from 3 --to 4"), "parameter 'Q'");
   expect_refused(shell.hmax("phase --problem lorenz --poincare --period 1"), "lorenz has 3 states");
   const Told runaway = shell.hmax("phase --problem liver_forced --set c=-3 --poincare --json");

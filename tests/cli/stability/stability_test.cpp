@@ -397,6 +397,7 @@ TEST(Stability, RefusesBadInputInOneSentence) {
   expect_refused(shell.hmax(map), "--x");
   expect_refused(shell.hmax(map + "--x c=0:10 --y k1=1:2:3"), "c=0:10");
   expect_refused(shell.hmax(map + "--x q=0:10:3 --y k1=1:2:3"), "'q'");
+  expect_refused(shell.hmax(map + "--x c=0:10:3 --y k1=1:2:3 --set k1=4"), "--y varies k1, and 4 is given");
   expect_refused(shell.hmax(map + "--x m=-1:1:3 --y k1=1:2:3"), "m");
   expect_refused(shell.hmax(map + "--rayleigh --x c=0:10:3 --y beta=1:2:3"), "--rayleigh");
   expect_refused(shell.hmax("stability predict --problem no_such --methods rk4"), "no_such");
