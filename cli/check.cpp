@@ -27,6 +27,14 @@ struct CheckOptions {
 
   /// Whether methods are named, and not the whole suite is run.
   [[nodiscard]] bool chooses() const { return !methods.empty() || !tableau.empty(); }
+  /// " --baseline mine.csv" and so on, as they were given.
+  [[nodiscard]] std::string given() const {
+    std::string text;
+    for (const auto& [name, value] :
+         {std::pair{"--methods", &methods}, {"--tableau", &tableau}, {"--baseline", &baseline}})
+      if (!value->empty()) text += fmt::format(" {} '{}'", name, *value);
+    return text;
+  }
 };
 
 /// The baseline of the folder hmax is started in, or else of the folder it was built from.
@@ -133,8 +141,9 @@ void check_accuracy(const CheckOptions& options, Console& console) {
     console.print(for_people(comparison, console) +
                   (good ? console.strong(verdict) : console.alarming(verdict)) + "\n");
     if (!good)
-      console.print(
-          "If the change is meant: hmax check --update, and commit the baseline with the reason.\n");
+      console.print(fmt::format(
+          "If the change is meant: hmax check --update{}, and commit the baseline with the reason.\n",
+          options.given()));
   }
   if (!comparison.equal() && !options.update) console.exit_code = Exit::failed;
 }

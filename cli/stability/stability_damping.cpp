@@ -123,11 +123,12 @@ std::string table_of(const std::vector<ShownDamping>& rows, const Console& conso
 }
 
 void damping_of_body(const DampingOptions& options, double h, Console& console) {
+  const Problem problem = options.problem.make();
+  require_body(
+      problem,
+      "and has no shapes of modes; leave it out and give the frequency of its mode with --frequency");
   if (options.frequency || options.zeta)
     throw InputError("a body has modes of its own; remove --frequency and --zeta");
-  const Problem problem = options.problem.make();
-  require_body(problem,
-               "and has no shapes of modes; give the frequency of its mode with --frequency instead");
   options.problem.remark_idle(console, problem);
   const std::vector<Method> methods = options.methods.methods({problem}, console);
   std::vector<ShownDamping> rows;

@@ -39,7 +39,9 @@ TEST(NumericalDampingOfABody, SaysWhatIsWrong) {
   expect_refusal(body + "--method xpbd", "take one of the two");
   expect_refusal(body + "--method rk4 --load breathing", "never settles");
   expect_refusal(body, "no method is given");
-  expect_refusal(numerical_damping + "--problem liver_linear --method rk4", "is no body on a mesh");
+  for (const char* frequency : {"", " --frequency 8"})
+    expect_refusal(numerical_damping + "--problem liver_linear --method rk4" + frequency,
+                   "is no body on a mesh");
   expect_refusal("stability numerical-damping --mesh cube:n=2 --method rk4", "the step --h [s] is missing");
 }
 
