@@ -92,8 +92,11 @@ TEST(ReportText, RefusesWrongPlaces) {
 
 TEST(ReportText, OfEveryReportIsThere) {
   EXPECT_EQ(report_texts().size(), 6U);
-  for (const char* name : {"all", "docket", "oscillators", "real_time", "stability", "tissue"})
+  for (const char* name : {"all", "docket", "oscillators", "real_time", "stability", "tissue"}) {
     EXPECT_TRUE(report_text(name).starts_with("# ")) << name;
+    // Values are escaped, which a code span would show.
+    EXPECT_EQ(report_text(name).find("`{{"), std::string_view::npos) << name;
+  }
   EXPECT_THROW(report_text("none"), std::logic_error);
 }
 
