@@ -172,9 +172,12 @@ FastestMode described(const TissueBody& body, const Sparse& K, const LanczosPair
   ModePart owner = part_of(elements, mass, weights, mode.owner.element);
   if (mode.points.size() == 1) owner.share.setZero();  // the spring of a support has no mass
   const auto gain = [&](const LanczosPair& changed) { return std::sqrt(mode.kappa / changed.value); };
-  // A point that belongs to nothing else has no mass left, and no motion.
+  // A point that belongs to nothing else has no mass left, and no force: with its old mass it stays.
   const VectorXd less = with_share(body.mass(), owner, -1);
-  if (less.minCoeff() > 1e-9 * body.mass().minCoeff()) mode.without = gain(fastest(without(K, owner), less));
+  const Sparse rest = without(K, owner);
+  if (rest.norm() > 1e-9 * K.norm())
+    mode.without =
+        gain(fastest(rest, (less.array() > 1e-9 * body.mass().minCoeff()).select(less, body.mass())));
   mode.with_mass = gain(fastest(K, with_share(body.mass(), owner, 1)));
   mode.added_mass = owner.share.sum() / body.point_mass().sum();
   smooth(body, mode);

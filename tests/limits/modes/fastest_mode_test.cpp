@@ -10,6 +10,7 @@
 #include "catalogue/models/problems.hpp"
 #include "limits/linearised_problem.hpp"
 #include "problems/mesh/mesh_generators.hpp"
+#include "tests/problems/mesh/meshes.hpp"
 
 namespace hmax {
 namespace {
@@ -82,6 +83,21 @@ TEST(FastestMode, GainsAreThoseOfTheChangedBodyAndCostNothingUnlessAsked) {
   fewer.tetrahedra.conservativeResize(Eigen::NoChange, last);
   const TissueBody without(fewer, body.settings());
   EXPECT_NEAR(fastest_mode_of(body).without, std::sqrt(alone.kappa / fastest_by_all_of_them(without)), 1e-5);
+}
+
+TEST(FastestMode, GainsOfAnElementThatAloneHoldsAPointAreThoseOfTheBodyWithoutBoth) {
+  const TetMesh one = unit_tetrahedron();
+  TetMesh mesh = one;
+  mesh.points.conservativeResize(Eigen::NoChange, 5);
+  mesh.points.col(4) << 0.3, 0.3, -0.05;
+  mesh.tetrahedra.conservativeResize(Eigen::NoChange, 2);
+  mesh.tetrahedra.col(1) << 0, 2, 1, 4;
+  const TissueBody body(mesh, {.model = tissue_model("fem_cauchy")});
+  const TissueBody without(one, body.settings());
+  const FastestMode mode = fastest_mode_of(body);
+  ASSERT_EQ(mode.owner.element, 1);
+  EXPECT_NEAR(mode.without, std::sqrt(mode.kappa / fastest_by_all_of_them(without)), 1e-5 * mode.without);
+  EXPECT_EQ(fastest_mode_of(without).without, 1) << "nothing is left";
 }
 
 /// At rest its shape is taken over; under a load the fastest mode at rest is another one, and is found anew.
