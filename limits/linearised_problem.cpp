@@ -367,8 +367,12 @@ SmallDisplacement small_displacement(const Problem& problem, const Linearised& n
                                      const Eigen::VectorXd& direction, double most) {
   // Of the size of the states of the problem, whatever their unit.
   const auto largest = [](const Eigen::VectorXd& y) { return y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff(); };
-  const double scale = std::max(largest(near.point.model.y), largest(problem.y0));
-  const double first = 1e-6 * (problem.body ? std::max(scale, 1.0) : scale > 0 ? scale : 1);
+  double scale = std::max(largest(near.point.model.y), largest(problem.y0));
+  if (problem.body) {
+    const auto& points = problem.body->mesh().points;
+    scale = std::max(scale, (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
+  }
+  const double first = 1e-6 * (scale > 0 ? scale : 1);
   const auto change_on = [&](double size) {
     const Eigen::VectorXd y = near.point.model.y + size * direction;
     const LinearModel displaced = linear_model(problem, near.point.model.t, y);

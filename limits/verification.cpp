@@ -117,7 +117,7 @@ namespace {
 /// rounding.
 struct Rates {
   double slowest = infinity, fastest = 0;
-  bool conserve = false;  ///< some are zero, and no free motions
+  bool conserve = false;  ///< some are zero
 };
 Rates rates_of(const Prediction& row, bool has_free_motions) {
   Rates rates;
@@ -128,7 +128,7 @@ Rates rates_of(const Prediction& row, bool has_free_motions) {
     if (const double rate = std::abs(margin.mode.lambda); rate > least)
       rates.slowest = std::min(rates.slowest, rate);
     else
-      rates.conserve = !has_free_motions;
+      rates.conserve = true;
   return rates;
 }
 

@@ -122,8 +122,11 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
-  return observe_limit([&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps); },
-                       predicted, expected);
+  // What runs end in is rounding, which grows and decays by chance.
+  constexpr double noise = 1e-9;
+  return observe_limit(
+      [&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps, noise); },
+      predicted, expected);
 }
 
 // First the two sides of the prediction, with longer runs where they do not tell; then outwards by 10 % a

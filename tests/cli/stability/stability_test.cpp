@@ -95,6 +95,15 @@ TEST(NumericalDamping, OfImplicitEulerAtTenMillisecondsIsAQuarterOfCriticalOnEig
   EXPECT_NEAR(shown.at("frequency_shown").get<double>(), 7.4, 0.02);
 }
 
+/// Runs that end in rounding, and starts that are large beside a body of a millimetre.
+TEST(StabilityPredict, VerifiesSmallBodies) {
+  for (const char* body : {"cube:n=1,edge=0.02 --alpha 5 --methods adams_bashforth_3",
+                           "cube:n=1,edge=0.001 --alpha 10 --beta 1e-5 --methods rk4"}) {
+    const Told told = Shell().hmax(std::string("stability predict --verify --mesh ") + body);
+    EXPECT_EQ(told.exit_code, 0) << told.out;
+  }
+}
+
 TEST(StabilityPredict, HasTheKeysOfTheContractAndIsVerified) {
   const AnyJson document = stability(
       "predict --problem liver_benchmark --materials male_slim:light,female_fat:heavy --methods "
