@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "advice/motion/motion_limits.hpp"
+#include "advice/time_limit.hpp"
 #include "analysis/amplification/numerical_damping.hpp"
 #include "core/process/peak_memory.hpp"
 
@@ -120,8 +121,9 @@ class StepSearch {
     row = best;
   }
 
-  /// Shorter steps as long as they fit into four fifths of the budget and the error falls.
-  void spend_budget(AdviceRow& row) const {
+  /// Shorter steps as long as they fit into four fifths of the budget and the error falls, while there is
+  /// time.
+  void spend_budget(AdviceRow& row) const try {
     while (2 * row.frame.p50 <= 0.8 * question_.frame_budget() && 2 * row.steps_per_frame <= most_steps) {
       AdviceRow shorter = row;
       const MotionRun run = run_at(shorter, 2 * row.steps_per_frame);
@@ -131,6 +133,7 @@ class StepSearch {
       row = shorter;
     }
     row.bound = AdviceBound::budget;
+  } catch (const OutOfTime&) {  // what suffices stays
   }
 
   /// Without a step that is long enough: no run was stable, or none was made.

@@ -386,6 +386,7 @@ TEST(AdviseCommand, RefusesWrongInput) {
   expect_refused(shell.hmax("advise --problem liver_forced --rate 1e9"), "between 0.0001 and 100000");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --tolerance 2"), "below 1");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --budget -1"), "--budget is -1");
+  expect_refused(shell.hmax("advise --problem liver_forced --rate 1000 --budget 5"), "a frame has 1 ms");
   expect_refused(shell.hmax("advise --problem liver_forced --rate 100 --methods adams_pece"), "--methods");
   expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion-at surface:1"), "--motion");
   expect_refused(shell.hmax("advise --mesh cube:n=2 --rate 100 --motion none.csv"), "none.csv");
