@@ -76,7 +76,7 @@ MeshQuality quality_of(const TetMesh& mesh) {
     quality.volume += signed_volume(x);
     const double ratio = mean_ratio(x);
     quality.average_mean_ratio += ratio;
-    if (ratio < quality.min_mean_ratio) {
+    if (ratio < quality.min_mean_ratio || std::isnan(ratio)) {
       quality.min_mean_ratio = ratio;
       quality.worst = t;
     }

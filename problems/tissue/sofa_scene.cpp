@@ -252,6 +252,7 @@ void check_sofa_scene(const TissueSettings& settings, const SofaStep& step) {
                                 "; choose another model");
   require_none(settings.skin.kind == SkinSettings::Kind::none, "skins");
   require_none(settings.tools.empty(), "tools");
+  require_none(settings.mass_step == 0, "masses that mass_step adds");
   require_none(std::ranges::all_of(
                    settings.materials, [](double E) { return E == 0; }, &TissueMaterial::fibre_young),
                "fibres");

@@ -18,8 +18,9 @@ struct SofaStep {
 };
 
 /// @throws std::invalid_argument for what SOFA's scenes are not written with here: a skin, tools,
-///         forces that change with time, moving supports, springs that are not linear; damping by stiffness
-///         in explicit solvers; and for materials and steps that are not positive
+///         masses that mass_step adds, forces that change with time, moving supports, springs that are not
+///         linear; damping by stiffness in explicit solvers; and for materials and steps that are not
+///         positive
 void check_sofa_scene(const TissueSettings& settings, const SofaStep& step);
 
 /// The text of a .scn with the mesh in the order of its file, materials, damping, gravity, dead loads,

@@ -38,6 +38,11 @@ Eigen::VectorXd frequencies(const TissueBody& body) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+TEST_F(SofaScenes, AreNotWrittenWithoutMassesThatAreAdded) {
+  const auto scaled = make_problem("fem_cauchy@ball:n=3", {.parameters = {{"mass_step", 0.01}}}).body;
+  EXPECT_THROW(check_sofa_scene(scaled->settings(), {0.005}), std::invalid_argument);
+}
+
 TEST_F(SofaScenes, ComeBackFromWhatHmaxWrites) {
   for (const char* model : {"fem_cauchy", "fem_corotational", "fem_green", "fem_neo_hookean"}) {
     for (const bool by_mass : {false, true}) {

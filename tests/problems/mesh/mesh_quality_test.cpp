@@ -18,6 +18,13 @@ TEST(MeshQuality, TheRegularTetrahedronIsPerfect) {
   for (const double angle : dihedral_angles(x)) EXPECT_NEAR(angle, std::acos(1. / 3), 1e-15);
 }
 
+TEST(MeshQuality, OfNumbersTooLargeToSquareHasAWorstTetrahedron) {
+  TetMesh mesh = unit_tetrahedron();
+  mesh.points *= 1e200;
+  EXPECT_EQ(quality_of(mesh).worst, 0);
+  EXPECT_TRUE(std::isnan(quality_of(mesh).min_mean_ratio));
+}
+
 /// Three right angles at the edges of the corner, arccos(1 / sqrt(3)) at those of the slanted face.
 TEST(MeshQuality, TheCornerOfACubeHasItsClosedFormAngles) {
   const Corners x = corners_of(unit_tetrahedron(), 0);
