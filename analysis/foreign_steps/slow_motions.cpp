@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace hmax {
 
@@ -22,13 +23,34 @@ std::vector<StepMotion> slowest_motions(const std::vector<StepMotion>& motions, 
 std::vector<ShownMode> continued_motions(const std::vector<StepMotion>& slow,
                                          const std::vector<StepMotion>& motions,
                                          const Eigen::VectorXd& scale) {
+  // Each motion of the step continues one of the slow ones, the most like first: an oscillation, or two
+  // decays, continue one that oscillates, and one decay another.
+  struct Likeness {
+    double like;
+    std::size_t of, each;
+  };
+  std::vector<Likeness> pairs;
+  for (std::size_t of = 0; of < slow.size(); ++of) {
+    const Eigen::VectorXcd shape = (slow[of].shape.array() / scale.array()).matrix().normalized();
+    for (std::size_t each = 0; each < motions.size(); ++each)
+      pairs.push_back({std::abs(shape.dot(motions[each].shape)), of, each});
+  }
+  std::ranges::sort(pairs, std::ranges::greater{}, &Likeness::like);
+  const auto decays_of = [](const StepMotion& motion) { return motion.rate.imag() > 0 ? 2 : 1; };
+  std::vector<int> sought;
+  for (const StepMotion& of : slow) sought.push_back(decays_of(of));
+  std::vector<bool> taken(motions.size());
+  std::vector<FoundMode> found(slow.size());
+  for (const auto& [like, of, each] : pairs) {
+    if (taken[each] || sought[of] <= 0) continue;
+    taken[each] = true;
+    sought[of] -= decays_of(motions[each]);
+    found[of].look(motions[each].rate, like, motions[each].error);
+  }
   std::vector<ShownMode> modes;
-  for (const StepMotion& of : slow) {
-    const Eigen::VectorXcd shape = (of.shape.array() / scale.array()).matrix().normalized();
-    FoundMode found;
-    for (const StepMotion& each : motions) found.look(each.rate, std::abs(shape.dot(each.shape)), each.error);
-    const double omega = std::abs(of.rate);
-    modes.push_back(found.shown({.omega = omega, .zeta = -of.rate.real() / omega}));
+  for (std::size_t of = 0; of < slow.size(); ++of) {
+    const double omega = std::abs(slow[of].rate);
+    modes.push_back(found[of].shown({.omega = omega, .zeta = -slow[of].rate.real() / omega}));
   }
   return modes;
 }

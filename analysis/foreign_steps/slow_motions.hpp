@@ -16,7 +16,7 @@ std::vector<StepMotion> slowest_motions(const std::vector<StepMotion>& motions, 
                                         std::size_t count);
 
 /// What the motion of `motions` that is most like each of `slow` shows: `omega` and `zeta` are those of the
-/// slow one.
+/// slow one. Each of `motions` continues one of them at most.
 /// @param slow  of slowest_motions()
 std::vector<ShownMode> continued_motions(const std::vector<StepMotion>& slow,
                                          const std::vector<StepMotion>& motions,

@@ -235,7 +235,8 @@ double modulus_to_enter(const Method& method, const FidelityModel& model, const 
 }
 
 /// Frequency and damping ratio of a decaying sequence of one oscillation, from a fit of
-/// x_(k+1) = a x_k - b x_(k-1) over all of it: roots of z^2 - a z + b.
+/// x_(k+1) = a x_k - b x_(k-1) over all of it: roots of z^2 - a z + b. NaN where one of them turns about in
+/// every step.
 std::pair<double, double> oscillation_in(const std::vector<double>& x, double h) {
   Eigen::MatrixXd past(static_cast<Eigen::Index>(x.size()) - 2, 2);
   VectorXd next(past.rows());
@@ -245,6 +246,7 @@ std::pair<double, double> oscillation_in(const std::vector<double>& x, double h)
   }
   const VectorXd ab = past.colPivHouseholderQr().solve(next);
   const std::complex<double> half = std::sqrt(std::complex<double>(ab[0] * ab[0] / 4 - ab[1], 0));
+  if (half.imag() == 0 && !(ab[0] / 2 > half.real())) return {Fidelity::none, Fidelity::none};
   // Of an overdamped oscillation both roots are real: omega^2 is the product of the rates, 2 zeta omega their
   // sum.
   const std::complex<double> a = std::log(ab[0] / 2 + half) / h, b = std::log(ab[0] / 2 - half) / h;

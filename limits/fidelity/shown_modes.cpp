@@ -68,18 +68,21 @@ std::vector<FoundMode> modes_alone(const LinearOperator& A, const MatrixXd& shap
     const Eigen::Matrix2d own = plane.transpose() * image;
     const double mixed = (image - plane * own).norm();
     const Eigen::Vector2cd values = own.eigenvalues();
+    if (!(mixed <= most_mixed * (1.0 - values.array()).abs().minCoeff())) continue;
     for (const std::complex<double>& value : values)
       if (value.imag() > 0 || (value.imag() == 0 && value.real() > 0))
-        if (mixed <= most_mixed * std::abs(1.0 - value))
-          found[static_cast<std::size_t>(k)].look(std::log(value) / h, 1, 0);
+        found[static_cast<std::size_t>(k)].look(std::log(value) / h, 1, 0);
   }
   return found;
 }
 
-/// Looks in a spectrum for each mode, and keeps the oscillation that is most like it.
+/// Looks in a spectrum for each mode that is not known yet, and keeps the oscillation that is most like it.
 /// @param scaled  R u, columns of length 1
+/// @param known   of modes_alone(): its eigenvalues are in the spectrum too, and would count twice
 void look_through(const RitzSpectrum& spectrum, const MatrixXd& scaled, double h,
-                  std::vector<FoundMode>& found, std::vector<VectorXd>& oscillations) {
+                  const std::vector<FoundMode>& known, std::vector<FoundMode>& found,
+                  std::vector<VectorXd>& oscillations) {
+  found = known;
   std::vector<double> likest(found.size(), 0);
   for (std::size_t i = 0; i < spectrum.values.size(); ++i) {
     const std::complex<double> value = spectrum.values[i].value;
@@ -87,6 +90,7 @@ void look_through(const RitzSpectrum& spectrum, const MatrixXd& scaled, double h
     if (value.imag() < 0 || (value.imag() == 0 && value.real() <= 0)) continue;
     const VectorXcd x = spectrum.vector(i);
     for (std::size_t k = 0; k < found.size(); ++k) {
+      if (known[k].converged(0)) continue;
       const VectorXd shape = scaled.col(static_cast<Eigen::Index>(k));
       const double like = likeness(x, shape);
       found[k].look(std::log(value) / h, like, spectrum.values[i].residual / std::abs(1.0 - value));
@@ -143,8 +147,7 @@ StepModes shown_modes(const VectorFunction& step, const VectorXd& q, const Vecto
       const double excess = std::abs(largest.value) - 1;
       const bool grows = excess > barely && largest.condition * largest.residual < resolved * excess;
       shown.largest = grows || excess <= barely ? largest.value : 1.0;
-      found = alone;
-      look_through(spectrum, scaled, h, found, oscillations);
+      look_through(spectrum, scaled, h, alone, found, oscillations);
       return spectrum.invariant ||
              ((grows || (excess <= barely && largest.residual < resolved)) &&
               std::ranges::all_of(found, [](const FoundMode& each) { return each.converged(tolerance); }));
