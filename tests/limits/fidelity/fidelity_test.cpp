@@ -237,6 +237,31 @@ TEST(Fidelity, JoinsBothDecaysOfAnOverdampedMode) {
   EXPECT_NEAR(mode.zeta_shown, mode.zeta, 0.05 * mode.zeta);
 }
 
+TEST(Fidelity, OfAnOverdampedModeHasBothDecaysOnce) {
+  // They are found on the plane of the mode, and in the spectrum of the steps again.
+  const auto expect_decays = [](const std::vector<ShownMode>& modes, double h) {
+    ASSERT_EQ(modes.size(), 3U);
+    for (const ShownMode& mode : modes) {
+      ASSERT_GT(mode.zeta, 1);
+      // Of y' = -a y a step makes 1 / (1 + a h).
+      const double root = std::sqrt(mode.zeta * mode.zeta - 1),
+                   slow = std::log(1 + mode.omega * (mode.zeta - root) * h) / h,
+                   fast = std::log(1 + mode.omega * (mode.zeta + root) * h) / h,
+                   omega = std::sqrt(slow * fast);
+      EXPECT_NEAR(mode.omega_shown, omega, 1e-4 * omega);
+      EXPECT_NEAR(mode.zeta_shown, (slow + fast) / (2 * omega), 1e-4);
+    }
+  };
+  const Method method = find_method("implicit_euler");
+  const Fidelity row = fidelity(method, fidelity_model(body("fem_cauchy/gravity@phantom", {{"beta", 0.2}})),
+                                {.h = 1.0 / 60, .verify = true});
+  expect_decays(row.modes, row.h);
+  EXPECT_LT(row.gap, 0.01);
+  const ShownDamping damping =
+      shown_damping(method, settled_model(body("fem_cauchy/gravity@phantom", {{"beta", 0.12}})), 0.0333);
+  expect_decays(damping.modes, damping.h);
+}
+
 TEST(Fidelity, KnowsSlowModesOfStepsThatDampNothing) {
   // All eigenvalues have the modulus 1, and none of the slow ones stands out.
   const FidelityModel model = fidelity_model(body("fem_cauchy/press@phantom"));
