@@ -50,7 +50,12 @@ std::vector<Method> methods_of_map(const FidelityOptions& options) {
   const auto has_both = [](const Method& method) {
     return method.parameter("iterations") && method.parameter("substeps");
   };
-  const Method method = find_method(options.methods.front());
+  const std::string& name = options.methods.front();
+  const Method method = find_method(name);
+  for (const char* mapped : {"iterations", "substeps"})
+    for (const char* before : {":", ","})
+      if (name.find(fmt::format("{}{}=", before, mapped)) != std::string::npos)
+        throw InputError(fmt::format("--map chooses {} itself; leave it out of {}", mapped, name));
   if (!has_both(method)) {
     std::vector<std::string> ids;
     for (const Method& each : methods())

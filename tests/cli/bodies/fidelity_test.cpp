@@ -109,6 +109,9 @@ TEST(FidelityCommand, SaysWhatIsWrong) {
   expect_refusal(map + "iterations,substeps", "--map is of one method, and 0 are named");
   expect_refusal(map + "iterations,substeps --method vbd --method xpbd", "and 2 are named");
   expect_refusal(map + "iterations,substeps --method rk4", "rk4 has no numbers of iterations and substeps");
+  expect_refusal(map + "iterations,substeps --method vbd:iterations=3", "--map chooses iterations itself");
+  expect_refusal(map + "iterations,substeps --method xpbd:reset=1,substeps=2",
+                 "--map chooses substeps itself");
   expect_refusal(body + "--load press --rate 60 --output map.svg", "--output draws the map; add --map");
   expect_refusal(map + "iterations,substeps --method vbd --output map.png",
                  "would not be what its name says");
