@@ -20,6 +20,7 @@
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
+#include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "core/text/counted.hpp"
 #include "limits/documents/model_json.hpp"
@@ -73,6 +74,13 @@ StaticSettings settings_of(const StaticOptions& options) {
   return settings;
 }
 
+double scale_of(const StaticOptions& options) { return options.load_scale.value_or(1); }
+
+/// "force=0.5 support=0.1, load x 3".
+std::string describe_acting(const Problem& problem, double load_scale) {
+  return describe_acting(problem) + (load_scale == 1 ? "" : fmt::format(", load x {}", to_text(load_scale)));
+}
+
 void print_frames(const StaticOptions& options, const Problem& problem, const StaticModel& model,
                   const StaticSettings& settings, Console& console) {
   int frames = 100, each = 1;
@@ -106,6 +114,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
       if (std::isnan(row.error)) list.back()["status"] = "no equilibrium was found to hold the frame against";
     }
     return console.print_json({{"problem", problem.id},
+                               {"load_scale", scale_of(options)},
                                {"outcome", bounded ? "converged" : "not_converged"},
                                {"status", status},
                                {"iterations_per_frame", each},
@@ -120,10 +129,11 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                short_number(rows[i].error, 3),
                fmt::format("{} ms", short_number(1000 * rows[i].seconds, 3))});
   console.print(
-      fmt::format("{}: {} frames with {} of {} each\n\n{}\nlargest error {}, longest "
+      fmt::format("{} with {}\n{} frames with {} of {} each\n\n{}\nlargest error {}, longest "
                   "frame {} ms\n",
-                  problem.id, frames, counted(each, "iteration"), name_of(settings.method),
-                  table.text(console), short_number(worst, 3), short_number(1000 * seconds, 3)));
+                  problem.id, describe_acting(problem, scale_of(options)), frames, counted(each, "iteration"),
+                  name_of(settings.method), table.text(console), short_number(worst, 3),
+                  short_number(1000 * seconds, 3)));
   if (!bounded) console.print(status + "\n");
 }
 
@@ -136,10 +146,11 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   if (!options.relaxation) settings.relaxation = best_relaxation(model, settings);
   const std::vector<StaticWay> ways = all_ways(model, settings);
   const std::string iterations = iterations_in_words(settings);
-  const FigureFiles figure =
-      draw(residual_figure(ways, fmt::format("{}: residuals of static solvers", problem.id),
-                           fmt::format("{}; {}; {}", problem.note, describe_acting(problem), iterations)),
-           options.compare, "residuals");
+  const FigureFiles figure = draw(
+      residual_figure(
+          ways, fmt::format("{}: residuals of static solvers", problem.id),
+          fmt::format("{}; {}; {}", problem.note, describe_acting(problem, scale_of(options)), iterations)),
+      options.compare, "residuals");
   if (std::ranges::none_of(ways, [](const StaticWay& way) { return way.solution.converged; }))
     console.exit_code = Exit::failed;
   Json list = Json::array();
@@ -163,13 +174,14 @@ void print_comparison(const StaticOptions& options, const Problem& problem, cons
   const std::string file = figure.base.string() + ".svg";
   if (console.json)
     return console.print_json({{"problem", problem.id},
+                               {"load_scale", scale_of(options)},
                                {"relaxation", settings.relaxation},
                                {"linear_tolerance", json_or_null(settings.inner_tolerance)},
                                {"ways", list},
                                {"figure", figure.drawn() ? Json(file) : Json()}});
-  console.print(fmt::format("{} with {}\n{}\n{}{}\n\n{}", problem.id, describe_acting(problem), problem.note,
-                            iterations, options.relaxation ? "" : ", the best for the stiffness at rest",
-                            table.text(console)));
+  console.print(fmt::format(
+      "{} with {}\n{}\n{}{}\n\n{}", problem.id, describe_acting(problem, scale_of(options)), problem.note,
+      iterations, options.relaxation ? "" : ", the best for the stiffness at rest", table.text(console)));
   std::string notes;
   for (const StaticWay& way : ways)
     if (const std::string status = status_of(problem, way.solution); !status.empty())
@@ -188,17 +200,17 @@ BodyPicture picture_of(const StaticOptions& options, const Problem& problem, con
   const char* no_equilibrium = outcome == "inverted"  ? "equilibrium with inverted elements, "
                                : outcome == "buckles" ? "unstable equilibrium, "
                                                       : "no equilibrium, ";
-  BodyPicture picture{
-      .title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
-                           problem.material.empty() ? "" : " of " + problem.material,
-                           outcome != "converged"           ? no_equilibrium
-                           : solution.stable.value_or(true) ? ""
-                                                            : "unstable equilibrium, ",
-                           short_number(1000 * largest_displacement(solution.q), 3)),
-      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}, in {}.", problem.note,
-                             describe_acting(problem), name_of(settings.method), name_of(settings.inner),
-                             counted(solution.history.back().load_steps, "load step")),
-      .views = {body_view(*problem.body, equilibrium_time(problem), solution.q, value)}};
+  BodyPicture picture{.title = fmt::format("{}{}: {}{} mm at most", title_of(problem.id),
+                                           problem.material.empty() ? "" : " of " + problem.material,
+                                           outcome != "converged"           ? no_equilibrium
+                                           : solution.stable.value_or(true) ? ""
+                                                                            : "unstable equilibrium, ",
+                                           short_number(1000 * largest_displacement(solution.q), 3)),
+                      .caption = fmt::format("{}; {}. Static equilibrium by {}, {}, in {}.", problem.note,
+                                             describe_acting(problem, scale_of(options)),
+                                             name_of(settings.method), name_of(settings.inner),
+                                             counted(solution.history.back().load_steps, "load step")),
+                      .views = {body_view(*problem.body, equilibrium_time(problem), solution.q, value)}};
   picture.colours = colours_of(value, picture.views);
   return picture;
 }
@@ -322,7 +334,7 @@ StaticAnswer answer_of(const Problem& problem, const StaticModel& model, const S
 Table history_of(const StaticAnswer& answer) {
   Table table;
   table.notes = {{"problem", answer.problem.id},
-                 {"parameters", describe_acting(answer.problem)},
+                 {"parameters", describe_acting(answer.problem, answer.load_scale)},
                  {"solver", std::string(name_of(answer.settings.method))},
                  {"linear", std::string(name_of(answer.settings.inner))}};
   table.columns = {"iteration", "load step", "residual", "time [s]", "inner iterations"};
@@ -389,7 +401,7 @@ std::string words_of(const StaticAnswer& answer, const Console& console) {
   }
   return fmt::format(
       "{} with {}\n{}\n{}, {}\n\n{}\n{}{}\nlargest displacement {} mm, potential energy {} J\n{}{}",
-      answer.problem.id, describe_acting(answer.problem), body_in_words(answer.problem),
+      answer.problem.id, describe_acting(answer.problem, answer.load_scale), body_in_words(answer.problem),
       name_of(answer.settings.method), name_of(answer.settings.inner), table.text(console), answer.outcome,
       answer.status.empty() ? "" : ": " + answer.status,
       short_number(1000 * largest_displacement(answer.solution.q), 5), short_number(answer.energy, 5),
@@ -402,7 +414,7 @@ void solve(const StaticOptions& options, Console& console) {
   const Problem problem = options.problem.make();
   options.problem.remark_idle(console, problem);
   refuse_unsuited(options, problem);
-  const double scale = options.load_scale.value_or(1);
+  const double scale = scale_of(options);
   const StaticModel model = static_model(problem, scale);
   const StaticSettings settings = settings_of(options);
   remark_unusual(console, problem);

@@ -342,6 +342,19 @@ TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
   EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
 }
 
+TEST(Static, TellsTheFactorOfTheLoadBesideTheLoad) {
+  const Shell shell;
+  const std::string pressed = "static --mesh phantom --load press --load-scale 3 ",
+                    factor = "force=0.5 support=0.1 axis=3, load x 3";
+  EXPECT_TRUE(says(shell.text(pressed + "--output h.csv --picture p.svg"), factor));
+  for (const char* file : {"h.csv", "p.svg"}) EXPECT_TRUE(says(read_text(shell / file), "load x 3")) << file;
+  for (const char* asked : {"--compare out", "--frames 3"}) {
+    EXPECT_TRUE(says(shell.text(pressed + asked), factor)) << asked;
+    EXPECT_EQ(shell.json(pressed + asked).at("load_scale"), 3) << asked;
+  }
+  EXPECT_FALSE(says(shell.text("static --mesh phantom --load press"), "load x"));
+}
+
 /// Rows of matrices are in hmax's order, which is another than that of a large mesh.
 TEST(TissueMatrices, NameTheirRowsByTheNumbersOfTheMesh) {
   const Shell shell;
