@@ -1,6 +1,7 @@
 /// hmax static: where a body comes to rest under a load, and how fast each method finds it.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -88,16 +89,18 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
   if (!options.per_frame.empty()) each = count_of("--pseudo-dynamic", options.per_frame);
   const OneThread alone;
   const auto rows = pseudo_dynamic(model, settings, frames, each, thread_cpu_seconds);
-  double worst = 0, seconds = 0, lost = 0;
+  double worst = std::numeric_limits<double>::quiet_NaN(), seconds = 0, lost = 0;
   for (const StaticFrame& row : rows) {
     if (std::isnan(row.error) && lost == 0) lost = row.load;
-    worst = std::max(worst, row.error);
+    worst = std::fmax(worst, row.error);
     seconds = std::max(seconds, row.seconds);
   }
-  const bool bounded = !rows.empty() && rows.size() == static_cast<std::size_t>(frames) &&
-                       std::isfinite(worst) && std::isfinite(rows.back().residual) && lost == 0;
+  const bool unloaded = rows.empty();
+  const bool bounded = unloaded || (rows.size() == static_cast<std::size_t>(frames) && std::isfinite(worst) &&
+                                    std::isfinite(rows.back().residual) && lost == 0);
   const std::string status =
-      bounded ? ""
+      unloaded  ? "nothing loads the body beyond the rounding of its forces, and it stays at rest"
+      : bounded ? ""
       : lost != 0
           ? fmt::format(
                 "from {} of the load on no equilibrium was found to hold the frames against; take a smaller "
@@ -106,11 +109,10 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
           : "the frames diverged; take more frames or more iterations a frame";
   if (!bounded) console.exit_code = Exit::failed;
   if (console.json) {
+    const auto known = [](double error) { return std::isnan(error) ? Json() : Json(error); };
     Json list = Json::array();
     for (const StaticFrame& row : rows) {
-      list.push_back({HMAX_KEYS(row, load, residual),
-                      {"error", std::isnan(row.error) ? Json() : Json(row.error)},
-                      {"seconds", row.seconds}});
+      list.push_back({HMAX_KEYS(row, load, residual), {"error", known(row.error)}, {"seconds", row.seconds}});
       if (std::isnan(row.error)) list.back()["status"] = "no equilibrium was found to hold the frame against";
     }
     return console.print_json({{"problem", problem.id},
@@ -118,7 +120,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                                {"outcome", bounded ? "converged" : "not_converged"},
                                {"status", status},
                                {"iterations_per_frame", each},
-                               {"largest_error", worst},
+                               {"largest_error", known(worst)},
                                {"longest_frame_seconds", seconds},
                                {"frames", list}});
   }
@@ -134,7 +136,7 @@ void print_frames(const StaticOptions& options, const Problem& problem, const St
                   problem.id, describe_acting(problem, scale_of(options)), frames, counted(each, "iteration"),
                   name_of(settings.method), table.text(console), short_number(worst, 3),
                   short_number(1000 * seconds, 3)));
-  if (!bounded) console.print(status + "\n");
+  if (!status.empty()) console.print(status + "\n");
 }
 
 Json stable_json(const StaticSolution& solution) { return json_or_null(solution.stable); }
@@ -220,7 +222,7 @@ void refuse_ignored(const StaticOptions& options) {
   const bool compares = !options.compare.empty();
   const bool frames = !options.per_frame.empty() || !options.frames.empty();
   const bool iterative = compares || (!options.linear.empty() && options.linear != "direct");
-  const bool linear = options.solver == "linear" && !frames;
+  const bool linear = options.solver == "linear";
   const bool steps = !options.load_steps.empty(), iterations = !options.iterations.empty();
   if (!compares) refuse_style_without_figure("--compare FOLDER");
   if ((compares || frames) && is_given(options.jobs))
@@ -244,6 +246,8 @@ void refuse_ignored(const StaticOptions& options) {
        "writes the residuals of one solver; --compare has its data beside the figure, so leave --output out"},
       {frames, "--output", !options.output.empty(),
        "writes the residuals of one equilibrium; leave it out, or --pseudo-dynamic and --frames"},
+      {frames && linear, "--solver linear", true,
+       "solves one system, and frames iterate; take newton or modified_newton"},
       {frames, "--load-steps", steps, "cannot be combined with frames, each is a load step; give --frames"},
       {frames, "--iterations", iterations, "cannot be combined with frames; give --pseudo-dynamic NUMBER"},
       {frames, "--no-line-search", options.no_line_search, "is always on in frames; remove it"},
@@ -271,8 +275,10 @@ void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
         "them out, or choose its depth with --set depth=");
   if (has_tool(problem) && options.solver == "linear")
     throw InputError("--solver linear has no contact, which --load tool needs; take newton");
-  if (!std::isfinite(options.load_scale.value_or(1)))
-    throw InputError(fmt::format("--load-scale is {} but must be a finite number", *options.load_scale));
+  constexpr double most = 1e30;  // as of other values: squares of forces must stay numbers
+  if (!(std::abs(scale_of(options)) <= most))
+    throw InputError(fmt::format("--load-scale is {} but must be a number between -1e30 and 1e30",
+                                 to_text(scale_of(options))));
   if (!options.output.empty()) {
     form_of(options.output, {{".csv", "the history of residuals"}});
     check_writable(options.output);
@@ -280,6 +286,13 @@ void refuse_unsuited(const StaticOptions& options, const Problem& problem) {
   if (options.picture.wanted()) options.picture.check(*problem.body);
   if ((frames || !options.compare.empty()) && options.picture.wanted())
     throw InputError("a picture shows one equilibrium; leave --pseudo-dynamic, --frames and --compare out");
+}
+
+/// @throws InputError  for a body that moves freely: there is no equilibrium by which to judge solvers
+void refuse_unheld(const Problem& problem, double load_scale) {
+  const StaticSolution first =
+      found_equilibrium(problem, load_scale, {.method = StaticMethod::linear}, [] { return 0.0; });
+  if (first.singular) throw InputError(cause_of(problem, first));
 }
 
 /// The outcome of the command without --compare and --frames.
@@ -417,10 +430,12 @@ void solve(const StaticOptions& options, Console& console) {
   const double scale = scale_of(options);
   const StaticModel model = static_model(problem, scale);
   const StaticSettings settings = settings_of(options);
+  const bool frames = !options.per_frame.empty() || !options.frames.empty(),
+             compares = !options.compare.empty();
+  if (frames || compares) refuse_unheld(problem, scale);
   remark_unusual(console, problem);
-  if (!options.compare.empty()) return print_comparison(options, problem, model, settings, console);
-  if (!options.per_frame.empty() || !options.frames.empty())
-    return print_frames(options, problem, model, settings, console);
+  if (compares) return print_comparison(options, problem, model, settings, console);
+  if (frames) return print_frames(options, problem, model, settings, console);
 
   const StaticAnswer answer = answer_of(problem, model, settings, scale, given_jobs(options.jobs), console);
   if (answer.outcome != "converged") console.exit_code = Exit::failed;

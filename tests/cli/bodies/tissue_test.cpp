@@ -297,6 +297,9 @@ TEST(Static, SaysThatNothingHoldsABody) {
   const Told told = Shell{}.hmax("static --mesh phantom --set support=0 --json");
   EXPECT_EQ(told.exit_code, 1);
   EXPECT_TRUE(says(told.json().at("status").get<std::string>(), "supports"));
+  for (const char* asked : {" --compare out", " --frames 3", " --pseudo-dynamic 1"})
+    expect_refusal(std::string("static --mesh phantom --set support=0") + asked,
+                   "the supports hold no point");
 }
 
 TEST(Static, EndsWithOneWhenThereIsNoEquilibrium) {
@@ -340,6 +343,19 @@ TEST(Static, ShowsTheErrorOfFramesThatHaveNoTime) {
   EXPECT_EQ(frames.at("frames").size(), 10u);
   const AnyJson slower = Shell{}.json("static --mesh phantom --load press --pseudo-dynamic 3 --frames 10");
   EXPECT_LT(slower.at("largest_error").get<double>(), frames.at("largest_error").get<double>());
+}
+
+TEST(Static, HasNoErrorOfFramesWhoseEquilibriumIsNotKnown) {
+  const std::string frames = "static --mesh phantom --load press --pseudo-dynamic 1 --frames 3 --set force=";
+  const Told lost = Shell{}.hmax(frames + "50 --json");
+  EXPECT_EQ(lost.exit_code, 1);
+  EXPECT_TRUE(lost.json().at("largest_error").is_null()) << lost.out;
+  EXPECT_FALSE(says(lost.out, "beyond the range of numbers")) << lost.out;
+  EXPECT_TRUE(says(Shell{}.hmax(frames + "50").out, "largest error undefined"));
+  // As of one equilibrium of a body that nothing loads.
+  const AnyJson unloaded = Shell{}.json(frames + "0");
+  EXPECT_EQ(unloaded.at("outcome"), "converged");
+  EXPECT_TRUE(says(unloaded.at("status").get<std::string>(), "nothing loads the body"));
 }
 
 TEST(Static, TellsTheFactorOfTheLoadBesideTheLoad) {

@@ -187,6 +187,8 @@ TEST(TissueWords, RefuseOptionsOfStaticEquilibriaThatHaveNoSay) {
   refused("--frames 3 --load-steps 3", "--load-steps cannot be combined with frames");
   refused("--pseudo-dynamic 2 --iterations 3", "--iterations cannot be combined with frames");
   refused("--pseudo-dynamic 2 --no-line-search", "--no-line-search is always on in frames");
+  refused("--frames 3 --solver linear", "--solver linear solves one system, and frames iterate");
+  refused("--load-scale 1e300", "--load-scale is 1e+300 but must be a number between");
   refused("--output a.svg", "FILE.csv");
   refused("--model mass_spring --picture a.svg --colour energy_density", "springs have no energy density");
 }
