@@ -156,7 +156,7 @@ class Iteration {
   /// Whether the stiffness at rest was found to be singular.
   [[nodiscard]] bool singular() const { return note_ == not_held; }
   [[nodiscard]] StaticIterate iterate(int step, int steps) const {
-    return {step, steps, size_, clock_() - start_, inner_.iterations()};
+    return {step, steps, size_, clock_() - start_, inner_.iterations(), solved_};
   }
 
   /// Takes up another share of the load.

@@ -66,6 +66,7 @@ struct StaticIterate {
   double residual;     ///< |F| / |F(0)| under the load of the step
   double seconds;      ///< since the start, with the analysis of the pattern
   std::int64_t inner;  ///< iterations of the inner solver so far; 0 for direct
+  int iteration = 0;   ///< linear systems solved so far; load steps begin where the last one has ended
 };
 
 /// Settings of solve_static(), checked by it.

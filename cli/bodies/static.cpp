@@ -354,8 +354,8 @@ Table history_of(const StaticAnswer& answer) {
   table.values.resize(table.columns.size());
   for (std::size_t i = 0; i < answer.solution.history.size(); ++i) {
     const StaticIterate& row = answer.solution.history[i];
-    const double values[]{static_cast<double>(i), static_cast<double>(row.load_step), row.residual,
-                          row.seconds, static_cast<double>(row.inner)};
+    const double values[]{static_cast<double>(row.iteration), static_cast<double>(row.load_step),
+                          row.residual, row.seconds, static_cast<double>(row.inner)};
     for (std::size_t k = 0; k < table.columns.size(); ++k) table.values[k].push_back(values[k]);
   }
   return table;
@@ -409,7 +409,7 @@ std::string words_of(const StaticAnswer& answer, const Console& console) {
       if (i == ends + 1) table.add({"...", "", "", "", ""});
       continue;
     }
-    table.add({std::to_string(i), std::to_string(row.load_step), short_number(row.residual, 3),
+    table.add({std::to_string(row.iteration), std::to_string(row.load_step), short_number(row.residual, 3),
                fmt::format("{} ms", short_number(1000 * row.seconds, 3)), std::to_string(row.inner)});
   }
   return fmt::format(

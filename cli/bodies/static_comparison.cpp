@@ -57,7 +57,7 @@ Figure residual_figure(const std::vector<StaticWay>& ways, const std::string& ti
     Curve over_time = curve;
     for (std::size_t i = 0; i < way.solution.history.size(); ++i) {
       const StaticIterate& iterate = way.solution.history[i];
-      curve.x.push_back(static_cast<double>(i + (longest > 60 ? 1 : 0)));
+      curve.x.push_back(iterate.iteration + (longest > 60 ? 1 : 0));
       curve.y.push_back(iterate.residual);
       if (i == 0) continue;  // nothing has been solved yet
       over_time.x.push_back(iterate.seconds);

@@ -93,6 +93,7 @@ void prepend(const StaticSolution& before, StaticSolution& solution) {
   for (StaticIterate& iterate : solution.history) {
     iterate.seconds += end.seconds;
     iterate.inner += end.inner;
+    iterate.iteration += before.iterations;
   }
   solution.history.insert(solution.history.begin(), before.history.begin(), before.history.end());
   solution.iterations += before.iterations;

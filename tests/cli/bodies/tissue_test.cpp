@@ -249,6 +249,19 @@ TEST(Static, KeepsToLoadStepsAndIterationsWithATool) {
   EXPECT_LT(Shell{}.json(tool + "--load-steps 5").at("iterations"), Shell{}.json(tool).at("iterations"));
 }
 
+TEST(Static, CountsIterationsAndNotTheStartsOfSearches) {
+  const Shell shell;
+  for (const char* searched : {"--mesh phantom --load press --load-steps 5", "--mesh phantom --load tool",
+                               "--mesh ball:n=3 --model fem_neo_hookean --load press --load-scale 8"}) {
+    const AnyJson found = shell.json(std::string("static --output h.csv ") + searched);
+    const std::vector<double> numbers = read_csv(shell / "h.csv").values[0];
+    EXPECT_EQ(numbers.front(), 0) << searched;
+    EXPECT_EQ(numbers.back(), found.at("iterations")) << searched;
+    EXPECT_GT(numbers.size(), numbers.back() + 1) << searched;
+    EXPECT_TRUE(std::ranges::is_sorted(numbers)) << searched;
+  }
+}
+
 TEST(Static, HasTheEnergyOfTheLoadThatActs) {
   const auto energy = [](const std::string& scale) {
     return Shell{}
