@@ -153,6 +153,8 @@ class Iteration {
   [[nodiscard]] const std::string& remedy() const { return remedy_; }
   /// Whether the last search ended at the border of what is admissible.
   [[nodiscard]] bool barred() const { return barred_; }
+  /// Whether the last search ended beside a saddle of the energy, where no step was worth taking.
+  [[nodiscard]] bool is_beside_saddle() const { return indefinite_ && note_ == no_step; }
   /// Whether the stiffness at rest was found to be singular.
   [[nodiscard]] bool singular() const { return note_ == not_held; }
   [[nodiscard]] StaticIterate iterate(int step, int steps) const {
@@ -236,6 +238,8 @@ class Iteration {
           q_ = trial_;
           size_ = residual_at(q_);
           stable_.reset();
+          note_.clear();
+          remedy_.clear();
           return true;
         }
       }
@@ -292,8 +296,7 @@ class Iteration {
     barred_ = searches && ((barred && !fallen) || creeping_ == most_creeping);
     if (barred_) return give_up("the steps of the search lead to elements turned inside out", more_steps);
     if (!std::isfinite(next)) return give_up("the forces are no longer finite", more_steps);
-    if (!fallen && size_ > settings_.tolerance)
-      return give_up("no step along the last direction makes the residual smaller", more_steps);
+    if (!fallen && size_ > settings_.tolerance) return give_up(no_step, more_steps);
     q_ = trial_;
     size_ = next;
     return true;
@@ -332,8 +335,9 @@ class Iteration {
   }
 
   /// d_ = (K + tau I)^-1 residual_, downhill, with tau = 0 where that will do.
-  /// tau begins at 1e-4 of the mean diagonal, or at a sixteenth of the last one that was needed, and is
-  /// made four times larger up to 20 times [nocedal2006numerical, section 3.4].
+  /// tau begins at 1e-4 of the mean diagonal, then at a sixteenth of the last one that was needed, and is
+  /// made four times larger until it will do [nocedal2006numerical, section 3.4]. Far above the least
+  /// eigenvalue steps creep, and towards saddles: no smaller tau follows where these may be kept.
   bool set_descent() {
     const auto is_descent = [&] { return residual_.dot(d_) > 0 && !inner_.is_indefinite(); };
     was_shifted_ = indefinite_ = false;
@@ -342,12 +346,11 @@ class Iteration {
     if (solved && is_descent()) return true;
     if (!taken_ || settings_.method != StaticMethod::newton) return solved;
     was_shifted_ = true;
-    constexpr double least = 1e-4, growth = 4;
-    constexpr int most = 20;
+    constexpr double first = 1e-4, most = 1e8, growth = 4;
+    const double least = settings_.leave_saddles && shift_ > 0 ? 1e-10 : first;
     // The mean diagonal is the scale of tau.
     const double size = K_.diagonal().cwiseAbs().mean();
-    double tau = std::max(least * size, shift_ / (growth * growth));
-    for (int k = 0; k < most; ++k, tau *= growth) {
+    for (double tau = std::max(least * size, shift_ / (growth * growth)); tau < most * size; tau *= growth) {
       shifted_ = K_;
       shifted_.diagonal().array() += tau;
       if (inner_.take(shifted_) && inner_.solve(residual_, d_) && is_descent()) {
@@ -382,6 +385,7 @@ class Iteration {
     return forcing_;
   }
   static constexpr auto not_held = "the stiffness matrix is singular: the supports do not hold the body";
+  static constexpr auto no_step = "no step along the last direction makes the residual smaller";
   static constexpr auto more_steps = "more load steps";
   /// Keeps the reason for note() and remedy(). @returns false
   bool give_up(std::string why, std::string remedy = "") {
@@ -507,8 +511,8 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     for (bool goes_on = true; goes_on;) {
       const bool balanced = iteration.approach(settings.tolerance, most, k, [&] { record(step); });
       solution.converged = linear ? k == 1 : balanced;
-      goes_on =
-          solution.converged && !linear && left++ < most_saddles && iteration.leave_saddle(step < steps);
+      goes_on = (solution.converged || iteration.is_beside_saddle()) && !linear && left++ < most_saddles &&
+                iteration.leave_saddle(step < steps);
       if (goes_on) record(step);
     }
     solution.note = iteration.note();

@@ -1,6 +1,7 @@
 #include "catalogue/models/equilibria/body_balance.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "catalogue/models/problems.hpp"
@@ -29,6 +30,32 @@ TEST(BodyBalance, FindsTheUnstableEquilibriumWhereThereIsNoOther) {
   EXPECT_LT(Eigen::MatrixXd(K).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0);
   // Methods that stay on any equilibrium have none to look for.
   EXPECT_FALSE(found_equilibrium(beam, 1, {.leave_saddles = false}, [] { return 0.0; }).unstable);
+}
+
+/// Slender beams whose straight equilibrium is a saddle with a least eigenvalue far below the mean diagonal.
+TEST(BodyBalance, FindsTheStableEquilibriumBesideASaddle) {
+  for (const auto& [model, force] : {std::pair{"fem_green", 0.15},
+                                     {"fem_green", 0.3},
+                                     {"fem_corotational", 0.4},
+                                     {"fem_neo_hookean", 0.15},
+                                     {"fem_neo_hookean", 0.3},
+                                     {"fem_neo_hookean", 0.6}}) {
+    const Problem beam =
+        make_problem(fmt::format("{}/press@beam:n=2,length=0.2,width=0.02,height=0.02", model),
+                     {.parameters = {{"E", 5e4}, {"nu", 0.3}, {"force", force}}});
+    const StaticSolution found = found_equilibrium(beam, 1, {}, [] { return 0.0; });
+    ASSERT_TRUE(found.converged) << model << ' ' << force << found.note;
+    EXPECT_LE(found.iterations, 200) << model << ' ' << force;
+    const StaticModel balance = static_model(beam, 1);
+    VectorXd left, load;
+    balance.force(found.q, left);
+    balance.force(VectorXd::Zero(balance.dofs), load);
+    EXPECT_LT(left.norm(), 2e-9 * load.norm()) << model << ' ' << force;
+    StaticModel::Matrix K;
+    balance.stiffness(found.q, K);
+    EXPECT_GT(Eigen::MatrixXd(K).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0)
+        << model << ' ' << force;
+  }
 }
 
 /// Full gravity on a ball so soft that elements at its support invert, though each pushes back.
