@@ -147,6 +147,8 @@ class Iteration {
   [[nodiscard]] const VectorXd& q() const { return q_; }
   /// |R| / |F(0)| of the present iterate.
   [[nodiscard]] double residual() const { return size_; }
+  /// |R - K d| / |F(0)| of the first linear system.
+  [[nodiscard]] double left() const { return left_; }
   /// Linear systems solved so far.
   [[nodiscard]] int solved() const { return solved_; }
   [[nodiscard]] const std::string& note() const { return note_; }
@@ -328,8 +330,11 @@ class Iteration {
                        "direct, which also tells whether the supports hold the body, or another relaxation")
                  : give_up(fmt::format("{} did not solve a linear system", name_of(settings_.inner)),
                            "direct");
-    // Of a matrix that only rounding keeps regular.
-    if (!taken_ && !((residual_ - K_ * d_).norm() < 0.5 * residual_.norm())) return give_up(not_held);
+    if (!taken_) {
+      left_ = (residual_ - K_ * d_).norm() / scale_;
+      // Of a matrix that only rounding keeps regular.
+      if (!(left_ < 0.5 * size_)) return give_up(not_held);
+    }
     taken_ = true;
     return true;
   }
@@ -403,6 +408,7 @@ class Iteration {
   VectorXd q_, trial_, d_, residual_, load_;
   // |F(0)| [N]; the share of the load; |R| / |F(0)|; when the clock was started.
   double scale_ = 0, share_ = 1, size_ = 0, start_;
+  double left_ = 0;
   double size_before_ = 0, forcing_ = 0;  ///< of the last iterate, 0: none
   double shift_ = 0;                      ///< the last one that was needed
   int solved_ = 0, creeping_ = 0;
@@ -473,6 +479,22 @@ void tell_stability(std::optional<bool> stable, const StaticSettings& settings, 
   solution.remedy = searched ? "a smaller load or a stiffer material" : "a line search, which leaves saddles";
 }
 
+/// Of a solution whose residual is above the tolerance.
+void tell_residual(const Iteration& iteration, const StaticSettings& settings, StaticSolution& solution) {
+  if (settings.method != StaticMethod::linear) {
+    solution.note =
+        fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
+                    iteration.residual());
+  } else if (iteration.residual() > iteration.left() + settings.tolerance) {
+    solution.note = fmt::format(
+        "the linear system is solved; beside it the forces, which are not linear, leave {:.3g} of the load",
+        iteration.residual());
+  } else {
+    solution.note = fmt::format("the linear system is solved to {:.3g} of the load", iteration.left());
+    solution.remedy = fmt::format("a smaller tolerance of {}", name_of(settings.inner));
+  }
+}
+
 /// Of a load that is nothing, or within the rounding of the forces.
 StaticSolution at_rest(const Iteration& iteration, const StaticModel& model) {
   StaticSolution solution;
@@ -520,15 +542,7 @@ StaticSolution solve_static(const StaticModel& model, const StaticSettings& sett
     if (solution.converged) {
       solution.note.clear();
       solution.remedy.clear();
-      if (iteration.residual() > settings.tolerance)
-        solution.note =
-            linear
-                ? fmt::format(
-                      "the linear system is solved; beside it the forces, which are not linear, leave {:.3g} of the "
-                      "load",
-                      iteration.residual())
-                : fmt::format("the residual of {:.2g} is rounding of the forces; the tolerance asks for less",
-                              iteration.residual());
+      if (iteration.residual() > settings.tolerance) tell_residual(iteration, settings, solution);
       if (!linear && step == steps) tell_stability(iteration.is_stable(), settings, solution);
     } else {
       if (solution.note.empty()) {

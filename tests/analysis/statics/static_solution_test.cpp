@@ -92,9 +92,17 @@ TEST(StaticSolution, OfALinearModelIsOneSystem) {
   EXPECT_LT((found.q - expected(9, 0, 2)).norm(), 1e-12 * found.q.norm());
   EXPECT_LT(found.history.back().residual, 1e-12);
   // What a linear solution leaves out of a nonlinear model shows in its residual.
-  EXPECT_GT(
-      solve_static(pulled_chain(9, 1, 2), {.method = StaticMethod::linear}, no_clock).history.back().residual,
-      1);
+  const StaticSolution beside =
+      solve_static(pulled_chain(9, 1, 2), {.method = StaticMethod::linear}, no_clock);
+  EXPECT_GT(beside.history.back().residual, 1);
+  EXPECT_TRUE(says(beside.note, "not linear"));
+  // What sweeps leave of the system is no force.
+  const StaticSolution swept = solve_static(
+      pulled_chain(9, 0, 2), {.method = StaticMethod::linear, .inner = InnerSolver::sor}, no_clock);
+  EXPECT_GT(swept.history.back().residual, 1e-9);
+  EXPECT_FALSE(says(swept.note, "not linear"));
+  EXPECT_TRUE(says(swept.note, "the linear system is solved to"));
+  EXPECT_TRUE(says(swept.remedy, "tolerance of sor"));
 }
 
 TEST(StaticSolution, SaysWhyThereIsNone) {
