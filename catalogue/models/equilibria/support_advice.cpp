@@ -32,8 +32,8 @@ constexpr std::string_view general = "take a smaller load or a stiffer material"
 
 bool is_held_by_springs(const TissueBody& body) { return !body.settings().elastic_supports.empty(); }
 
-/// The largest displacement of K u = f; nothing where K is not positive definite. Conjugate gradients end at
-/// a residual that leaves three digits of it.
+/// The largest displacement of K u = f; nothing where K is not positive definite, or regular only by
+/// rounding, so that a residual is left. Conjugate gradients end at one that leaves three digits of it.
 std::optional<double> largest_solution(const TissueBody::DofMatrix& K, const Eigen::VectorXd& f) {
   Eigen::VectorXd u = f;
   if (K.rows() <= most_by_factor) {
@@ -45,7 +45,8 @@ std::optional<double> largest_solution(const TissueBody::DofMatrix& K, const Eig
     ConjugateGradients<double> solver;
     if (!solver.prepare(K) || !solver.solve(f, u, tolerance, 0).solved) return std::nullopt;
   }
-  return u.allFinite() ? std::optional(largest_displacement(u)) : std::nullopt;
+  constexpr double singular = 1e-2;
+  return (f - K * u).norm() <= singular * f.norm() ? std::optional(largest_displacement(u)) : std::nullopt;
 }
 
 /// A parameter of a problem; nothing where it does not have it.
@@ -118,7 +119,7 @@ bool hangs(const TissueBody& body) {
 }  // namespace
 
 std::optional<double> linear_sag(const TissueBody& body) {
-  if (body.dofs() == 0 || body.dofs() > most_held || !loose_dofs(body).empty()) return std::nullopt;
+  if (body.dofs() == 0 || body.dofs() > most_held || free_motions(body).cols() > 0) return std::nullopt;
   const double t = equilibrium_time(body);
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(body.dofs());
   TissueBody::DofMatrix K;
@@ -161,7 +162,7 @@ struct SupportAdvice {
 
 SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const TissueBody& body = *problem.body;
-  if (!loose_dofs(body).empty()) return {};
+  if (free_motions(body).cols() > 0) return {};
   // How far ends sag that are fixed says nothing of springs.
   if (is_held_by_springs(body))
     return {"take stiffer springs (support_stiffness), a smaller load or a stiffer material"};

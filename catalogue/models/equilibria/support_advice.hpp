@@ -10,8 +10,8 @@
 
 namespace hmax {
 
-/// The largest displacement under the load by linear elasticity at rest, |K0^-1 f0| [m]. Nothing where a part
-/// is held nowhere, and above 20,000 degrees of freedom.
+/// The largest displacement under the load by linear elasticity at rest, |K0^-1 f0| [m]. Nothing where the
+/// supports leave a part free to move or turn, and above 20,000 degrees of freedom.
 std::optional<double> linear_sag(const TissueBody& body);
 
 /// An end of a body, and how far the body sags where its points are fixed.
@@ -40,7 +40,7 @@ std::string in_words(const SuggestedSupport& suggested);
 /// What helps a body without a static equilibrium, as far as it was tested. Under gravity alone the linear
 /// sag with the six ends `--set axis=` as supports is compared with that of the present support, and the
 /// search is repeated with the best end: its equilibrium shows that the support is the cause. Otherwise a
-/// smaller load or a stiffer material; empty where a part is held nowhere, which is the cause.
+/// smaller load or a stiffer material; empty where a part is free to move or turn, which is the cause.
 /// @cost  up to seven solutions with K0, and one search for an equilibrium
 std::string remedy_without_equilibrium(const Problem& problem);
 

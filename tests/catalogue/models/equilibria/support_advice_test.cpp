@@ -31,6 +31,26 @@ TEST(LinearSag, OfACubeThatHangsIsThatOfARod) {
   EXPECT_NEAR(*sag, rho * g * L * L / (2 * E), 0.05 * rho * g * L * L / (2 * E));
 }
 
+// Of a matrix without an inverse, which rounding may give one.
+TEST(LinearSag, IsNothingOfABodyThatTurns) {
+  for (const char* points : {"support:points:1", "support:points:1,2"}) {
+    const Problem free = block("fem_cauchy@cube:n=2", {{points, 1}});
+    EXPECT_FALSE(linear_sag(*free.body)) << points;
+    EXPECT_EQ(remedy_without_equilibrium(free), "") << points;
+  }
+  // The second tetrahedron turns about the edge that it shares with the first, which is held.
+  TetMesh hinged;
+  hinged.points.resize(3, 6);
+  hinged.points << 0, 1, 0, 0.3, 0.2, 0.7, 0, 0, 1, 0.2, -1, -0.8, 0, 0, 0, 1, 0.1, -0.9;
+  hinged.tetrahedra.resize(4, 2);
+  hinged.tetrahedra << 0, 0, 1, 5, 2, 1, 3, 4;
+  TissueSettings settings{.gravity = {0, 0, -9.81}};
+  settings.supports = {{.points = {0, 1, 2, 3}}};
+  EXPECT_FALSE(linear_sag(TissueBody(hinged, settings)));
+  settings.supports = {{.points = {0, 1, 2, 3, 4}}};
+  EXPECT_TRUE(linear_sag(TissueBody(hinged, settings)));
+}
+
 TEST(RemedyWithoutEquilibrium, NamesTheEndThatHoldsABodyWhichItsSupportDoesNot) {
   // A long beam of soft tissue, held at one end of its length: it hangs down by more than its length. Held
   // from below it stands.
