@@ -186,7 +186,7 @@ SupportAdvice advice_without_equilibrium(const Problem& problem) {
   const StaticSolution solution = found_equilibrium(held, 1, {.tolerance = 1e-9}, [] { return 0.0; });
   if (!solution.converged)
     return {fmt::format(
-        "{}; --set axis={} would sag by {}, and has no equilibrium either; {}, or more points as supports",
+        "{}; --set axis={} would sag by {}, and no equilibrium was found there either; {}, or more points as supports",
         now, axis, millimetres(sag), general)};
   const bool named = std::ranges::any_of(problem.parameters, [](const auto& each) {
     return each.first.starts_with(fmt::format("{}:", support_name));
@@ -208,9 +208,9 @@ std::string words_of_resisting_model(const Problem& problem) {
       beyond_inversion(*other, 1, settings, no_clock, found_equilibrium(*other, 1, settings, no_clock));
   const std::string_view id = settings_of(*other).model.id, outcome = outcome_of(*other, solution);
   if (outcome == "inverted")
-    return fmt::format("; {} has an equilibrium only with inverted elements, at {}", id,
+    return fmt::format("; with {} the only equilibrium found has inverted elements, at {}", id,
                        millimetres(largest_displacement(solution.q)));
-  if (outcome != "converged") return fmt::format("; {} has no equilibrium either", id);
+  if (outcome != "converged") return fmt::format("; with {} no equilibrium was found either", id);
   return fmt::format("; {} has an equilibrium, at {}, and inverts no element", id,
                      millimetres(largest_displacement(solution.q)));
 }

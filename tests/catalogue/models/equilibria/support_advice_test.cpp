@@ -87,6 +87,12 @@ TEST(StatusWithoutEquilibrium, SaysWhatAModelDoesThatResistsInversion) {
   EXPECT_FALSE(says(status, "which resists being crushed"));
   // It resists already.
   EXPECT_FALSE(with_resisting_model(neo));
+  // A search that finds nothing else proves nothing.
+  const Problem more = block("fem_green/press@cube:n=2", {{"E", 800}, {"force", 5}, {"support", 0.2}});
+  EXPECT_TRUE(says(status_without_equilibrium(more, searched(more)),
+                   "; with fem_neo_hookean the only equilibrium found has inverted elements, at "));
+  EXPECT_TRUE(says(remedy_without_equilibrium(block("fem_green@beam:n=2", {{"E", 1000}})),
+                   "and no equilibrium was found there either"));
 }
 
 TEST(RemedyWithoutEquilibrium, OfSpringsIsNoEndThatIsFixed) {
