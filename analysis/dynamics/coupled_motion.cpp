@@ -395,7 +395,7 @@ bool CoupledMotion::lumping_keeps_stable(double h) const {
   // K <= rho C: at least what the diagonals say, and of no use where it is much more.
   // K <= rho C needs k_ii <= rho c_ii for all i.
   const double least = (k_.diagonal().array() / c_.diagonal().array()).maxCoeff();
-  for (double rho = least; rho <= 1e3 * least; rho *= 1.2) {
+  for (double rho = least; rho > 0 && rho <= 1e3 * least; rho *= 1.2) {
     if (!is_definite(rho * (c_ + 1e-12 * c_.trace() * MatrixXd::Identity(n_, n_)) - k_)) continue;
     return is_definite(MatrixXd::Identity(n_, n_) + h / 2 * c_ + h * h * rho / 2 * (c_ - d_));
   }

@@ -33,7 +33,7 @@ constexpr double tolerance_linear = 0.01, tolerance_truncated = 0.05;
 constexpr double weak_growth = 5e-4;
 constexpr std::int64_t watched_steps = 1024;
 
-/// The range of |lambda| [1/s], as far as the modes are known.
+/// The range of |lambda| [1/s], as far as the modes are known; nothing moves of itself where `fastest` is 0.
 struct RateRange {
   double slowest = infinity, fastest = 0;
 };
@@ -46,9 +46,12 @@ RateRange rates_of(const ModeSet& modes) {
   return rates;
 }
 
-/// The step sizes among which the limit is sought.
-StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuestion& question) {
-  const RateRange rates = rates_of(near.modes);
+/// The step sizes among which the limit is sought, by the rates of the model or, where it has none, of the
+/// Jacobian that its steps have; infinite ones where neither has any.
+StepMapSettings settings_of(const Linearised& near, bool linear, const StepQuestion& question,
+                            const LinearModel& jacobian) {
+  RateRange rates = rates_of(near.modes);
+  if (rates.fastest == 0) rates = rates_of(mode_set(jacobian, near.point.is_body));
   StepMapSettings settings{.linear = linear};
   settings.least = 0.5 / rates.fastest;
   settings.most = std::clamp(100 / rates.slowest, 1e4 / rates.fastest, 1e7 / rates.fastest);
@@ -113,7 +116,7 @@ Found found_limit(const Method& method, const Problem& problem, const Linearised
   const StepChoices options = question.options.value_or(StepChoices{});
   const bool by_modes = question.options && !options.is_frozen() && !options.is_truncated();
   Found found;
-  found.settings = settings_of(near, !options.is_truncated(), question);
+  found.settings = settings_of(near, !options.is_truncated(), question, jacobian);
   // A model that grows does so with every method.
   found.row = predict(question.options ? method : find_method("linearly_implicit_euler"), near);
   found.row.method = method.id;
@@ -134,7 +137,7 @@ Found found_limit(const Method& method, const Problem& problem, const Linearised
   const bool same = near.point.model.t == 0 && near.point.model.y == problem.y0;
   if (question.options) say(found.row, words_of_jacobian(options, same));
   const Eigen::Index n = near.point.model.y.size();
-  if (by_modes) {
+  if (by_modes || std::isinf(found.settings.most)) {
     found.limit = {.h_max = infinity, .motion = start_vector(n)};
     return found;
   }
@@ -278,7 +281,8 @@ Prediction predict_by_steps(const Method& method, const Problem& problem, const 
   Found found = found_limit(method, problem, near, question, jacobian);
   const bool has_claim =
       !found.row.growing && (found.row.bound == Bound::stability || found.row.bound == Bound::accuracy);
-  if (question.verified && has_claim) verify_steps(found, method, problem, near, question, jacobian);
+  const bool moves = std::isfinite(found.settings.most);
+  if (question.verified && has_claim && moves) verify_steps(found, method, problem, near, question, jacobian);
   return found.row;
 }
 
@@ -287,9 +291,9 @@ double tolerated_stiffening(const Method& method, const Problem& problem, const 
   constexpr double most = 64, stride = 1.25, resolution = 1.02;
   const LinearModel& model = near.point.model;
   if (!model.mechanical) return std::numeric_limits<double>::quiet_NaN();
-  const StepMapSettings settings =
-      settings_of(near, !options.is_truncated(), {.options = options, .watch = watch});
   const LinearModel jacobian = linear_model(problem, 0, problem.y0);
+  const StepMapSettings settings =
+      settings_of(near, !options.is_truncated(), {.options = options, .watch = watch}, jacobian);
   const VectorXd start = start_vector(model.y.size());
   const auto grows = [&](double factor) {
     if (watch) watch();

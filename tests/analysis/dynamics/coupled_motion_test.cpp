@@ -93,6 +93,18 @@ TEST(CoupledMotion, OfCentralDifferencesWithADiagonalDamperIsTheClassicalMethod)
   EXPECT_NEAR(limit->h_max, 2 / std::sqrt(mechanical_modes(undamped).modes.back().kappa), 1e-9);
 }
 
+// Without stiffness no multiple of the damping is as large as it.
+TEST(CoupledMotion, OfCentralDifferencesHasALimitWithoutStiffness) {
+  const MatrixXd C = MatrixXd{{2, -1}, {-1, 2}};
+  const MechanicalPart part = mechanical_part(VectorXd::Ones(2), MatrixXd(MatrixXd::Zero(2, 2)), C);
+  const Amplification amplification = kick_drift_kick_amplification(KickDamping::lumped);
+  const CoupledMotion whole(*amplification.motion, part);
+  const auto limit = whole.first_exit(amplification);
+  ASSERT_TRUE(limit);
+  EXPECT_LE(whole.spectral_radius(limit->h_max * (1 - 1e-6)), 1 + 1e-9);
+  EXPECT_GT(whole.spectral_radius(limit->h_max * (1 + 1e-6)), 1);
+}
+
 TEST(CoupledMotion, OfExplicitNewmarkHasTheLimitOfNoDampingWhateverTheDamping) {
   const Amplification amplification = generalized_alpha_amplification(newmark_parameters(0, 0.5L));
   for (const double damping : {0.01, 0.3, 4.0}) {
