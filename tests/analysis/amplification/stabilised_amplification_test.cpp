@@ -37,5 +37,23 @@ TEST(StabilisedAmplification, OfAGivenNumberOfStagesIsThatOfChebyshevPolynomials
   }
 }
 
+// With thousands of stages an evaluation takes long: what decays slowly beside a fast mode leaves where the
+// most stages end, and is looked for there.
+TEST(StabilisedAmplification, FindsTheExitOfASlowDecayBesideAFastModeInFewLooks) {
+  const double alone = first_exit(stabilised_amplification<Rkc2>().of_eigenmode(Eigenmode(-1.0)));
+  Eigenmode slow(-1.0);
+  slow.radius = 1e5;
+  Growth growth = stabilised_amplification<Rkc2>().of_eigenmode(slow);
+  int looks = 0;
+  growth.radius = [&looks, radius = growth.radius](double h) {
+    ++looks;
+    return radius(h);
+  };
+  EXPECT_NEAR(first_exit(growth), alone, 1e-9 * alone);
+  EXPECT_LT(looks, 300);
+  const int most = most_stabilized_stages<double>();
+  EXPECT_NEAR(alone, Rkc2::reach<double>(most), 1e-3 * alone);
+}
+
 }  // namespace
 }  // namespace hmax
