@@ -9,6 +9,7 @@
 #include "analysis/statics/equilibrium.hpp"
 #include "core/input_error.hpp"
 #include "core/text/sentences.hpp"
+#include "limits/kinks.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/predict.hpp"
 #include "limits/verification.hpp"
@@ -109,6 +110,8 @@ StepAnswer largest_stable_step(const MethodChoice& method, const AnySystem& syst
   near.point.at_equilibrium = search.found();
   near.point.kind = search.found() ? StateKind::equilibrium : StateKind::initial;
   if (!search.found()) near.point.status = search.message;
+  if (search.found() && take_stiffest_side(near.point, problem))
+    near.modes = mode_set(near.point.model, false);
   StepAnswer answer = answer_of(method, problem, near, options.verify && search.found());
   // Runs from a state that is no equilibrium leave it, whatever the step.
   if (options.verify && !search.found()) answer.status += "; not verified: this state is no equilibrium";

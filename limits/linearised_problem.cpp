@@ -16,6 +16,7 @@
 #include "core/numbers.hpp"
 #include "core/size_limits.hpp"
 #include "core/text/sentences.hpp"
+#include "limits/kinks.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "problems/tissue/body.hpp"
@@ -338,6 +339,7 @@ OperatingPoint point_at_equilibrium(const Problem& problem, const EquilibriumWat
     return point;
   }
   point.kind = StateKind::equilibrium;
+  take_stiffest_side(point, problem);
   point.state = fmt::format(
       "equilibrium {}{}", point.state,
       search.conserved > 0 ? ", reachable: what the model conserves is that of the initial state" : "");

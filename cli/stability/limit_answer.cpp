@@ -19,6 +19,7 @@
 #include "limits/along/trajectory_limit.hpp"
 #include "limits/documents/limit_json.hpp"
 #include "limits/documents/model_json.hpp"
+#include "limits/kinks.hpp"
 #include "limits/point/prediction.hpp"
 #include "results/json.hpp"
 
@@ -73,6 +74,12 @@ MotionTolerances tolerances_of(const Json& along) {
           .has_velocities = from.contains("atol_velocities")};
 }
 
+/// What h_max holds for, of a model that is not linear.
+std::string words_of_state(const Problem& problem, const Json& model) {
+  if (model.value("state_status", "").find(at_a_kink) != std::string::npos) return std::string(at_a_kink);
+  return fmt::format("{}: h_max holds for small motions about this state", why_along(problem));
+}
+
 /// What the limits of a model hold for, and where it was linearised.
 std::string words_of_model(const LimitQuestion& question, const Problem& problem, const Json& model) {
   const bool looked = has_limits_along(model);
@@ -89,13 +96,12 @@ std::string words_of_model(const LimitQuestion& question, const Problem& problem
   }
   if (looked && question.path_by_default)
     words += fmt::format(
-        "{}: h_max holds for small motions about this state\n"
-        "necessary: the smallest limit of the Jacobians frozen at states of the motion to t = {} s, no safe step{}\n",
-        why_along(problem), short_number(problem.shown.time(question.end_of(problem))),
+        "{}\nnecessary: the smallest limit of the Jacobians frozen at states of the motion to t = {} s, no safe step{}\n",
+        words_of_state(problem, model), short_number(problem.shown.time(question.end_of(problem))),
         question.run_steps > 0 ? "" : "; --along --verify runs the motion");
   else if (!problem.body && !looked && linearity_of(problem) != Linearity::linear)
     words +=
-        fmt::format("{}: h_max holds for small motions about this state{}\n", why_along(problem),
+        fmt::format("{}{}\n", words_of_state(problem, model),
                     question.path.empty() && !question.options ? "; --along motion looks at others" : "");
   else if (problem.body && !looked && model.value("state_kind", "") == name_of(StateKind::equilibrium) &&
            model.value("away_from_rest", false) && model.value("linearity", "") != name_of(Linearity::linear))

@@ -23,6 +23,7 @@
 #include "core/numbers.hpp"
 #include "core/parallel_for.hpp"
 #include "limits/jacobian_changes.hpp"
+#include "limits/kinks.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
 #include "limits/predict.hpp"
@@ -65,34 +66,6 @@ Eigen::Array2d invariants(const Problem& problem, double t, const Eigen::VectorX
       J);
 }
 
-/// Whether f kinks or jumps within the reach of central differences, which are no Jacobian then: the slopes
-/// of both sides differ by more than 1 %.
-bool has_kink(const Problem& problem, double t, const Eigen::VectorXd& y) {
-  return std::visit(
-      [&]<class Sys>(const Sys& system) {
-        using State = typename Sys::State;
-        const State here(y);  // NOLINT(performance-unnecessary-copy-initialization): mostly of another type
-        State moved = here, f = here, above = here, below = here;
-        system.rhs(t, here, f);
-        const double largest = y.cwiseAbs().maxCoeff(), least = largest > 0 ? 1e-3 * largest : 1e-4,
-                     noise = 1e3 * std::numeric_limits<double>::epsilon() * f.cwiseAbs().maxCoeff();
-        for (Eigen::Index j = 0; j < y.size(); ++j) {
-          // Twice the reach of jacobian_by_differences().
-          const double d =
-              2 * std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(std::abs(y[j]), least);
-          moved[j] = y[j] + d;
-          system.rhs(t, moved, above);
-          moved[j] = y[j] - d;
-          system.rhs(t, moved, below);
-          moved[j] = y[j];
-          const double size = std::max((above - f).cwiseAbs().maxCoeff(), (f - below).cwiseAbs().maxCoeff());
-          if (!((above + below - 2 * f).cwiseAbs().maxCoeff() <= 0.01 * size + noise)) return true;
-        }
-        return false;
-      },
-      problem.system);
-}
-
 /// Finds the states of a motion that its regular instants pass over: extremes of the invariants of J between
 /// them, and both sides of breakpoints.
 class Events {
@@ -121,7 +94,8 @@ class Events {
     last_y_ = y;
     while (window_ + 2 < regular_.at.size() && t >= regular_.at[window_ + 1]) close_window();
     if (++count_ % stride_ != 0) return;
-    if (!is_exact_ && has_kink(problem_, t, y)) return;
+    // Differences across a kink are no Jacobian.
+    if (!is_exact_ && !kinks_at(problem_, t, y, y.cwiseAbs().maxCoeff(), 1).empty()) return;
     try {
       const Sample sample{invariants(problem_, t, y), t, y};
       for (const int i : {0, 1}) widen(i, sample);
@@ -464,6 +438,14 @@ void take_off_motion(const MotionSize& motion, double t, std::size_t& at, Eigen:
   y -= share * (motion.y[at + 1] - motion.y[at]);
 }
 
+/// Whether a motion stays where it begins, but for rounding.
+bool rests(const MotionSize& motion) {
+  const auto is_start = [&](const Eigen::VectorXd& y) {
+    return (y - motion.y.front()).norm() <= 1e-9 * y.norm();
+  };
+  return !motion.y.empty() && std::ranges::all_of(motion.y, is_start);
+}
+
 }  // namespace
 
 double guess_from_start(double along_least, double h_max, double t_end) {
@@ -476,7 +458,7 @@ double guess_from_start(double along_least, double h_max, double t_end) {
 std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,
                                            double guess, const MotionSize& size, double steps,
                                            const Watcher& watcher) {
-  if (!method.fixed_step || !suits(method, problem)) return std::nullopt;
+  if (!method.fixed_step || !suits(method, problem) || rests(size)) return std::nullopt;
   constexpr double finest = 1e-4, coarsest = 0.02, most_times = 25;
   double low = 0.1 * guess;
   // Runs of t_end / h steps from low to high, one in each stride, take about t_end / (stride low) steps.

@@ -102,7 +102,7 @@ struct StartLimit {
 /// fail come in windows, between which longer ones stay: the strides are as short as so many steps in all
 /// allow, from 2 % down to 0.01 %, and 2 % beyond a hundred guesses. Infinity when steps up to a tenth of
 /// the run stay; nothing when the first one already does not, or the run is shorter than twenty guesses, or
-/// even strides of 2 % take 25 times as many steps.
+/// even strides of 2 % take 25 times as many steps, or the motion stays at its start, as every run does.
 /// @param size   of that motion, the same for every method
 /// @param steps  of all runs together
 std::optional<StartLimit> limit_from_start(const Method& method, const Problem& problem, double t_end,

@@ -48,7 +48,7 @@ Json safe_json(const LimitRow& row) {
     document["status"] = "no run from the start of the motion was made; --verify makes them";
   else if (row.bound != name_of(Bound::error_control))
     document["status"] =
-        "no run from the start of the motion tells: too few or too many steps, or the shortest one fails";
+        "no run from the start of the motion tells: too few or too many steps, the shortest one fails, or nothing moves";
   return document;
 }
 

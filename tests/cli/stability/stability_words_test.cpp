@@ -1,6 +1,7 @@
 /// What `hmax stability predict` says of its rows, and of the motion that it looks along.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,25 @@ TEST(StabilityPredict, HasNoGapBetweenLimitsOfDifferentStates) {
     EXPECT_EQ(row.at("gap").is_null(), away || row.at("observed") == "unbounded") << row;
   }
   EXPECT_GT(moved, 0);
+}
+
+TEST(StabilityPredict, SaysThatAStopJustTouches) {
+  const Shell shell;
+  std::ofstream(shell / "stop.toml") << "[equations]\nx = \"v\"\nv = \"-100*x - (x<0 ? 1e4*x : 0) - 0.2*v\"\n"
+                                        "[initial]\nx = 0\nv = 0\n";
+  const std::string line = "stability predict --problem stop.toml --methods rk4,newmark";
+  const std::string kink =
+      "the slopes of the model jump at this state: h_max is the limit of its stiffest side";
+  for (const char* along : {"", " --along none"}) {
+    const Told told = shell.hmax(line + along);
+    EXPECT_TRUE(says(told.out, kink)) << told.out;
+    EXPECT_FALSE(says(told.out, "h_max holds for small motions")) << told.out;
+  }
+  const AnyJson row = shell.json(line).at("rows").at(0);
+  EXPECT_TRUE(says(row.at("status").get<std::string>(), kink)) << row;
+  // Of the side the code takes it is ten times as long.
+  EXPECT_NEAR(row.at("h_max").get<double>(), std::sqrt(8 / 10100.0), 3e-4);
+  EXPECT_TRUE(row.at("safe").at("h").is_null()) << row;  // nothing moves from there
 }
 
 TEST(StabilityPredict, FailsWhereNothingCouldBeVerified) {

@@ -274,6 +274,18 @@ TEST(LimitFromAStart, AsksPositionsAndVelocitiesToStayNear) {
   EXPECT_FALSE(limit_from_start(method, problem, 10, 0.04, {.positions = 1e9, .velocities = 15}));
 }
 
+// Every run stays at an equilibrium, whatever its step.
+TEST(LimitFromAStart, IsNotToldByAMotionThatStaysWhereItIs) {
+  for (const double x : {0.0, 1.0}) {
+    const Problem resting = make_problem({.name = "resting",
+                                          .equations = {{"x", "v"}, {"v", "-100*(x - at)^3 - 100*(x - at)"}},
+                                          .parameters = {{"at", x}},
+                                          .y0 = {x, 0}},
+                                         "resting.toml");
+    EXPECT_FALSE(limit_from_start(find_method("rk4"), resting, 10, 0.04, size_of_motion(resting, 10))) << x;
+  }
+}
+
 TEST(LimitsAlong, EndWhenWhoWatchesThrows) {
   const Problem problem = oscillator(0.6, 2, 0, {1, 0});
   const std::vector<Method> methods{find_method("rk4")};

@@ -1,0 +1,76 @@
+#include "limits/kinks.hpp"
+
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "catalogue/methods/catalogue.hpp"
+#include "catalogue/models/problems.hpp"
+#include "limits/largest_stable_step.hpp"
+#include "limits/linearised_problem.hpp"
+#include "limits/predict.hpp"
+
+namespace hmax {
+namespace {
+
+bool says_kink(const std::string& status) { return status.find(at_a_kink) != std::string::npos; }
+
+Problem decaying(const std::string& rate, double start) {
+  return make_problem({.name = "decay", .equations = {{"x", rate}}, .y0 = {start}}, "decay.toml");
+}
+
+// At rest the formula takes the slow side; explicit Euler is stable on the fast one up to 2 / 5.
+TEST(Kinks, HaveTheLimitOfTheirStiffestSideWhicheverTheCodeTakes) {
+  for (const char* rate : {"-(x>0 ? 5*x : 3*x)", "-(x<0 ? 5*x : 3*x)", "-4*x - abs(x)"})
+    for (const double start : {0.0, 0.5, -0.5}) {
+      const Linearised near = linearised(decaying(rate, start));
+      EXPECT_NEAR(predict(find_method("explicit_euler"), near).h_max.value(), 0.4, 1e-9) << rate << start;
+      EXPECT_TRUE(says_kink(near.point.status)) << near.point.status;
+      EXPECT_EQ(near.point.model.y[0], 0);
+    }
+}
+
+TEST(Kinks, AreNotSeenInWhatBendsSmoothly) {
+  for (const char* rate : {"-x - 1e18*x^3", "-tanh(1e4*x)", "-x*exp(x)", "1 - x - 1e3*x^2"}) {
+    const Linearised near = linearised(decaying(rate, 0));
+    ASSERT_TRUE(near.point.at_equilibrium) << rate;
+    EXPECT_EQ(near.point.status, "") << rate;
+  }
+}
+
+// Each of two stops is met on one side; both together are the stiffest.
+TEST(Kinks, OfSeveralStopsTakeTheSideOfAll) {
+  const Problem stops = make_problem({.name = "stops",
+                                      .equations = {{"x", "v"},
+                                                    {"v", "-100*x - (x<0 ? 1e4*x : 0) - 0.2*v"},
+                                                    {"y", "w"},
+                                                    {"w", "-100*y - (y>0 ? 3e4*y : 0) - 0.2*w"}},
+                                      .y0 = {0, 0, 0, 0}},
+                                     "stops.toml");
+  const Linearised near = linearised(stops);
+  const Eigen::MatrixXd K = dense(near.point.model.mechanical->K);
+  EXPECT_EQ(K(0, 0), 10100);
+  EXPECT_EQ(K(1, 1), 30100);
+}
+
+/// x' = -5 x, or -3 x below zero, without a Jacobian.
+struct Bent {
+  using State = Eigen::VectorXd;
+  static constexpr bool autonomous = true;
+  [[nodiscard]] Eigen::Index dim() const { return 1; }
+  void rhs(double, const State& y, State& dydt) const { dydt[0] = (y[0] > 0 ? -5 : -3) * y[0]; }
+};
+
+// Central differences are the mean of both sides, the Jacobian of neither.
+TEST(Kinks, AreSeenThroughDifferencesToo) {
+  for (const double start : {0.0, 0.5}) {
+    const StepAnswer answer = largest_stable_step(
+        "explicit_euler", AnySystem(Bent{}), Eigen::VectorXd::Constant(1, start), {.find_equilibrium = true});
+    EXPECT_NEAR(answer.h_max, 0.4, 1e-6);
+    EXPECT_TRUE(says_kink(answer.status)) << answer.status;
+  }
+}
+
+}  // namespace
+}  // namespace hmax
