@@ -101,7 +101,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& file) {
   }
 }
 
-CheckpointLock::CheckpointLock(const std::filesystem::path& file) : lock_(std::filesystem::absolute(file)) {
+CheckpointLock::CheckpointLock(const std::filesystem::path& file)
+    : lock_(std::filesystem::absolute(behind_links(file))) {
   lock_ += ".lock";
   for (;;) {
     descriptor_ = open(lock_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);

@@ -3,9 +3,11 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <string>
 #include <sys/random.h>
 #include <system_error>
@@ -44,6 +46,36 @@ std::string random_ending() {
   return ending.append(last);
 }
 
+/// The folder of `file` without links where it has those of the open descriptors of a process, else empty.
+std::filesystem::path descriptors_of(const std::filesystem::path& file) {
+  std::error_code unknown;
+  std::filesystem::path folder =
+      std::filesystem::canonical(std::filesystem::absolute(file, unknown).parent_path(), unknown);
+  return folder.string().starts_with("/proc/") && folder.filename() == "fd" ? folder : "";
+}
+
+/// The number of an open descriptor of this process, N of /proc/self/fd/N.
+std::optional<int> own_descriptor(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const std::filesystem::path folder = descriptors_of(file);
+  if (folder.empty() || folder != std::filesystem::canonical("/proc/self/fd", unknown)) return std::nullopt;
+  const std::string name = file.filename().string();
+  int number = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+  if (error != std::errc{} || end != name.data() + name.size()) return std::nullopt;
+  return number;
+}
+
+/// Continues after short writes and after signals (EINTR).
+void write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail();
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
 /// Whether `name` is that of a part of the file `whole`, see random_ending().
 bool is_part_of(std::string_view name, std::string_view whole) {
   if (name.size() != whole.size() + 1 + letter_count + last.size() || !name.starts_with(whole) ||
@@ -55,6 +87,39 @@ bool is_part_of(std::string_view name, std::string_view whole) {
 
 }  // namespace
 
+std::filesystem::path behind_links(const std::filesystem::path& file) {
+  constexpr int most_links = 40;  // as many as Linux follows
+  std::filesystem::path at = file;
+  std::error_code unknown;
+  for (int i = 0; i < most_links && descriptors_of(at).empty(); ++i) {
+    const std::filesystem::path next = std::filesystem::read_symlink(at, unknown);
+    if (unknown) break;
+    at = at.parent_path() / next;
+  }
+  return at;
+}
+
+bool is_written_in_place(const std::filesystem::path& file) {
+  if (!descriptors_of(behind_links(file)).empty()) return true;
+  std::error_code unknown;
+  const std::filesystem::file_status status = std::filesystem::status(file, unknown);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+}
+
+void write_in_place(const std::filesystem::path& file, std::string_view text) {
+  // What the program itself writes there goes on behind it: the copy shares its position.
+  const std::optional<int> own = own_descriptor(behind_links(file));
+  const int descriptor = own ? dup(*own) : open(file.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+  if (descriptor < 0) fail();
+  try {
+    write_all(descriptor, text);
+  } catch (const std::system_error&) {
+    close(descriptor);
+    throw;
+  }
+  if (close(descriptor) != 0) fail();
+}
+
 void remove_part_file() noexcept {
   // unlink() and a lock-free atomic are async-signal-safe; strings and allocation are not. The exchange
   // makes sure that only one of handler and destructor removes it.
@@ -62,8 +127,9 @@ void remove_part_file() noexcept {
 }
 
 void remove_left_parts(const std::filesystem::path& file) {
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  const std::string whole = file.filename().string();
+  const std::filesystem::path behind = std::filesystem::absolute(behind_links(file));
+  const std::filesystem::path folder = behind.parent_path();
+  const std::string whole = behind.filename().string();
   std::error_code ignored;  // what cannot be listed or removed stays
   for (std::filesystem::directory_iterator at(folder, ignored), end; !ignored && at != end;
        at.increment(ignored))
@@ -73,7 +139,7 @@ void remove_left_parts(const std::filesystem::path& file) {
     }
 }
 
-PartFile::PartFile(const std::filesystem::path& file) : file_(file), part_(file) {
+PartFile::PartFile(const std::filesystem::path& file) : file_(behind_links(file)), part_(file_) {
   part_ += random_ending();
   // Before open(): a signal in between removes a file that is not there, which does no harm.
   remember(std::filesystem::absolute(part_).string());
@@ -88,14 +154,7 @@ PartFile::~PartFile() {
   if (is_current.exchange(false)) unlink(part_.c_str());
 }
 
-void PartFile::write(std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor_, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail();
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
+void PartFile::write(std::string_view text) { write_all(descriptor_, text); }
 
 void PartFile::sync() {
   if (fsync(descriptor_) != 0) fail();

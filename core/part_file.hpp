@@ -6,10 +6,23 @@
 
 namespace hmax {
 
+/// Where `file` leads through symbolic links, also where nothing is there yet: a file that is renamed onto a
+/// link would replace the link. Ends at an open descriptor (/dev/stdout, /proc/PID/fd/N), which links to its
+/// file.
+std::filesystem::path behind_links(const std::filesystem::path& file);
+
+/// Whether `file` is a pipe, a device or an open descriptor, into which others write as well: it cannot be
+/// replaced.
+bool is_written_in_place(const std::filesystem::path& file);
+
+/// Writes `text` behind what is in such a file. @throws std::system_error
+void write_in_place(const std::filesystem::path& file, std::string_view text);
+
 /// Made with a name that nobody can foresee and that nobody else has; removed unless it has replaced its
 /// file, by a signal that ends the program too (remove_part_file()). One at a time.
 /// Output is written to `file`.RANDOM.part beside its file and renamed when it is complete: whoever reads
-/// the file sees the old one or the whole new one, since rename() is atomic within a file system (POSIX).
+/// the file sees the old one or the whole new one, since rename() is atomic within a file system (POSIX). Of
+/// a symbolic link the file behind it is replaced.
 class PartFile {
  public:
   /// Creates the part with O_EXCL, so that no existing file or link is followed or written over.

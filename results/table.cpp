@@ -58,16 +58,15 @@ InputError cannot_write(const fs::path& file, const std::string& cause) {
 }
 
 /// Makes the folder of `file` when it is missing and looks whether `file` may be replaced.
-/// @returns true when it is a pipe or device, which cannot be replaced, only written to
-bool is_written_in_place(const fs::path& file, std::string_view opening) {
+/// @returns false when it cannot be replaced, only written to
+bool is_replaced(const fs::path& file, std::string_view opening) {
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   if (error) throw cannot_write(file, error.message());
-  const fs::file_status status = fs::status(file, error);
-  if (fs::is_directory(status)) throw cannot_write(file, "it is a folder");
-  if (fs::exists(status) && !fs::is_regular_file(status)) return true;
+  if (fs::is_directory(file, error)) throw cannot_write(file, "it is a folder");
+  if (is_written_in_place(file)) return false;
   check_replaceable(file, is_own_file(file, opening));
-  return false;
+  return true;
 }
 
 }  // namespace
@@ -118,15 +117,9 @@ void check_replaceable(const fs::path& file, bool own) {
 }
 
 void write_file(const fs::path& file, std::string_view text, std::string_view opening) {
-  if (is_written_in_place(file, opening)) {
-    errno = 0;
-    std::ofstream out(file, std::ios::binary);
-    out.write(text.data(), static_cast<std::streamsize>(text.size()));
-    out.close();
-    if (!out) throw cannot_write(file, errno ? std::strerror(errno) : "write failed");
-    return;
-  }
+  const bool replaces = is_replaced(file, opening);
   try {
+    if (!replaces) return write_in_place(file, text);
     PartFile part(file);
     part.write(text);
     part.replace();
@@ -136,7 +129,7 @@ void write_file(const fs::path& file, std::string_view text, std::string_view op
 }
 
 void check_writable(const fs::path& file, std::string_view opening) {
-  if (is_written_in_place(file, opening)) return;
+  if (!is_replaced(file, opening)) return;
   try {
     const PartFile part(file);
   } catch (const std::system_error& error) {

@@ -104,6 +104,8 @@ TEST_F(CheckpointFile, OneProcessAtATimeHasTheLock) {
     EXPECT_EQ(refusal_of_lock(), "checkpoint " + file.string() +
                                      " is in use by another run; wait until that ends, or name another file");
     EXPECT_TRUE(std::filesystem::exists(lock)) << "who was refused has removed the lock of the first";
+    std::filesystem::create_symlink(file, folder / "link.checkpoint");
+    EXPECT_THROW(const CheckpointLock linked(folder / "link.checkpoint"), std::runtime_error);
     const CheckpointLock other(folder / "other.checkpoint");
     EXPECT_TRUE(other.is_held());
   }

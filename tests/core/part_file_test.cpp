@@ -56,5 +56,27 @@ TEST(PartFile, ThatIsGivenUpLeavesNothingBehind) {
   EXPECT_EQ(std::filesystem::file_size(file), 2U);
 }
 
+TEST(PartFile, ReplacesTheFileBehindALinkAndNotTheLink) {
+  const Scratch folder;
+  namespace fs = std::filesystem;
+  fs::create_directory(folder / "data");
+  write_text(folder / "data/real.csv", "old");
+  fs::create_symlink("data/near.csv", folder / "link.csv");
+  fs::create_symlink("real.csv", folder / "data/near.csv");
+  fs::create_symlink(folder / "data/later.csv", folder / "dangling.csv");
+  for (const std::string link : {"link.csv", "dangling.csv"}) {
+    PartFile part(folder / link);
+    part.write("new");
+    part.replace();
+    EXPECT_TRUE(fs::is_symlink(folder / link));
+    EXPECT_EQ(read_text(folder / link), "new");
+  }
+  EXPECT_EQ(read_text(folder / "data/real.csv"), "new");
+  EXPECT_EQ(read_text(folder / "data/later.csv"), "new");
+  write_text(folder / "data/real.csv.abcdefghijk7.part", "left");
+  remove_left_parts(folder / "link.csv");
+  EXPECT_FALSE(fs::exists(folder / "data/real.csv.abcdefghijk7.part"));
+}
+
 }  // namespace
 }  // namespace hmax

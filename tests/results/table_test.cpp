@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -110,6 +111,26 @@ TEST(Table, AFileThatCannotBeUsedIsAnInputErrorAndTheOldOneStays) {
   write_csv(scratch / "file", table);
   EXPECT_EQ(read_text(scratch / "file"), "# written by hmax\na\n1\n");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(scratch.folder()), {}), 1);
+}
+
+TEST(Table, WhatLeadsToAnOpenDescriptorIsWrittenBetweenWhatElseIsWrittenThere) {
+  const Scratch scratch;
+  const std::filesystem::path file = scratch / "printed", link = scratch / "link";
+  // By its own descriptor, as /dev/stdout is, and as that of another process.
+  for (const std::string place : {"/proc/self/fd/", "/proc/thread-self/fd/"}) {
+    std::FILE* printed = std::fopen(file.c_str(), place == "/proc/self/fd/" ? "w" : "a");
+    ASSERT_NE(printed, nullptr);
+    std::filesystem::create_symlink(place + std::to_string(fileno(printed)), link);
+    std::fputs("before ", printed);
+    std::fflush(printed);
+    check_writable(link);
+    write_file(link, "points");
+    std::fputs(" behind", printed);
+    std::fclose(printed);
+    EXPECT_TRUE(std::filesystem::is_symlink(link));
+    EXPECT_TRUE(read_text(file).ends_with("before points behind")) << read_text(file);
+    std::filesystem::remove(link);
+  }
 }
 
 TEST(PartFile, HasANameOfItsOwnAndLeavesNothing) {
