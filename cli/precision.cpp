@@ -168,7 +168,10 @@ void precision(const PrecisionOptions& options, Console& console) {
     run_shown_sweep(plan, store, options.store, progress, console);
     progress.update(1, "limits of the step");
     const double t_end = plan.blocks.front().run.t_end;
-    const Reference reference = make_reference(plan.problems.front(), t_end);
+    const Reference reference = make_reference(plan.problems.front(), t_end, [&] {
+      if (!interrupt_flag()) return;
+      throw options.store.empty() ? Interrupted{} : Interrupted::with_store(options.store, store.size());
+    });
     size = reference.at(std::min(t_end, reference.valid_until)).cwiseAbs().maxCoeff();
     for (const Method& method : plan.methods)
       limits[method.id] = predicted_step_limit(method, plan.problems.front(), reference, t_end);

@@ -439,7 +439,7 @@ ReferenceMotion reference_motion(const ProbingMotion& motion, double frame, doub
   for (double i = 0; i <= frames; i += stride) reference.t.push_back(i * frame);
   if (motion.problem.body)
     return steady_reference(motion, frame, tolerance, limits, std::move(reference), watcher, find);
-  const Reference exact = make_reference(motion.problem, motion.t_end);
+  const Reference exact = make_reference(motion.problem, motion.t_end, watcher);
   reference.ranges = Eigen::VectorXd::Zero(motion.problem.y0.size());
   // Few instants may all be alike, of a period: the ranges are those of at least so many as there are
   // usually.

@@ -17,8 +17,9 @@ using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
 constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 constexpr int most_rows = 14;
-constexpr int most_attempts = 50'000;
+constexpr int usual_attempts = 50'000;
 constexpr int most_iterations = 30;
+constexpr int parts = 32;  // of an implicit step that explicit ones may take
 
 /// Substeps of the rows of the extrapolation table. Ratios near sqrt 2 keep what the table makes of rounding
 /// below a factor of about 200 where errors go in powers of h; even numbers give the midpoint rule its powers
@@ -111,7 +112,8 @@ class Engine {
   /// @param h  first step to try in, next step to try out
   /// @returns  whether t_end was reached
   template <class AtStep>
-  bool advance(Real& t, State& y, Real t_end, Real& h, const AtStep& at_step) {
+  bool advance(Real& t, State& y, Real t_end, Real& h, const AtStep& at_step,
+               int most_attempts = usual_attempts) {
     if (largest_.size() != y.size()) largest_ = y.cwiseAbs();
     for (int attempts = 0; t < t_end; ++attempts) {
       if (attempts == most_attempts) return false;
@@ -271,11 +273,21 @@ class Engine {
 Real tight(ExtrapolatedRule rule) { return rule == ExtrapolatedRule::explicit_midpoint ? 1e-17L : 1e-16L; }
 Real loose(ExtrapolatedRule rule) { return 10 * tight(rule); }
 
+/// From y at `from` to t. @returns  false where it is not reached in so many attempts: y is another state
+/// then
+bool advanced(const ExtrapolationReference::System& system, ExtrapolatedRule rule, State& y, Real from,
+              Real t, int most_attempts) {
+  Real h = t - from;
+  Engine engine(system, rule, tight(rule));
+  return engine.advance(
+      from, y, t, h, [](Real, const State&) {}, most_attempts);
+}
+
 }  // namespace
 
 ExtrapolationReference::ExtrapolationReference(const System& system, const State& y0, double t_end,
-                                               ExtrapolatedRule rule)
-    : system_(system), rule_(rule), points_{{0, y0}} {
+                                               ExtrapolatedRule rule, const std::function<void()>& watch)
+    : system_(system), rule_(rule) {
   if (rule == ExtrapolatedRule::implicit_euler && !system.has_jacobian())
     throw std::invalid_argument(
         "the implicit Euler rule needs a Jacobian, which this system has not; use the explicit midpoint "
@@ -283,10 +295,14 @@ ExtrapolationReference::ExtrapolationReference(const System& system, const State
   if (!(t_end >= 0)) throw std::invalid_argument("the end time of a reference must not be negative");
   if (!y0.allFinite()) throw std::invalid_argument("the initial state of a reference must be finite");
 
+  points_.emplace_back(0, y0);
   Engine engine(system_, rule, tight(rule));
   Real t = 0, h = engine.first_step(0, y0, t_end);
   State y = y0;
-  engine.advance(t, y, t_end, h, [&](Real now, const State& state) { points_.push_back({now, state}); });
+  engine.advance(t, y, t_end, h, [&](Real now, const State& state) {
+    points_.emplace_back(now, state);
+    if (watch) watch();
+  });
   valid_until_ = static_cast<double>(points_.back().t);
   if (points_.back().t < valid_until_) valid_until_ = std::nextafter(valid_until_, 0.0);
 
@@ -298,7 +314,9 @@ ExtrapolationReference::ExtrapolationReference(const System& system, const State
   const std::size_t every = std::max<std::size_t>(1, steps() / 300);
   for (std::size_t i = 1; i < points_.size(); ++i) {
     if (i % every != 0 && i != points_.size() - 1) continue;
-    checker.advance(t, checked, points_[i].t, h, [](Real, const State&) {});
+    checker.advance(t, checked, points_[i].t, h, [&](Real, const State&) {
+      if (watch) watch();
+    });
     difference = std::max(difference, (checked - points_[i].y).cwiseAbs().maxCoeff());
     largest = std::max(largest, points_[i].y.cwiseAbs().maxCoeff());
   }
@@ -312,6 +330,17 @@ ExtrapolationReference::ExtrapolationReference(const System& system, const State
                                .cast<double>();
 }
 
+const std::vector<State>& ExtrapolationReference::divided(const Point& left, long double part) const {
+  std::call_once(left.is_divided, [&] {
+    constexpr ExtrapolatedRule rule = ExtrapolatedRule::explicit_midpoint;
+    State y = left.y;
+    for (int i = 1; i < parts && advanced(system_, rule, y, left.t + (i - 1) * part, left.t + i * part, 1);
+         ++i)
+      left.between.push_back(y);
+  });
+  return left.between;
+}
+
 State ExtrapolationReference::extended_at(long double t) const {
   const auto nothing = [&] {
     return State::Constant(points_.front().y.size(), std::numeric_limits<Real>::quiet_NaN());
@@ -322,9 +351,18 @@ State ExtrapolationReference::extended_at(long double t) const {
   const Point& left = *(after - 1);
   if (left.t == t) return left.y;
   State y = left.y;
-  Real now = left.t, h = t - left.t;
-  Engine engine(system_, rule_, tight(rule_));
-  return engine.advance(now, y, t, h, [](Real, const State&) {}) ? y : nothing();
+  Real from = left.t;
+  if (rule_ == ExtrapolatedRule::implicit_euler) {
+    const Real part = (after->t - left.t) / parts;
+    const std::vector<State>& between = divided(left, part);
+    const auto near = std::min(static_cast<std::size_t>((t - left.t) / part), between.size());
+    if (near > 0) {
+      y = between[near - 1];
+      from += static_cast<Real>(near) * part;
+    }
+    if (!between.empty() && advanced(system_, ExtrapolatedRule::explicit_midpoint, y, from, t, 1)) return y;
+  }
+  return advanced(system_, rule_, y, from, t, usual_attempts) ? y : nothing();
 }
 
 std::string ExtrapolationReference::name() const {

@@ -2,7 +2,11 @@
 /// built like it, and it shares no code with them.
 #pragma once
 
+#include <deque>
+#include <functional>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,9 +22,10 @@ enum class ExtrapolatedRule {
 };
 
 /// The states at the engine's own steps on [0, valid_until()], computed at a tight tolerance; between two of
-/// them the engine integrates on from the left one. Every component is controlled relative to its own size,
-/// so that one of 1e-13 beside one of 1 is as good. A second computation at a looser tolerance runs to a few
-/// hundred of the same times; four times the largest difference is the bound.
+/// them the engine integrates on from the left one, where nothing is stiff by short explicit steps, which
+/// cost far less. Every component is controlled relative to its own size, so that one of 1e-13 beside one of
+/// 1 is as good. A second computation at a looser tolerance runs to a few hundred of the same times; four
+/// times the largest difference is the bound.
 /// @source  [hairer1993solving, II.9], [hairer1996solving, IV.9]; checked by
 ///          tests/bench/timing/extrapolation_reference_test.cpp and against the published end points of the
 ///          test set
@@ -31,8 +36,10 @@ class ExtrapolationReference {
 
   /// @param y0     shape (dim)
   /// @param t_end  end of the interval [s], not negative
+  /// @param watch  called after every step; may throw to end it
   /// @throws std::invalid_argument  when implicit_euler is asked for a system without a Jacobian
-  ExtrapolationReference(const System& system, const State& y0, double t_end, ExtrapolatedRule rule);
+  ExtrapolationReference(const System& system, const State& y0, double t_end, ExtrapolatedRule rule,
+                         const std::function<void()>& watch = {});
 
   /// Shape (dim); NaN outside [0, valid_until()]. Costs about one step of the engine; thread-safe.
   [[nodiscard]] State extended_at(long double t) const;
@@ -51,13 +58,19 @@ class ExtrapolationReference {
 
  private:
   struct Point {
+    Point(long double time, State state) : t(time), y(std::move(state)) {}
     long double t;
     State y;
+    mutable std::once_flag is_divided;
+    mutable std::vector<State> between;  ///< see divided()
   };
+
+  /// The states at equal parts of the way from a point to the next, as far as explicit steps reach them.
+  const std::vector<State>& divided(const Point& left, long double part) const;
 
   System system_;
   ExtrapolatedRule rule_;
-  std::vector<Point> points_;
+  std::deque<Point> points_;
   double valid_until_ = 0, error_bound_ = 0, extended_error_bound_ = 0;
   Eigen::VectorXd relative_error_at_end_;
 };

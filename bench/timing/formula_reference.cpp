@@ -112,7 +112,8 @@ bool advance(const AnySystem& system, Eigen::VectorXd& y, double t0, double t1, 
 
 }  // namespace
 
-FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end)
+FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end,
+                                   const std::function<void()>& watch)
     : system_(system), interval_(t_end / grid_intervals), grid_{y0} {
   Eigen::VectorXd y = y0, checked = y0;
   double difference = 0, largest = y0.size() == 0 ? 0 : y0.cwiseAbs().maxCoeff();
@@ -120,6 +121,7 @@ FormulaReference::FormulaReference(const AnySystem& system, const Eigen::VectorX
   // What other systems round to may be more than a share of their motion.
   const bool of_formulas = system_.formulas() != nullptr;
   for (int i = 0; i < grid_intervals; ++i) {
+    if (watch) watch();
     units_.push_back(of_formulas ? units_of(system_, sizes, i * interval_, y, interval_) : StateUnits{});
     if (!advance(system_, y, i * interval_, (i + 1) * interval_, tight, units_.back())) break;
     if (!advance(system_, checked, i * interval_, (i + 1) * interval_, loose, units_.back())) break;

@@ -1,6 +1,7 @@
 /// A reference for users' formulas: another engine at a tight tolerance.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,10 @@ struct StateUnits {
 /// the size of the motion so far.
 class FormulaReference {
  public:
-  /// @param y0  shape (dim)
-  FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end);
+  /// @param y0     shape (dim)
+  /// @param watch  called at every grid point; may throw to end it
+  FormulaReference(const AnySystem& system, const Eigen::VectorXd& y0, double t_end,
+                   const std::function<void()>& watch = {});
 
   /// Shape (dim); NaN outside [0, valid_until()]. Several microseconds.
   [[nodiscard]] Eigen::VectorXd at(double t) const;

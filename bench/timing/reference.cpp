@@ -15,11 +15,13 @@ namespace {
 
 /// A closed form computed in long double: rounding to double is all its error, with a margin for a motion
 /// that is largest between two points looked at.
-Reference exact_reference(const Problem& problem, double t_end) {
+Reference exact_reference(const Problem& problem, double t_end, const std::function<void()>& watch) {
   double largest = 0;
   constexpr int points = 1000;
-  for (int i = 0; i <= points; ++i)
+  for (int i = 0; i <= points; ++i) {
+    if (watch) watch();
     largest = std::max(largest, static_cast<double>(problem.exact(t_end * i / points).cwiseAbs().maxCoeff()));
+  }
   return {.at = [exact = problem.exact](double t) -> Eigen::VectorXd { return exact(t).cast<double>(); },
           .valid_until = t_end,
           .error_bound = largest* std::numeric_limits<double>::epsilon(),
@@ -28,11 +30,11 @@ Reference exact_reference(const Problem& problem, double t_end) {
 }
 
 /// Extrapolation by the rule that suits the problem; by the other one when it does not get to the end.
-Reference extrapolated_reference(const Problem& problem, double t_end) {
+Reference extrapolated_reference(const Problem& problem, double t_end, const std::function<void()>& watch) {
   using enum ExtrapolatedRule;
   const ExtendedSystem::State y0 = problem.y0.cast<long double>();
   const auto by = [&](ExtrapolatedRule rule) {
-    return std::make_shared<const ExtrapolationReference>(*problem.extended, y0, t_end, rule);
+    return std::make_shared<const ExtrapolationReference>(*problem.extended, y0, t_end, rule, watch);
   };
   auto reference = by(problem.stiff ? implicit_euler : explicit_midpoint);
   if (reference->valid_until() < t_end && !problem.stiff && problem.extended->has_jacobian())
@@ -49,7 +51,7 @@ Reference extrapolated_reference(const Problem& problem, double t_end) {
 
 }  // namespace
 
-Reference make_reference(const Problem& problem, double t_end) {
+Reference make_reference(const Problem& problem, double t_end, const std::function<void()>& watch) {
   if (const auto* oscillator = std::get_if<Oscillator>(&problem.system)) {
     auto taylor = std::make_shared<const OscillatorReference>(oscillator->parameters(),
                                                               Eigen::Vector2d(problem.y0), t_end);
@@ -61,9 +63,11 @@ Reference make_reference(const Problem& problem, double t_end) {
               return taylor->extended_at(t);
             }};
   }
-  if (problem.exact) return exact_reference(problem, t_end);
-  if (problem.extended && problem.extended->has_jacobian()) return extrapolated_reference(problem, t_end);
-  auto formula = std::make_shared<FormulaReference>(std::get<AnySystem>(problem.system), problem.y0, t_end);
+  if (problem.exact) return exact_reference(problem, t_end, watch);
+  if (problem.extended && problem.extended->has_jacobian())
+    return extrapolated_reference(problem, t_end, watch);
+  auto formula =
+      std::make_shared<FormulaReference>(std::get<AnySystem>(problem.system), problem.y0, t_end, watch);
   return {.at = [formula](double t) { return formula->at(t); },
           .valid_until = formula->valid_until(),
           .error_bound = formula->error_bound(),

@@ -26,6 +26,7 @@ struct Reference {
 /// linear tissue, or extrapolation in long double where there is none; for formulas and other tissue
 /// Boost.Odeint's extrapolation method at tight tolerance, or dop_853 where Boost is missing (`name` says
 /// which).
-Reference make_reference(const Problem& problem, double t_end);
+/// @param watch  called often; may throw to end it
+Reference make_reference(const Problem& problem, double t_end, const std::function<void()>& watch = {});
 
 }  // namespace hmax

@@ -196,7 +196,7 @@ const Reference& RowMeter::Parts::reference(const SweepBlock& block) {
     if (tell_) tell_(0, "reference of " + plan_.problems[block.problem].id);
     meters_.clear();
     kept_numbers_ = 0;
-    reference_ = make_reference(plan_.problems[block.problem], block.run.t_end);
+    reference_ = make_reference(plan_.problems[block.problem], block.run.t_end, [this] { stop_if_asked(); });
     reference_of_ = block.problem;
   }
   return *reference_;
@@ -251,6 +251,7 @@ RunRecord RowMeter::Parts::watched_run(const SweepBlock& block, Candidate& candi
     if (!has_reference) return;
     if (!meter_->is_due()) return meter_->look(t, y);
     const double before = thread_cpu_seconds();
+    stop_if_asked();  // a state of the reference may take as long as many steps
     meter_->look(t, y);
     of_errors += thread_cpu_seconds() - before;
   };

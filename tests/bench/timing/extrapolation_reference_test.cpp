@@ -159,6 +159,36 @@ TEST(ExtrapolationReference, StopsBeforeASingularity) {
   EXPECT_TRUE(std::isnan(reference.at(1.5)[0]));
 }
 
+/// Counts its evaluations.
+struct CountedVanDerPol : VanDerPol<Quad> {
+  using VanDerPol<Quad>::VanDerPol;
+  inline static int evaluations = 0;
+  void rhs(Quad t, const State& y, State& dydt) const {
+    ++evaluations;
+    VanDerPol<Quad>::rhs(t, y, dydt);
+  }
+};
+
+TEST(ExtrapolationReference, StatesBetweenItsStepsCostAFewEvaluationsWhereNothingIsStiff) {
+  const auto reference = reference_of(CountedVanDerPol({.mu = 1}), 10, implicit_euler);
+  constexpr int states = 1000;
+  CountedVanDerPol::evaluations = 0;
+  for (int i = 1; i <= states; ++i) static_cast<void>(reference.extended_at(0.00999L * i));
+  EXPECT_LT(CountedVanDerPol::evaluations, 300 * states) << "the shortest implicit step has some 1200";
+}
+
+TEST(ExtrapolationReference, IsLeftWhereItsWatchThrows) {
+  struct Enough {};
+  int steps = 0;
+  const auto watch = [&] {
+    if (++steps == 3) throw Enough{};
+  };
+  EXPECT_THROW(ExtrapolationReference(BasicAnySystem<Quad>(Hires<Quad>()), Hires<Quad>().y0(), 300,
+                                      implicit_euler, watch),
+               Enough);
+  EXPECT_EQ(steps, 3);
+}
+
 TEST(ExtrapolationReference, IsNaNOutsideItsIntervalAndTheStartAtItsEnd) {
   const Lorenz<Quad> problem;
   const auto reference = reference_of(problem, 0, explicit_midpoint);

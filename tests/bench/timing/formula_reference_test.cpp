@@ -29,6 +29,14 @@ TEST(FormulaReference, OfExponentialDecayIsWithinItsBound) {
   }
 }
 
+TEST(FormulaReference, IsLeftWhereItsWatchThrows) {
+  struct Enough {};
+  const FormulaSystem system(
+      FormulaDefinition{.name = "decay", .equations = {{"y", "-y"}}, .y0 = {1}, .t_end = 1});
+  const auto watch = [] { throw Enough{}; };
+  EXPECT_THROW(FormulaReference(AnySystem(system), system.y0(), 1, watch), Enough);
+}
+
 TEST(FormulaReference, IsAsExactInAnyUnitOfItsStates) {
   // x'' = -x - k x^3 from x = 1 / sqrt(k) is one motion in units of 1 / sqrt(k); from x = v = 0 with a force
   // of that size another.

@@ -273,6 +273,21 @@ TEST(Sweep, AUsersSystemAndTableauTakePart) {
   EXPECT_EQ(fixed.key.problem, "decay");
 }
 
+TEST(Sweep, AsksWhileAReferenceIsComputedWhetherToEnd) {
+  const Scratch scratch;
+  SweepSpec spec = quick();
+  spec.problems = {{"hires", {}}};
+  spec.methods = {"rk4"};
+  spec.h = {20};
+  spec.sampled = false;
+  spec.t_end = 300;
+  const SweepPlan plan = plan_sweep(spec);
+  Store store = open_sweep_store(plan, scratch / "a.sqlite", false);
+  int asked = 0;
+  EXPECT_TRUE(run_sweep(plan, store, {}, [&] { return ++asked > 100; }).interrupted)
+      << "a run of 15 steps and its repetitions do not ask as often: " << asked;
+}
+
 TEST(Sweep, WhatIsStoredIsSkippedWhenASweepIsResumed) {
   Scratch scratch;
   const SweepPlan plan = plan_sweep(quick());
