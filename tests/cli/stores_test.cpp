@@ -90,5 +90,44 @@ TEST(Compare, ExitsWithOneOnlyForADifferenceOutsideTheNoise) {
   expect_refused(shell.hmax("compare a.sqlite none.sqlite"), "none.sqlite");
 }
 
+TEST(Compare, ExitsWithOneWhereTheStoresShareNothing) {
+  const Shell shell;
+  make_store(shell / "a.sqlite", 1);
+  Store::open_or_create(shell / "none.sqlite");
+  {
+    Store other = Store::open_or_create(shell / "other.sqlite");
+    other.begin_session({});
+    other.insert(made_row("newmark", 0.01));
+  }
+  for (const char* b : {"none.sqlite", "other.sqlite"}) {
+    const Told told = shell.hmax(std::string("compare a.sqlite ") + b);
+    EXPECT_EQ(told.exit_code, 1) << b;
+    EXPECT_TRUE(says(told.out, "0 rows in both"));
+    const bool knows_both = told.out.find("different conditions") != std::string::npos;
+    EXPECT_EQ(knows_both, b == std::string("other.sqlite")) << told.out;
+  }
+}
+
+TEST(Compare, GivesNoNumberWhereThereIsNone) {
+  const Shell shell;
+  Row fixed = made_row("rk4", 0.01), adaptive = made_row("ode45", 0.01);
+  adaptive.key.mode = "adaptive";
+  adaptive.key.h = 0;
+  adaptive.key.rtol = adaptive.key.atol = 1e-6;
+  {
+    Store store = Store::open_or_create(shell / "a.sqlite");
+    store.begin_session({});
+    store.insert(fixed);
+    store.insert(adaptive);
+  }
+  const auto compared = shell.json("compare a.sqlite a.sqlite");
+  ASSERT_EQ(compared.at("rows").size(), 2U);
+  for (const auto& row : compared.at("rows")) {
+    const bool is_fixed = row.at("mode") == "fixed";
+    EXPECT_EQ(row.at("h"), is_fixed ? nlohmann::json(0.01) : nlohmann::json()) << row;
+    EXPECT_EQ(row.at("rtol"), is_fixed ? nlohmann::json() : nlohmann::json(1e-6)) << row;
+  }
+}
+
 }  // namespace
 }  // namespace hmax
