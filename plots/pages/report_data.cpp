@@ -414,6 +414,8 @@ Json limit_figures() {
 
 }  // namespace
 
+bool has_cpu_times(const Row& row) { return !row.explored && !is_on_device(row); }
+
 ReportData report_data(std::span<const ReportedStore> stores, std::size_t most_rows) {
   Shared shared{stores, most_rows, short_names(stores)};
   Json tables = Json::array(), figures = Json::array(), names = Json::array();
@@ -425,14 +427,13 @@ ReportData report_data(std::span<const ReportedStore> stores, std::size_t most_r
   };
   add(advice_columns(), &ReportedStore::advice, advice_table, "Advice",
       {"h", "steps", "h_max", "observed", "error", "p50", "p99", "max", "verdict"}, advice_figures());
-  const auto has_runs = [&](bool on_device) {
-    return std::ranges::any_of(stores, [&](const ReportedStore& store) {
-      return std::ranges::any_of(store.runs, [&](const Row& row) { return is_on_device(row) == on_device; });
-    });
+  const auto has_run = [&](bool (*is)(const Row&)) {
+    return std::ranges::any_of(
+        stores, [&](const ReportedStore& store) { return std::ranges::any_of(store.runs, is); });
   };
   add(run_columns(), &ReportedStore::runs, runs_table, "Runs",
       {"problem", "h", "rtol", "error", "cpu", "device_time", "outcome"},
-      run_figures(has_runs(false), has_runs(true)));
+      run_figures(has_run(has_cpu_times), has_run(is_on_device)));
   add(limit_columns(), &ReportedStore::limits, limits_table, "Limits",
       {"problem", "material", "h_max", "observed", "gap", "verdict"}, limit_figures());
   for (const ReportedStore& store : stores) names.push_back(store.name);

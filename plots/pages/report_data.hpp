@@ -15,6 +15,9 @@ struct ReportData {
   std::size_t left_out = 0;  ///< number of rows beyond `most_rows` of a table
 };
 
+/// Whether CPU times of a run are shown: not those of explored ones and of devices.
+bool has_cpu_times(const Row& row);
+
 /// One JSON object:
 /// - `stores`: names; `words`: every text of the tables once; `cases`: what is shown in one figure;
 /// - `series`: curves, `{label, method, variant}`: methods are numbered in the order of the tables, variants

@@ -46,8 +46,8 @@ std::string colour_variables() {
 
 /// Rows of each kind in all stores.
 struct Counts {
-  /// Explored ones, and those on devices, are among the runs.
-  std::size_t runs = 0, explored = 0, on_devices = 0, limits = 0, advice = 0;
+  /// Explored ones, those on devices and those with comparable CPU times are among the runs.
+  std::size_t runs = 0, explored = 0, on_devices = 0, with_cpu_times = 0, limits = 0, advice = 0;
 };
 
 Counts count_rows(std::span<const ReportedStore> stores) {
@@ -56,6 +56,7 @@ Counts count_rows(std::span<const ReportedStore> stores) {
     counts.runs += store.runs.size();
     counts.explored += static_cast<std::size_t>(std::ranges::count_if(store.runs, &Row::explored));
     counts.on_devices += static_cast<std::size_t>(std::ranges::count_if(store.runs, is_on_device));
+    counts.with_cpu_times += static_cast<std::size_t>(std::ranges::count_if(store.runs, has_cpu_times));
     counts.limits += store.limits.size();
     counts.advice += store.advice.size();
   }
@@ -138,7 +139,7 @@ Section runs_section(const Counts& counts) {
         "<p>Times of devices are by their own clocks, in columns and a figure of their own; {} on a device.</p>\n",
         counted(counts.on_devices, "of these runs is", "of these runs are"));
   }
-  if (counts.on_devices < counts.runs) figures.insert(figures.begin(), "work_precision");
+  if (counts.with_cpu_times > 0) figures.insert(figures.begin(), "work_precision");
   if (counts.explored > 0)
     remarks += fmt::format("<p>CPU times of explored runs are rough and not shown; {} explored.</p>\n",
                            counted(counts.explored, "of these was", "of these were"));

@@ -341,6 +341,7 @@ function hidden_at_first(figure, table, rows) {
   const [x, y] = figure.best.map(key => column_of(table, key));
   const points = rows.map(row => ({series: row[2], x: value_of(row, x), y: value_of(row, y)}))
                      .filter(point => usable(point.x) && usable(point.y));
+  if (points.length === 0) return [];
   points.sort((a, b) => a.x - b.x || a.y - b.y);
   const best = new Set();
   let least = Infinity;

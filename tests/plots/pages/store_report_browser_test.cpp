@@ -59,8 +59,25 @@ TEST(StoreReportInABrowser, NamesTheCurvesOfADeviceWhereTheyAre) {
   const std::map<std::string, std::string> expected{{"work_precision", "rk4"},
                                                     {"device_work_precision", "newmark on card"},
                                                     {"time_steps", "newmark on card, rk4"},
+                                                    {"hidden", "0"},
                                                     {"errors", "none"}};
   EXPECT_EQ(findings, expected);
+}
+
+TEST(StoreReportInABrowser, HidesNoCurveOfAProblemWhoseRunsHaveNoTime) {
+  const std::string program = browser();
+  if (program.empty())
+    GTEST_SKIP() << "chromium is not installed, so the page is not driven; apt-get install chromium";
+  ReportedStore store{.name = "a.sqlite"};
+  for (int method = 0; method < 20; ++method) {
+    store.runs.push_back(made_run("method_" + std::to_string(method), 0.1));
+    store.runs.back().explored = true;
+  }
+  store.runs.push_back(made_run("rk4", 0.1));
+  store.runs.back().key.problem = "timed";
+  auto findings = findings_on(store_report({&store, 1}, "1.2.3").html, "store_report_legends.js", program);
+  EXPECT_EQ(findings["hidden"], "0");
+  EXPECT_EQ(findings["errors"], "none");
 }
 
 }  // namespace

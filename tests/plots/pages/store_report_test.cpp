@@ -179,6 +179,10 @@ TEST(StoreReport, SaysWhereTimesOfExploredRunsAre) {
   const std::string page = page_of({store});
   EXPECT_TRUE(contains(page, "CPU times of explored runs are rough and not shown; 1 of these was explored."));
   EXPECT_TRUE(contains(page, "2 runs in 1 store"));
+  EXPECT_TRUE(contains(page, "id=\"figure-work_precision\""));
+  store.runs[1].explored = true;
+  EXPECT_FALSE(contains(page_of({store}), "figure-work_precision")) << "it would have no mark";
+  EXPECT_EQ(data_in(page_of({store})).at("figures").size(), 1U);
 }
 
 TEST(StoreReport, ShowsTimesOfDevicesApart) {
