@@ -1,5 +1,6 @@
 /// hmax completion: what a shell needs to know to complete command lines of hmax.
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -54,7 +55,11 @@ std::map<std::string, Words> values_of_options() {
           {"--mesh", mesh_names()},
           {"--model", models},
           {"--load", Words(tissue_loads().begin(), tissue_loads().end())},
-          {"--unit", {"m", "cm", "mm"}}};
+          {"--unit", {"m", "cm", "mm"}},
+          {"--of", {"runs", "limits", "advice"}},
+          {"--colour", {"displacement", "energy_density"}},
+          {"--device", {"cpu", "gpu"}},
+          {"--precision", {"double", "single"}}};
 }
 
 /// What stands without dashes after a command, where that is known.
@@ -74,9 +79,49 @@ Words options_of(const CLI::App& command) {
   return words;
 }
 
+/// The options of all commands after which a value stands that is not known, such as a file or a number.
+Words options_with_values(const CLI::App& app) {
+  const auto known = values_of_options();
+  std::map<std::string, bool> all;  // whether the name has a value wherever it is an option
+  const std::function<void(const CLI::App&)> look = [&](const CLI::App& command) {
+    for (const CLI::Option* option : command.get_options())
+      for (const std::string& name : option->get_lnames()) {
+        bool& has_value = all.try_emplace("--" + name, true).first->second;
+        has_value = has_value && option->get_items_expected_max() > 0;
+      }
+    for (const CLI::App* each : command.get_subcommands({})) look(*each);
+  };
+  look(app);
+  Words words;
+  for (const auto& [name, has_value] : all)
+    if (has_value && !known.contains(name)) words.push_back(name);
+  return words;
+}
+
 std::string joined_words(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
 std::vector<const CLI::App*> commands_of(const CLI::App& app) { return app.get_subcommands({}); }
+
+/// What may stand after a command.
+std::string words_after(const CLI::App& command) {
+  return joined_words(operands_of(command)) + " " + joined_words(options_of(command));
+}
+
+/// Cases of a shell over "NUMBER:COMMAND:SUBCOMMAND", the number of the word that is completed, from the
+/// second on.
+/// @param format  of one case, whose pattern and words it takes
+std::string cases_of_commands(const CLI::App& app, fmt::format_string<std::string, std::string> format) {
+  std::string text;
+  for (const CLI::App* command : commands_of(app)) {
+    const std::string& name = command->get_name();
+    if (!commands_of(*command).empty())
+      text += fmt::format(format, "2:" + name + ":*", words_after(*command));
+    for (const CLI::App* each : commands_of(*command))
+      text += fmt::format(format, "*:" + name + ":" + each->get_name(), words_after(*each));
+    text += fmt::format(format, "*:" + name + ":*", words_after(*command));
+  }
+  return text;
+}
 
 std::string bash(const CLI::App& app) {
   std::string text = R"(# source <(hmax completion bash)
@@ -86,16 +131,14 @@ _hmax() {
 )";
   for (const auto& [option, values] : values_of_options())
     text += fmt::format("    {}) words=\"{}\" ;;\n", option, joined_words(values));
-  text += R"(    --output|--tableau) COMPREPLY=($(compgen -f -- "$current")); return ;;
-  esac
+  text += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$current\")); return ;;\n",
+                      fmt::join(options_with_values(app), "|"));
+  text += R"(  esac
   if [[ -z $words ]]; then
-    case ${COMP_CWORD}:${COMP_WORDS[1]} in
+    case ${COMP_CWORD}:${COMP_WORDS[1]}:${COMP_WORDS[2]} in
 )";
-  text += fmt::format("      1:*) words=\"{} {}\" ;;\n", joined_words(operands_of(app)),
-                      joined_words(options_of(app)));
-  for (const CLI::App* command : commands_of(app))
-    text += fmt::format("      *:{}) words=\"{} {}\" ;;\n", command->get_name(),
-                        joined_words(operands_of(*command)), joined_words(options_of(*command)));
+  text += fmt::format("      1:*) words=\"{}\" ;;\n", words_after(app));
+  text += cases_of_commands(app, "      {}) words=\"{}\" ;;\n");
   return text + R"(    esac
   fi
   COMPREPLY=($(compgen -W "$words" -- "$current"))
@@ -113,15 +156,12 @@ _hmax() {
   for (const auto& [option, values] : values_of_options())
     text +=
         fmt::format("    {}) compadd -- {}; _files -g '*.toml'; return ;;\n", option, joined_words(values));
-  text += R"(    --output|--tableau) _files; return ;;
-  esac
-  case $((CURRENT - 1)):${words[2]} in
+  text += fmt::format("    {}) _files; return ;;\n", fmt::join(options_with_values(app), "|"));
+  text += R"(  esac
+  case $((CURRENT - 1)):${words[2]}:${words[3]} in
 )";
-  text += fmt::format("    1:*) compadd -- {} {} ;;\n", joined_words(operands_of(app)),
-                      joined_words(options_of(app)));
-  for (const CLI::App* command : commands_of(app))
-    text += fmt::format("    *:{}) compadd -- {} {}; _files ;;\n", command->get_name(),
-                        joined_words(operands_of(*command)), joined_words(options_of(*command)));
+  text += fmt::format("    1:*) compadd -- {} ;;\n", words_after(app));
+  text += cases_of_commands(app, "    {}) compadd -- {}; _files ;;\n");
   return text + R"(  esac
 }
 compdef _hmax hmax
@@ -135,26 +175,35 @@ std::string fish_quoted(std::string text) {
   return "'" + text + "'";
 }
 
-std::string fish(const CLI::App& app) {
+/// Lines of fish for what stands after a command.
+/// @param condition  that the command is there
+std::string fish_lines(const CLI::App& command, const std::string& condition) {
   const auto values = values_of_options();
+  const std::string here = fmt::format("complete -c hmax -n '{}'", condition);
+  std::string text;
+  if (const Words operands = operands_of(command); !operands.empty())
+    text += fmt::format("{} -f -a '{}'\n", here, joined_words(operands));
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) {
+      text += fmt::format("{} -l {} -d {}", here, name, fish_quoted(option->get_description()));
+      if (const auto known = values.find("--" + name); known != values.end())
+        text += fmt::format(" -r -a '{}'", joined_words(known->second));
+      else if (option->get_items_expected_max() > 0)
+        text += " -r";
+      text += "\n";
+    }
+  return text;
+}
+
+std::string fish(const CLI::App& app) {
   std::string text = "# hmax completion fish | source\n";
   for (const CLI::App* command : commands_of(app)) {
     text += fmt::format("complete -c hmax -n __fish_use_subcommand -f -a {} -d {}\n", command->get_name(),
                         fish_quoted(command->get_description()));
-    const std::string here =
-        fmt::format("complete -c hmax -n '__fish_seen_subcommand_from {}'", command->get_name());
-    if (const Words operands = operands_of(*command); !operands.empty())
-      text += fmt::format("{} -f -a '{}'\n", here, joined_words(operands));
-    for (const CLI::Option* option : command->get_options()) {
-      for (const std::string& name : option->get_lnames()) {
-        text += fmt::format("{} -l {} -d {}", here, name, fish_quoted(option->get_description()));
-        if (const auto known = values.find("--" + name); known != values.end())
-          text += fmt::format(" -r -a '{}'", joined_words(known->second));
-        else if (option->get_items_expected_max() > 0)
-          text += " -r";
-        text += "\n";
-      }
-    }
+    const std::string here = "__fish_seen_subcommand_from " + command->get_name();
+    text += fish_lines(*command, here);
+    for (const CLI::App* each : commands_of(*command))
+      text += fish_lines(*each, here + "; and __fish_seen_subcommand_from " + each->get_name());
   }
   return text;
 }

@@ -65,6 +65,12 @@ TEST(Completion, OffersTheNamesThatFitInBash) {
   EXPECT_EQ(offered("hmax run --method dop", 3), "dop_853\n");
   EXPECT_EQ(offered("hmax run --ma", 2), "--matrices --material --max-steps\n");
   EXPECT_EQ(offered("hmax list mat", 2), "materials\n");
+  EXPECT_EQ(offered("hmax stability predict --me", 3), "--mesh --methods --method\n");
+  EXPECT_EQ(offered("hmax stability pre", 2), "predict\n");
+  EXPECT_EQ(offered("hmax stability predict", 2), "predict\n");
+  EXPECT_EQ(offered("hmax export study --of l", 4), "limits\n");
+  EXPECT_EQ(offered("hmax run --device g", 3), "gpu\n");
+  EXPECT_EQ(offered("hmax run --t-end --", 3), "\n") << "a number stands there";
 }
 
 /// A program without the modules that lie beside it where everything was built.
