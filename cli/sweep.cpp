@@ -76,8 +76,8 @@ SweepRequest flags_of(const SweepOptions& options) {
   }
   request.parameters = options.body.parameters(options.set, options.materials);
   for (const auto& parameter : options.own.parameters(options.set)) request.parameters.push_back(parameter);
-  for (const std::string& assignment : options.set)
-    request.parameters.push_back(parse_assignment("--set", assignment));
+  for (auto& parameter : parse_assignments("--set", options.set))
+    request.parameters.push_back(std::move(parameter));
   request.atol = options.atol;
   request.t_end = options.t_end;
   if (!options.control.empty()) request.control = options.control;

@@ -58,8 +58,8 @@ ProblemSettings settings_of(const MeshCommand& options) {
       .material = options.material, .parameters = {{"support", 0}}, .unit = options.metres()};
   if (options.load.empty()) settings.parameters.emplace_back("g", 0);
   for (const auto& parameter : acting.parameters()) settings.parameters.push_back(parameter);
-  for (const std::string& assignment : options.set)
-    settings.parameters.push_back(parse_assignment("--set", assignment));
+  for (auto& parameter : parse_assignments("--set", options.set))
+    settings.parameters.push_back(std::move(parameter));
   return settings;
 }
 

@@ -264,8 +264,7 @@ ProblemSettings ProblemChoice::settings() const {
     throw InputError(fmt::format(
         "--gravity, --support, --tool-at and --tool-direction are of a mesh, and {} has none; leave them out",
         named));
-  for (const std::string& assignment : set)
-    settings.parameters.push_back(parse_assignment("--set", assignment));
+  for (auto& parameter : parse_assignments("--set", set)) settings.parameters.push_back(std::move(parameter));
   for (auto& parameter : own.parameters(set)) settings.parameters.push_back(std::move(parameter));
   if (timeout && plugin.empty()) throw InputError("--timeout applies to --plugin only; remove it");
   if (timeout) settings.parameters.emplace_back(patience_parameter, *timeout);

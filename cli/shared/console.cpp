@@ -292,6 +292,18 @@ std::pair<std::string, double> parse_assignment(std::string_view what, std::stri
           parse_number(fmt::format("{} {}", what, text.substr(0, equals)), text.substr(equals + 1))};
 }
 
+std::vector<std::pair<std::string, double>> parse_assignments(std::string_view what,
+                                                              const std::vector<std::string>& texts) {
+  std::vector<std::pair<std::string, double>> all;
+  for (const std::string& text : texts) {
+    auto one = parse_assignment(what, text);
+    if (std::ranges::find(all, one.first, &std::pair<std::string, double>::first) != all.end())
+      throw InputError(fmt::format("{} {} is given twice; leave one of them out", what, one.first));
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
 std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices) {
   if (std::ranges::find(choices, word) != choices.end()) return std::string(word);

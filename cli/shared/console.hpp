@@ -138,6 +138,9 @@ std::array<double, 4> parse_window(std::string_view what, std::string_view text,
 std::vector<std::string> parse_names(std::string_view what, std::string_view text);
 /// "m=2" as name and number.
 std::pair<std::string, double> parse_assignment(std::string_view what, std::string_view text);
+/// Each of them. @throws InputError  where two have one name
+std::vector<std::pair<std::string, double>> parse_assignments(std::string_view what,
+                                                              const std::vector<std::string>& texts);
 /// `word` when it is one of `choices`. @throws InputError with a suggestion
 std::string parse_choice(std::string_view what, std::string_view word,
                          std::span<const std::string_view> choices);

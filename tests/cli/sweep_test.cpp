@@ -269,6 +269,14 @@ TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
   EXPECT_EQ(Store::open_existing(shell / "own.sqlite").rows().at(0).outcome, "diverged");
 }
 
+TEST(SweepCommand, RefusesAParameterThatIsGivenTwice) {
+  const Shell shell;
+  expect_refused(shell.hmax("sweep --methods rk4 --h 1 --set P=1 --set P=2 --out s"),
+                 "--set P is given twice; leave one of them out");
+  expect_refused(shell.hmax("run --problem liver_forced --method rk4 --h 1 --set P=1 --set w=1 --set P=1"),
+                 "--set P is given twice");
+}
+
 TEST(SweepCommand, ListsTheRowsThatDidNotReachTheEnd) {
   const Shell shell;
   const auto sweep = shell.json("sweep --methods explicit_euler --h 2,0.1 --fixed --out own.sqlite");
