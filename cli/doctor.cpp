@@ -11,6 +11,7 @@
 #include "catalogue/device/device.hpp"
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
+#include "cli/shared/shown_text.hpp"
 #include "core/errors.hpp"
 #include "core/instructions/instruction_set.hpp"
 #include "core/ranks/module.hpp"
@@ -75,10 +76,8 @@ std::string why_not_opened(const std::string& file, const char* symbol) {
 
 /// Has Python import the package of a build tree. @returns why it cannot; empty where it can
 std::string why_not_imported(const std::filesystem::path& folder) {
-  // In quotes of the shell, and those of the folder as it knows them.
-  std::string quoted;
-  for (const char letter : folder.string()) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
-  const std::string command = "PYTHONPATH='" + quoted + "' '" HMAX_PYTHON "' -c 'import hmax' 2>&1";
+  const std::string command =
+      "PYTHONPATH=" + shell_word(folder.string()) + " '" HMAX_PYTHON "' -c 'import hmax' 2>&1";
   std::FILE* const python = popen(command.c_str(), "r");
   if (!python) return "Python cannot be started; install it again";
   std::string last;

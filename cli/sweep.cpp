@@ -16,6 +16,7 @@
 #include "cli/shared/mpirun.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/shown_text.hpp"
 #include "cli/shared/work_limit.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
@@ -187,6 +188,7 @@ Decades decades_of(const Group& group) {
 }
 
 /// The fastest row for each power of ten of the error; one that serves several is shown at the smallest.
+/// Empty where no run has an error.
 std::string fastest_table(const Group& group, const Console& console) {
   const Row& first = *group.rows.front();
   const bool adaptive = first.key.mode == "adaptive";
@@ -194,17 +196,19 @@ std::string fastest_table(const Group& group, const Console& console) {
                    fmt::format("{}{} [s]", first.explored ? "approximate " : "", name_of_time(first.key)),
                    "real-time factor"});
   const Decades decades = decades_of(group);
+  bool is_empty = true;
   for (int decade = decades.most; decade >= decades.least; --decade) {
     const Row* best = fastest(group, std::pow(10.0, decade));
     if (!best || (decade > decades.least && best == fastest(group, std::pow(10.0, decade - 1)))) continue;
     const double median = summarise(times_of(*best)).median;
+    is_empty = false;
     table.add(
         {fmt::format("1e{}", decade), best->key.method,
          adaptive ? in_words(Tolerances<double>{best->key.rtol, best->key.atol}) : short_number(best->key.h),
          short_number(best->error_global, 2), short_number(median, 3),
          short_number(best->key.t_end / median, 3)});
   }
-  return table.text(console);
+  return is_empty ? "" : console.strong(group.title) + "\n" + table.text(console) + "\n";
 }
 
 bool failed(const Row& row) { return row.outcome != "reached_end"; }
@@ -224,11 +228,11 @@ Json failures_json(const std::vector<Row>& rows) {
   Json list = Json::array();
   for (const Row& row : rows)
     if (failed(row)) {
-      const bool adaptive = row.key.mode == "adaptive";
+      const bool fixed = row.key.mode == "fixed";
       list.push_back({HMAX_KEYS(row.key, problem, material, method, mode),
-                      {"h", adaptive ? Json() : Json(row.key.h)},
-                      {"rtol", adaptive ? Json(row.key.rtol) : Json()},
-                      {"atol", adaptive ? Json(row.key.atol) : Json()},
+                      {"h", row.key.mode == "adaptive" ? Json() : Json(row.key.h)},
+                      {"rtol", fixed ? Json() : Json(row.key.rtol)},
+                      {"atol", fixed ? Json() : Json(row.key.atol)},
                       HMAX_KEYS(row, outcome, t_reached)});
     }
   return list;
@@ -262,8 +266,8 @@ std::string words_of_failures(const SweepPlan& plan, const std::vector<Row>& row
   for (const Row& row : rows)
     if (failed(row) && ++shown <= most_shown) text += "  " + words_of_failure(plan, row) + "\n";
   if (count > most_shown)
-    text +=
-        fmt::format("  and {} more; `hmax export {} --format csv` has them all\n", count - most_shown, store);
+    text += fmt::format("  and {} more; `hmax export {} --format csv` has them all\n", count - most_shown,
+                        shell_word(store));
   return text;
 }
 
@@ -271,8 +275,7 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
                        const Console& console) {
   const std::vector<Row> rows = store.rows();
   std::string text;
-  for (const Group& group : groups_of(plan, rows))
-    text += console.strong(group.title) + "\n" + fastest_table(group, console) + "\n";
+  for (const Group& group : groups_of(plan, rows)) text += fastest_table(group, console);
   const auto subnormal = std::ranges::count_if(rows, [](const Row& row) { return row.subnormals > 0; });
   text +=
       fmt::format("{} rows in {}: {} measured in {} s, {} were there already\n", summary.rows,
@@ -285,7 +288,7 @@ std::string for_people(const SweepPlan& plan, const Store& store, const SweepSum
     text +=
         fmt::format("times of {}, {} MHz, {}, {} precision, without copies\n", rows.front().key.device,
                     short_number(rows.front().clock_mhz, 4), rows.front().driver, rows.front().key.precision);
-  return text + fmt::format("\nAll of it: hmax export {} --format csv\n", store.file().string());
+  return text + fmt::format("\nAll of it: hmax export {} --format csv\n", shell_word(store.file().string()));
 }
 
 /// "sweep", and behind it which problem of a plan with several.
@@ -386,7 +389,7 @@ void sweep(const SweepOptions& options, Console& console) {
   // With --shard each process has a part and a store of its own.
   const std::unique_ptr<Ranks> ranks =
       options.shard.empty() && processes_started() > 1 ? open_ranks(processes_started()) : nullptr;
-  // From here on Ctrl-C waits for the row at hand, also while the references are computed.
+  // From here on Ctrl-C keeps the rows before the one at hand, also while a reference is computed.
   const auto& interrupted = interrupt_flag();
   const std::function<bool()> is_interrupted = [&] { return interrupted.load(); };
   if (ranks && ranks->rank() > 0)

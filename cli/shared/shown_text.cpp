@@ -57,6 +57,15 @@ std::string shown_text(std::string_view text, ShownAs as) {
   return shown;
 }
 
+std::string shell_word(std::string_view text) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./+:,=@%";
+  if (!text.empty() && text.find_first_not_of(plain) == std::string_view::npos) return std::string(text);
+  std::string word = "'";
+  for (const char letter : text) word += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return word + "'";
+}
+
 std::string painted_text(std::string_view code, std::string_view text) {
   std::string painted = "\x1b[";
   return painted.append(code).append("m").append(text).append(reset);

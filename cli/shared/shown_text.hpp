@@ -20,6 +20,9 @@ struct ShownAs {
 /// The text with its control characters as \x1b and so on; tabs stay.
 std::string shown_text(std::string_view text, ShownAs as = {});
 
+/// One word of a shell: in quotes where it has more than letters, digits and what names of files often have.
+std::string shell_word(std::string_view text);
+
 /// Between the sequences of a terminal for `code`, such as "1" for bold, and for the end of it.
 /// @param code  one of "1", "2" and "1;31", which shown_text() knows
 std::string painted_text(std::string_view code, std::string_view text);

@@ -269,6 +269,14 @@ TEST(SweepCommand, ADivergedRunIsARowAndNoFailure) {
   EXPECT_EQ(Store::open_existing(shell / "own.sqlite").rows().at(0).outcome, "diverged");
 }
 
+TEST(SweepCommand, ShowsNoTableWithoutARowAndQuotesTheNameOfItsStore) {
+  const Shell shell;
+  const std::string told =
+      shell.text("sweep --methods explicit_euler --h 2 --fixed --t-end 40 --out 'my own.sqlite'");
+  EXPECT_FALSE(says(told, "fastest method"));
+  EXPECT_TRUE(says(told, "All of it: hmax export 'my own.sqlite' --format csv\n"));
+}
+
 TEST(SweepCommand, RefusesAParameterThatIsGivenTwice) {
   const Shell shell;
   expect_refused(shell.hmax("sweep --methods rk4 --h 1 --set P=1 --set P=2 --out s"),
