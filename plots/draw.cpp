@@ -351,8 +351,9 @@ void Writer::panel(const Panel& panel, std::size_t index) {
   const auto column = static_cast<double>(index % static_cast<std::size_t>(columns_));
   const double left = width_ / columns_ * column + left_margin;
   const double top = tops_[index / static_cast<std::size_t>(columns_)];
-  const Place place{left + room_for_names(panel.y), left + panel_width(columns_), top, top + panel_height_};
+  Place place{left + room_for_names(panel.y), left + panel_width(columns_), top, top + panel_height_};
   const Extent extent = extent_of(panel, place.right - place.left, panel_height_);
+  place.right -= std::max(0.0, overhang(panel.x, extent.x, place.right - place.left) - right_margin);
   script_ += "\nunset label\nunset object\n";
   for (std::size_t i = 0; index == 0 && i < title_.size(); ++i)
     label(title_[i], 16, 20 + title_line * static_cast<double>(i), "bold.',16'");

@@ -110,6 +110,13 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
   return text + "(" + list + ")\n";
 }
 
+double overhang(const Axis& axis, const Range& range, double length) {
+  if (axis.logarithmic || !axis.names.empty() || !(range.high > range.low)) return 0;
+  const double step = linear_step(range, length), last = step * std::floor(range.high / step * (1 + 1e-9));
+  const double half = tic_character / 2 * static_cast<double>(fmt::format("{:g}", last).size());
+  return std::max(0.0, half - (range.high - last) / (range.high - range.low) * length);
+}
+
 std::string drawn_range(char axis_name, const Axis& axis, const Range& range) {
   const double wider = axis.logarithmic ? 1e-9 : 0;
   return fmt::format("set {}range [{}:{}]\n", axis_name, range.low * (1 - wider), range.high * (1 + wider));

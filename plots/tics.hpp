@@ -13,6 +13,9 @@ namespace hmax {
 /// An axis of names has bare tics.
 std::string tics(char axis_name, const Axis& axis, const Range& range, double length);
 
+/// How far the last label of a linear x-axis reaches beyond the end of the axis [pixels]; 0 of other axes.
+double overhang(const Axis& axis, const Range& range, double length);
+
 /// `set xrange ...`, a logarithmic one wider than it is by less than can be seen: gnuplot leaves out tics at
 /// its very ends, where the logarithm rounds to beyond them.
 std::string drawn_range(char axis_name, const Axis& axis, const Range& range);

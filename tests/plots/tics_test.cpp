@@ -20,6 +20,12 @@ TEST(Tics, OfALinearAxisAreTheClosestWhoseLabelsHaveRoom) {
   EXPECT_EQ(linear(-100, -95, 300), "1");
 }
 
+TEST(Tics, OfALinearAxisReachBeyondItsEndByHalfALabel) {
+  EXPECT_NEAR(overhang({}, {-0.00015, 0.00015}, 700), 3.4 * 7, 1e-9);  // 0.00015 at the very end
+  EXPECT_EQ(overhang({}, {0, 1.08}, 700), 0);                          // 1 is 52 pixels before it
+  EXPECT_EQ(overhang({.logarithmic = true}, {1, 1000}, 800), 0);
+}
+
 TEST(Tics, OfALogarithmicAxisIncludeItsEnds) {
   EXPECT_EQ(tics('x', {.logarithmic = true}, {1, 1000}, 800),
             "set xtics out scale 0.5 nomirror ('10^{0}' 1e0, '10^{1}' 1e1, '10^{2}' 1e2, '10^{3}' 1e3)\n");
