@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -196,11 +197,14 @@ std::string headline(const Problem& problem) {
 
 std::string equilibria_table(const PhaseView& view, const Console& console) {
   if (view.equilibria.empty()) return "\n" + guarantee(view) + "\n";
+  constexpr std::size_t most_rows = 40;
+  const std::size_t all = view.equilibria.size(), shown = all > most_rows ? most_rows / 2 : all;
   const auto names = states_with_units(view.problem);
   TextTable table({"equilibrium", names[0], names[1], "eigenvalues [1/s]"});
-  for (const Equilibrium& e : view.equilibria)
+  for (const Equilibrium& e : std::span(view.equilibria).first(shown))
     table.add({fmt::format("{}{}", name_of(e.type), e.kink ? ", kink" : ""), short_name(e.state(0)),
                short_name(e.state(1)), eigenvalues_in_words(e.eigenvalues)});
+  if (shown < all) table.add({fmt::format("{} more, all with --json", all - shown), "", "", ""});
   return "\n" + table.text(console) + guarantee(view) + "\n";
 }
 
@@ -219,14 +223,29 @@ std::vector<Vector2d> starts_of(const PhaseView& view) {
   return starts;
 }
 
+namespace {
+
+/// "x from -2 to 2 and v from 1 to 3", in as many digits as tell the ends apart.
+std::string window_in_words(const Window& w, const Problem& problem) {
+  const auto range = [&](int i) {
+    const double low = w.lower(i), high = w.upper(i), largest = std::max(std::abs(low), std::abs(high));
+    const int digits = std::clamp(static_cast<int>(std::ceil(std::log10(largest / (high - low)))) + 3, 5, 17);
+    return fmt::format("{} from {} to {}", problem.states[static_cast<std::size_t>(i)],
+                       short_number(low + 0.0, digits), short_number(high + 0.0, digits));
+  };
+  return fmt::format("{} and {}", range(0), range(1));
+}
+
+}  // namespace
+
 std::string guarantee(const Problem& problem, const Window& w, const DegreeCheck& check, std::size_t count,
                       const Searched& searched) {
-  const std::string where =
-      fmt::format("with {} from {} to {} and {} from {} to {}", problem.states[0], short_name(w.lower(0)),
-                  short_name(w.upper(0)), problem.states[1], short_name(w.lower(1)), short_name(w.upper(1)));
+  const std::string where = "with " + window_in_words(w, problem);
   const std::string text = fmt::format("{} {} {}", count == 0 ? "no" : std::to_string(count),
                                        count == 1 ? searched.one : searched.many, where);
-  if (!check.whole) return text + ", but the search was cut short and may have missed some; narrow --window";
+  if (!check.whole)
+    return text +
+           ", but the search was cut short and may have missed some; unless they make a line, narrow --window";
   if (!check.index_sum)
     return fmt::format("{}, one of them {}, so that their indices do not tell whether all are found", text,
                        searched.without);
@@ -240,8 +259,9 @@ std::string guarantee(const Problem& problem, const Window& w, const DegreeCheck
         "{}, as the degree of the {} around the border: {} can have been missed only in groups whose indices cancel",
         sum, searched.of, searched.many);
   return fmt::format(
-      "{}, but the degree of the {} around the border is {}: {} have been missed; search parts of it with --window",
-      sum, searched.of, *check.degree, searched.many);
+      "{}, but the degree of the {} around the border is {}: {} have been missed, or the {} jumps or is not finite "
+      "inside; search parts of it with --window",
+      sum, searched.of, *check.degree, searched.many, searched.of);
 }
 
 std::string guarantee(const PhaseView& view) {
@@ -296,11 +316,9 @@ PhaseView view_of(const PhaseOptions& options) {
         "follow, a pair of complex ones is rate and angular frequency of a turn.");
   if (view.equilibria.empty())
     view.remarks.push_back(
-        fmt::format("{} with {} from {} to {} and {} from {} to {}; look elsewhere with "
-                    "--window xmin,xmax,vmin,vmax.",
+        fmt::format("{} with {}; look elsewhere with --window xmin,xmax,vmin,vmax.",
                     found.accounts() ? "There is no equilibrium" : "No equilibrium was found",
-                    problem.states[0], short_name(window.lower(0)), short_name(window.upper(0)),
-                    problem.states[1], short_name(window.lower(1)), short_name(window.upper(1))));
+                    window_in_words(window, problem)));
   return view;
 }
 

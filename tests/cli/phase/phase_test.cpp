@@ -355,6 +355,27 @@ TEST(Phase, APassingMotionIsNotHeldByAStiffKink) {
   }
 }
 
+/// 5 (x > 1) - x - v jumps, and 1/x has a pole: there the degree is no sum of indices.
+TEST(Phase, SaysThatAFieldThatJumpsHasNoDegree) {
+  const Shell shell;
+  write_oscillator(shell, "-x+(x>1?1:0)*5-v");
+  const AnyJson search = phase(shell, "own.toml --window=-1,8,-2,2").at("search");
+  EXPECT_TRUE(says(search.at("status").get<std::string>(), "or the field jumps or is not finite inside"))
+      << search;
+}
+
+TEST(Phase, NamesNarrowWindowsAndShortensLongLists) {
+  const Shell shell;
+  write_oscillator(shell, "1e6 - x - v");
+  EXPECT_TRUE(says(shell.hmax("phase --problem own.toml --window 999999.5,1000000.5,-1,1").out,
+                   "x from 999999.5 to 1000000.5 and v from -1 to 1"));
+  write_text(shell / "still.toml", "[equations]\nx = \"0*x\"\nv = \"0*v\"\n[initial]\nx = 1\nv = 0\n");
+  const std::string still = shell.hmax("phase --problem still.toml --window=-1,1,-1,1").out;
+  EXPECT_LT(std::ranges::count(still, '\n'), 40);
+  EXPECT_TRUE(says(still, "more, all with --json"));
+  EXPECT_TRUE(says(still, "unless they make a line"));
+}
+
 TEST(Phase, AKinkThatIsASaddleHasFourWaysOfItsOwn) {
   const Shell shell;
   write_oscillator(shell, "x + 3*max(x,0) - 0.3*v - x^3");
