@@ -368,25 +368,42 @@ std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eige
                      (first.real() == 0 ? "" : " ") + short_name(std::abs(first.imag())));
 }
 
-/// The directions from a saddle in which motions leave it, or arrive.
-std::vector<Vector2d> directions_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
+namespace {
+
+/// The rays from a saddle along which motions leave it, or arrive.
+std::vector<Kink::Ray> rays_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
   if (!saddle.kink) {
-    const Eigen::Matrix2d J = view.field.jacobian(saddle.state);
-    const Vector2d direction = eigenvector(J, saddle.eigenvalues[into ? 1 : 0].real());
-    return {direction, -direction};
+    const double rate = saddle.eigenvalues[into ? 1 : 0].real();
+    const Vector2d direction = eigenvector(view.field.jacobian(saddle.state), rate);
+    return {{direction, rate}, {-direction, rate}};
   }
-  std::vector<Vector2d> directions;
-  for (const auto& [direction, rate] : saddle.kink->rays)
-    if ((rate < 0) == into) directions.push_back(direction);
-  return directions;
+  std::vector<Kink::Ray> rays;
+  for (const Kink::Ray& ray : saddle.kink->rays)
+    if ((ray.rate < 0) == into) rays.push_back(ray);
+  return rays;
 }
+
+/// How long orbits are followed: to the end of the problem, or ten times as long as the fastest of them takes
+/// to cross the window at its first speed.
+double time_of_orbits(const PhaseView& view, const std::vector<Vector2d>& starts) {
+  double fastest = 0;
+  for (const Vector2d& start : starts)
+    if (const Vector2d f = view.field.rhs(start).cwiseQuotient(view.window.size()); f.allFinite())
+      fastest = std::max(fastest, f.norm());
+  const double crossings = 10 / fastest;
+  return std::isfinite(crossings) ? std::max(view.problem.t_end, crossings) : view.problem.t_end;
+}
+
+}  // namespace
 
 std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, bool into) {
   const double small = 1e-4 * view.window.size().minCoeff();
   const Problem problem = into ? reversed(view.still) : view.still;
   std::vector<Curve> ways;
-  for (const Vector2d& direction : directions_of(view, saddle, into)) {
-    const Table way = orbit(problem, saddle.state + small * direction, problem.t_end, view.window, 6);
+  for (const auto& [direction, rate] : rays_of(view, saddle, into)) {
+    // ln(10^4) / |rate| of it until the window is crossed.
+    const double t_end = std::max(problem.t_end, 20 / std::abs(rate));
+    const Table way = orbit(problem, saddle.state + small * direction, t_end, view.window, 6);
     ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
                     .x = way.values[0],
                     .y = way.values[1],
@@ -397,9 +414,11 @@ std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, boo
 
 PhasePlane plane_of(const PhaseView& view) {
   PhasePlane plane = plane_of(view.field, view.window, states_with_units(view.problem), view.equilibria);
-  for (const Vector2d& start : starts_of(view))
+  const std::vector<Vector2d> starts = starts_of(view);
+  const double t_end = time_of_orbits(view, starts);
+  for (const Vector2d& start : starts)
     plane.orbits.push_back({fmt::format("from ({}, {})", short_name(start(0)), short_name(start(1))),
-                            orbit(view.still, start, view.problem.t_end, view.window, 12)});
+                            orbit(view.still, start, t_end, view.window, 12)});
   return plane;
 }
 

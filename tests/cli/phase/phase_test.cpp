@@ -355,6 +355,27 @@ TEST(Phase, APassingMotionIsNotHeldByAStiffKink) {
   }
 }
 
+/// The manifolds leave the saddle as exp(0.93 t): at the end of 2 s they have not left it.
+TEST(Phase, AShortProblemHasTheManifoldsOfItsSaddles) {
+  const Shell shell;
+  const auto longest = [&](const std::string& end) {
+    write_text(shell / "own.toml",
+               "[equations]\nx = \"v\"\nv = \"x*(1-x^2)-0.15*v\"\n[initial]\nx = 1\nv = 0\n" + end);
+    phase(shell, "own.toml --window=-2,2,-2,2 --output ways");
+    std::istringstream drawn(read_text(shell / "ways/phase.dat"));
+    double reach = 0;
+    bool inside = false;
+    for (std::string line; std::getline(drawn, line);) {
+      if (says(line, "#")) inside = says(line, "the saddle");
+      double x = 0;
+      if (inside && std::istringstream(line) >> x) reach = std::max(reach, std::abs(x));
+    }
+    return reach;
+  };
+  EXPECT_GT(longest(""), 1);
+  EXPECT_GT(longest("[problem]\nt_end = 2\n"), 1);
+}
+
 /// 5 (x > 1) - x - v jumps, and 1/x has a pole: there the degree is no sum of indices.
 TEST(Phase, SaysThatAFieldThatJumpsHasNoDegree) {
   const Shell shell;
