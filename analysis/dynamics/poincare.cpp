@@ -69,11 +69,11 @@ std::vector<VectorXd> looks(const VectorFunction& map, VectorXd y, int skip, int
 }
 
 // All pairs of looks p apart must agree, so the whole stretch is periodic, not only its end.
-std::optional<int> period_of(const std::vector<VectorXd>& looks, double tolerance) {
+std::optional<int> period_of(const std::vector<VectorXd>& looks, double tolerance, double rest) {
   if (looks.empty()) return std::nullopt;
   VectorXd size = VectorXd::Zero(looks[0].size());
   for (const VectorXd& y : looks) size = size.cwiseMax(y.cwiseAbs());
-  const double allowed = tolerance * size.maxCoeff() + 1e-12;  // what dies out has come to rest
+  const double allowed = tolerance * size.maxCoeff() + rest;  // what dies out has come to rest
   // max over i of |y_(i+p) - y_i| in the max norm.
   const auto repeats = [&](std::size_t p, double within) {
     for (std::size_t i = 0; i + p < looks.size(); ++i)
@@ -173,13 +173,13 @@ namespace {
 class MotionJudge {
  public:
   /// From the start of a motion.
-  MotionJudge(VectorXd y0, int skip, int count, const ExponentLimits& limits)
-      : count_(count), wanted_(count), skip_(skip), limits_(limits), y_(std::move(y0)) {
+  MotionJudge(VectorXd y0, int skip, int count, const ExponentLimits& limits, const Resolution& seen)
+      : count_(count), wanted_(count), skip_(skip), limits_(limits), resolution_(seen), y_(std::move(y0)) {
     see();
   }
   /// From its first looks.
-  MotionJudge(std::vector<VectorXd> looks, int count, const ExponentLimits& limits)
-      : count_(count), wanted_(count), limits_(limits), last_(std::move(looks)) {
+  MotionJudge(std::vector<VectorXd> looks, int count, const ExponentLimits& limits, const Resolution& seen)
+      : count_(count), wanted_(count), limits_(limits), resolution_(seen), last_(std::move(looks)) {
     judge_looks();
   }
 
@@ -223,7 +223,7 @@ class MotionJudge {
 
   void judge_looks() {
     const bool whole = !last_.empty() && static_cast<int>(last_.size()) >= wanted_;
-    motion_.period = whole ? period_of(last_) : std::nullopt;
+    motion_.period = whole ? period_of(last_, 1e-6, resolution_.rest) : std::nullopt;
     ended_ = !whole || motion_.period || motion_.exponent;
     if (!whole) return end(Settling::diverges, wanted_);
     if (motion_.period) return end(Settling::periodic, std::max(count_, *motion_.period));
@@ -245,15 +245,18 @@ class MotionJudge {
     motion_.looks.assign(last_.end() - std::min<std::ptrdiff_t>(kept, std::ssize(last_)), last_.end());
   }
 
-  /// The largest of each component; those that hardly move are measured by the largest of all.
-  static VectorXd size_of(const std::vector<VectorXd>& looks) {
-    VectorXd size = VectorXd::Constant(looks[0].size(), 1e-12);
+  /// The largest of each component; those that hardly move are measured by the largest of all. A millionth of
+  /// it is no less than ten errors of the map.
+  [[nodiscard]] VectorXd size_of(const std::vector<VectorXd>& looks) const {
+    const double least = std::max(10 / separation * resolution_.error, resolution_.rest);
+    VectorXd size = VectorXd::Constant(looks[0].size(), least);
     for (const VectorXd& y : looks) size = size.cwiseMax(y.cwiseAbs());
     return size.cwiseMax(1e-3 * size.maxCoeff());
   }
 
   int count_, wanted_, skip_ = 0;
   ExponentLimits limits_;
+  Resolution resolution_;
   VectorXd y_, size_;
   std::vector<VectorXd> last_;  ///< looks that have not been judged
   std::optional<ExponentSearch> search_;
@@ -263,9 +266,9 @@ class MotionJudge {
 
 }  // namespace
 
-Settled settle(const VectorFunction& map, std::vector<VectorXd> seen, int count,
-               const ExponentLimits& limits) {
-  MotionJudge judge(std::move(seen), count, limits);
+Settled settle(const VectorFunction& map, std::vector<VectorXd> looks, int count,
+               const ExponentLimits& limits, const Resolution& seen) {
+  MotionJudge judge(std::move(looks), count, limits, seen);
   while (!judge.has_ended()) {
     for (VectorXd& y : judge.states()) y = map(y);
     judge.go_on();
@@ -292,8 +295,14 @@ namespace {
 class Diagram {
  public:
   Diagram(std::size_t values, VectorXd y0, int skip, int count, bool follow,
-          const std::function<bool(double)>& going)
-      : motions_(values), start_(std::move(y0)), skip_(skip), count_(count), follow_(follow), going_(going) {
+          const std::function<bool(double)>& going, const Resolution& seen)
+      : motions_(values),
+        start_(std::move(y0)),
+        skip_(skip),
+        count_(count),
+        follow_(follow),
+        going_(going),
+        resolution_(seen) {
     tell();
   }
 
@@ -315,7 +324,8 @@ class Diagram {
         if (follow_ && !open.empty()) return std::nullopt;
         const std::size_t value = next_++;
         if (value >= motions_.size()) return std::nullopt;
-        wait(open.emplace_back(Motion{value, MotionJudge(start_, skip_, count_, {.relative = 0.3})}));
+        wait(open.emplace_back(
+            Motion{value, MotionJudge(start_, skip_, count_, {.relative = 0.3}, resolution_)}));
       }
       const MapCall call = waiting.front();
       waiting.pop_front();
@@ -369,6 +379,7 @@ class Diagram {
   int skip_, count_;
   bool follow_;
   const std::function<bool(double)>& going_;
+  Resolution resolution_;
   std::atomic<std::size_t> next_ = 0, done_ = 0;  ///< values that are begun, and done
   std::atomic<bool> ended_ = false;
 };
@@ -377,10 +388,10 @@ class Diagram {
 
 std::vector<BifurcationColumn> bifurcation(const MapEnsemble& ensemble, const std::vector<double>& values,
                                            const VectorXd& y0, int skip, int count, bool follow,
-                                           const std::function<bool(double)>& going) {
+                                           const std::function<bool(double)>& going, const Resolution& seen) {
   if (skip < 0 || count < 1)
     throw std::invalid_argument("a diagram skips no negative number of periods, and looks at one at least");
-  Diagram diagram(values.size(), y0, skip, count, follow, going);
+  Diagram diagram(values.size(), y0, skip, count, follow, going, seen);
   parallel_for(follow ? 1 : std::min(jobs(), values.size()),
                [&](std::size_t, std::size_t worker) { diagram.work(ensemble, worker == 0); });
   return std::move(diagram).columns(values);

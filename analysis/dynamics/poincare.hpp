@@ -17,6 +17,7 @@
 #include "integrators/explicit/explicit_rk.hpp"
 #include "integrators/explicit/tableaux.hpp"
 #include "integrators/integrate.hpp"
+#include "integrators/tolerances.hpp"
 
 namespace hmax {
 
@@ -26,18 +27,18 @@ namespace hmax {
 /// P of Poincare: periodic motions of period p T are orbits of p points of P, and the eigenvalues of D P
 /// at a fixed point are the Floquet multipliers.
 /// @param period      [s], positive
-/// @param tolerance   relative and absolute, of each step
+/// @param tolerances  of each step; the absolute one small against the motion
 /// @param most_steps  after which a period that has not ended is taken for one that diverges
 template <System S>
-VectorFunction period_map(S system, double period, double tolerance = 1e-11,
+VectorFunction period_map(S system, double period, const Tolerances<double>& tolerances = {1e-11, 1e-11},
                           std::int64_t most_steps = 1'000'000) {
-  return [system = std::move(system), period, tolerance,
+  return [system = std::move(system), period, tolerances,
           most_steps](const Eigen::VectorXd& from) -> Eigen::VectorXd {
     using State = typename S::State;
     State y = from;
     const auto end =
         integrate(Rk<tableaux::Dop853, State>{}, system, Span<double>{0, period}, y,
-                  Adaptive<double, DeadbandController>({tolerance, tolerance}, tableaux::Dop853::error_order),
+                  Adaptive<double, DeadbandController>(tolerances, tableaux::Dop853::error_order),
                   ObserveNothing{}, most_steps);
     if (end.outcome != Outcome::reached_end) y.setConstant(std::numeric_limits<double>::quiet_NaN());
     return y;
@@ -51,11 +52,18 @@ VectorFunction period_map(S system, double period, double tolerance = 1e-11,
 /// @throws std::invalid_argument when skip or count is negative
 std::vector<Eigen::VectorXd> looks(const VectorFunction& map, Eigen::VectorXd y, int skip, int count);
 
+/// What is seen of motions, in units of the state; the default is for states of about 1.
+struct Resolution {
+  double rest = 1e-12;   ///< a motion of this size is at rest
+  double error = 1e-11;  ///< of the map
+};
+
 /// The smallest p such that every look equals the one p looks later, to `tolerance` of the largest |y_i| and
-/// 1e-12; nothing when there is none up to a quarter of the looks, or where for a divisor of p the looks are
+/// `rest`; nothing when there is none up to a quarter of the looks, or where for a divisor of p the looks are
 /// hardly further apart: they then still alternate around an orbit of that period, or have just left it.
 /// The verdict needs 4 p looks at least: a period of 64 shows in 256.
-std::optional<int> period_of(const std::vector<Eigen::VectorXd>& looks, double tolerance = 1e-6);
+std::optional<int> period_of(const std::vector<Eigen::VectorXd>& looks, double tolerance = 1e-6,
+                             double rest = Resolution().rest);
 
 /// When an exponent is known well enough; all of them per application of the map.
 struct ExponentLimits {
@@ -121,8 +129,9 @@ struct Settled {
 /// Order: looks that repeat are periodic; else the map is applied in blocks of 256 up to some 3000 times,
 /// each block tested for a period; then the exponent decides.
 /// @param count  how many looks belong to the motion; with fewer it has diverged
+/// @param seen   no separation of less than ten errors of the map is looked at
 Settled settle(const VectorFunction& map, std::vector<Eigen::VectorXd> looks, int count,
-               const ExponentLimits& limits);
+               const ExponentLimits& limits, const Resolution& seen = {});
 
 /// A state that waits for its image.
 struct MapCall {
@@ -160,8 +169,10 @@ struct BifurcationColumn {
 ///                by one thread
 /// @param going   called by one thread with the share that is done; when it returns false the diagram ends
 ///                with the values that are done up to the first that is not
+/// @param seen    as of settle()
 std::vector<BifurcationColumn> bifurcation(const MapEnsemble& ensemble, const std::vector<double>& values,
                                            const Eigen::VectorXd& y0, int skip, int count, bool follow,
-                                           const std::function<bool(double)>& going = {});
+                                           const std::function<bool(double)>& going = {},
+                                           const Resolution& seen = {});
 
 }  // namespace hmax

@@ -97,10 +97,11 @@ std::function<int(const Vector2d&)> fate_of_starts(const Problem& problem, const
                                                    const std::atomic<bool>* interrupted) {
   const Destiny destiny(problem, window, equilibria);
   const Method method = find_method(problem.stiff ? "radau_iia_5" : "dop_853");
+  const Tolerances<double> tolerances = tolerances_in(window, basin_tolerances);
   const RunSpec spec{.t_end = destiny.longest,
                      .adaptive = true,
-                     .rtol = basin_tolerances.rtol,
-                     .atol = basin_tolerances.atol,
+                     .rtol = tolerances.rtol,
+                     .atol = tolerances.atol,
                      .max_steps = adaptive_attempts};
   return [=, own = std::make_shared<Problem>(problem)](const Vector2d& start) -> int {
     int fate = undecided;
@@ -134,7 +135,7 @@ FatesOf fates_of_starts(const Problem& problem, const Window& window,
     };
   }
   const Destiny destiny(problem, window, equilibria);
-  const AdaptiveSteps steps{.tolerances = basin_tolerances,
+  const AdaptiveSteps steps{.tolerances = tolerances_in(window, basin_tolerances),
                             .most_attempts = adaptive_attempts,
                             .steady = true,
                             .arrival = destiny.arrival,

@@ -5,6 +5,8 @@
 #include <complex>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/catalogue.hpp"
 #include "catalogue/models/model.hpp"
@@ -84,11 +86,12 @@ struct SeenEnough {};
 constexpr int most_steps = 6000;
 
 /// Calls see(t, y) at each accepted step from `start`, until it returns false or most_steps have been seen.
+/// @param size  of the motion
 template <class See>
-void follow(Problem problem, const Vector2d& start, double t_end, const See& see) {
+void follow(Problem problem, const Vector2d& start, double t_end, double size, const See& see) {
   problem.y0 = start;
-  const RunSpec spec{
-      .t_end = t_end, .adaptive = true, .rtol = orbit_tolerances.rtol, .atol = orbit_tolerances.atol};
+  const Tolerances<double> tolerances = tolerances_at(orbit_tolerances, size);
+  const RunSpec spec{.t_end = t_end, .adaptive = true, .rtol = tolerances.rtol, .atol = tolerances.atol};
   int steps = 0;
   try {
     find_method(drawing_method(problem)).bind(problem).run(spec, [&](double t, const auto& y) {
@@ -175,10 +178,21 @@ double drive_period(const Problem& problem, std::optional<double> named) {
   return period;
 }
 
-VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps) {
-  return std::visit(
-      [&](const auto& system) { return period_map(system, period, stroboscope_tolerances.rtol, most_steps); },
-      problem.system);
+Tolerances<double> tolerances_at(Tolerances<double> tolerances, double size) {
+  constexpr double least = 1e-250;
+  if (size > 0 && size < ordinary_size)
+    tolerances.atol = to_number(fmt::format("{:.0e}", tolerances.atol * std::max(size, least))).value();
+  return tolerances;
+}
+
+Tolerances<double> tolerances_in(const Window& window, const Tolerances<double>& tolerances) {
+  return tolerances_at(tolerances, window.size().minCoeff());
+}
+
+VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps,
+                           const Tolerances<double>& tolerances) {
+  return std::visit([&](const auto& system) { return period_map(system, period, tolerances, most_steps); },
+                    problem.system);
 }
 
 Window window_of_motions(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double period) {
@@ -186,9 +200,7 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
   std::vector<Vector2d> seen{still.lower, still.upper};
   for (const Eigen::VectorXd& y : looks) seen.emplace_back(y);
   if (!looks.empty()) {
-    constexpr double everywhere = 1e300;
-    const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
-    const Table way = orbit(problem, looks[0], period, plane, everywhere);
+    const Table way = way_of_motion(problem, looks, period);
     for (std::size_t i = 0; i < way.values[0].size(); ++i)
       seen.emplace_back(way.values[0][i], way.values[1][i]);
   }
@@ -201,17 +213,41 @@ Window window_of_motions(const Problem& problem, const std::vector<Eigen::Vector
   return window_around({}, "", "", seen, 0.15);
 }
 
+namespace {
+
+/// Without rows.
+Table plane_table(const Problem& problem) {
+  const std::vector<std::string> names = states_with_units(problem);
+  return {.columns = {names[0], names[1]}, .values = {{}, {}}};
+}
+
+void add_row(const Vector2d& y, Table& table) {
+  for (std::size_t i = 0; i < 2; ++i) table.values[i].push_back(y(static_cast<Eigen::Index>(i)));
+}
+
+}  // namespace
+
+Table way_of_motion(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double time) {
+  Table table = plane_table(problem);
+  double size = 0;
+  for (const Eigen::VectorXd& y : looks) size = std::max(size, y.cwiseAbs().maxCoeff());
+  follow(problem, looks[0], time, size, [&](double, const Vector2d& y) {
+    add_row(y, table);
+    return y.allFinite();
+  });
+  return table;
+}
+
 Table orbit(const Problem& problem, const Vector2d& start, double t_end, const Window& window,
             double length) {
-  const std::vector<std::string> names = states_with_units(problem);
-  Table table{.columns = {names[0], names[1]}, .values = {{}, {}}};
+  Table table = plane_table(problem);
   const Vector2d margin = 2 * window.size();
   Vector2d last = start;
   double gone = 0;
-  follow(problem, start, t_end, [&](double, const Vector2d& y) {
+  follow(problem, start, t_end, window.size().minCoeff(), [&](double, const Vector2d& y) {
     const bool near =
         ((y - window.lower + margin).array() >= 0).all() && ((window.upper + margin - y).array() >= 0).all();
-    for (std::size_t i = 0; i < 2; ++i) table.values[i].push_back(y(static_cast<Eigen::Index>(i)));
+    add_row(y, table);
     gone += (y - last).cwiseQuotient(window.size()).norm();
     last = y;
     return near && gone < length;
@@ -234,11 +270,14 @@ Window within_numbers(const Window& window, const Problem& problem) {
 
 }  // namespace
 
-Window default_window(const Problem& problem) {
-  require_planar(problem);
+namespace {
+
+/// The states from y0 on, as long as the motion is no runaway.
+/// @param size  of the motion
+std::vector<Vector2d> states_of_motion(const Problem& problem, double size) {
   std::vector<Vector2d> seen;
   Vector2d early = Vector2d::Zero();
-  follow(problem, problem.y0, problem.t_end, [&](double t, const Vector2d& y) {
+  follow(problem, problem.y0, problem.t_end, size, [&](double t, const Vector2d& y) {
     if (!y.allFinite()) return false;
     if (t < problem.t_end / 50) early = early.cwiseMax(y.cwiseAbs());
     // A runaway grows in both components; a relaxation oscillation that jumps late grows in one.
@@ -247,6 +286,23 @@ Window default_window(const Problem& problem) {
     return true;
   });
   if (seen.empty()) seen.push_back(problem.y0);
+  return seen;
+}
+
+double largest_of(const std::vector<Vector2d>& states) {
+  double largest = 0;
+  for (const Vector2d& y : states) largest = std::max(largest, y.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+}  // namespace
+
+Window default_window(const Problem& problem) {
+  require_planar(problem);
+  std::vector<Vector2d> seen = states_of_motion(problem, 0);
+  // Of a small motion the first run may show no more than that it is small.
+  for (int i = 0; i < 3 && largest_of(seen) < ordinary_size; ++i)
+    seen = states_of_motion(problem, largest_of(seen));
   const Window motion = within_numbers(window_around({}, "", "", seen), problem);
   const Window wide{motion.lower - motion.size(), motion.upper + motion.size()};
   for (const Equilibrium& e : find_equilibria(planar_field(problem, 0, wide.size()), wide))

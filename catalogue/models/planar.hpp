@@ -40,9 +40,20 @@ double drive_period(const Problem& problem, std::optional<double> named);
 inline constexpr Tolerances<double> stroboscope_tolerances{1e-11, 1e-11}, basin_tolerances{1e-8, 1e-10},
     orbit_tolerances{1e-6, 1e-8};
 
+/// Of motions smaller than this absolute tolerances are shares of the size.
+inline constexpr double ordinary_size = 0.01;
+
+/// One of these for motions of a size: of a small one the absolute tolerance is that share of it, to one
+/// digit.
+/// @param size  largest |y_i|, 0 where it is not known
+Tolerances<double> tolerances_at(Tolerances<double> tolerances, double size);
+/// Of motions in a window: the size is its shorter side.
+Tolerances<double> tolerances_in(const Window& window, const Tolerances<double>& tolerances);
+
 /// The state one period after a state, see analysis/dynamics/poincare.hpp.
 /// @param most_steps  after which a period is taken for one that diverges
-VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps = 1'000'000);
+VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps = 1'000'000,
+                           const Tolerances<double>& tolerances = stroboscope_tolerances);
 
 /// A window for the motions of one period of a driven problem: what of them is known beforehand. It holds the
 /// looks, the motion between them, the equilibria that the force at t = 0 leaves, and of the oscillator the
@@ -74,10 +85,14 @@ FatesOf fates_of_starts(
 /// The way from `start` to t_end, every accepted step of a low order at tight tolerance, so dense that it can
 /// be drawn as a line. It ends early when it diverges, is two window sizes outside, or has gone far enough to
 /// have been seen.
+/// Of the window the tolerances are too. Columns as states_with_units().
 /// @param length  how far, in sizes of the window
-/// Columns as states_with_units().
 Table orbit(const Problem& problem, const Eigen::Vector2d& start, double t_end, const Window& window,
             double length);
+
+/// The way of a driven motion from one of its looks over a time, wherever it leads. Columns as of orbit().
+/// @param looks  of the motion, which tell its size; not empty
+Table way_of_motion(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double time);
 
 /// A window that shows what matters when the user names none: the motion from y0 as long as it is no
 /// runaway, and the equilibria within three times its size.

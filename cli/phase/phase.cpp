@@ -121,7 +121,7 @@ void phase(const PhaseOptions& options, Console& console) {
   Json document = document_of(view);
   std::string text = headline(view.problem) + equilibria_table(view, console);
   if (!options.output.empty()) {
-    text += fmt::format("\norbits: {}\n", in_words(orbit_tolerances));
+    text += fmt::format("\norbits: {}\n", in_words(tolerances_in(view.window, orbit_tolerances)));
     deliver(phase_portrait(view), options, document, text, console);
   }
   for (const std::string& remark : view.remarks) text += "\n" + remark + "\n";
@@ -339,7 +339,7 @@ Json document_of(const PhaseView& view) {
   document["remarks"] = view.remarks;
   document["equilibria"] = to_json(view.equilibria);
   document["search"] = search_document(view.window, view.check, guarantee(view));
-  document["tolerances"] = to_json(orbit_tolerances);
+  document["tolerances"] = to_json(tolerances_in(view.window, orbit_tolerances));
   return document;
 }
 

@@ -124,13 +124,14 @@ void phase_basins(const PhaseOptions& options, Console& console) {
   for (const auto& [fate, words] :
        {std::pair{unbounded, "goes far away"}, {undecided, "settles elsewhere or later"}})
     if (found.share(fate) > 0) table.add({words, "", "", fmt::format("{:.2f} %", 100 * found.share(fate))});
-  document["tolerances"] = to_json(basin_tolerances);
+  const Tolerances<double> tolerances = tolerances_in(view.window, basin_tolerances);
+  document["tolerances"] = to_json(tolerances);
   document["cells"] = {found.columns, found.rows};
   document["attractors"] = attractors;
   document["unbounded"] = found.share(unbounded);
   document["undecided"] = found.share(undecided);
   std::string text = headline(view.problem) + equilibria_table(view, console) + "\n" + table.text(console) +
-                     fmt::format("motions: {}\n", in_words(basin_tolerances));
+                     fmt::format("motions: {}\n", in_words(tolerances));
   add_time(device.get(), document, text);
   if (!options.output.empty()) deliver(picture(view, found), options, document, text, console);
   console.show(document, text);

@@ -1,5 +1,6 @@
 /// hmax phase --poincare and --bifurcation: driven problems, seen once in each period of the force.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -57,30 +58,68 @@ std::optional<FixedSteps> fixed_steps_of(const PhaseOptions& options) {
 }
 
 /// Adds tolerances, or method and h, of the motions: null where they have none.
-void add_motions(Json& document, const std::optional<FixedSteps>& steps) {
-  document["tolerances"] = steps ? Json() : to_json(stroboscope_tolerances);
+void add_motions(Json& document, const std::optional<FixedSteps>& steps, const Tolerances<double>& used) {
+  document["tolerances"] = steps ? Json() : to_json(used);
   document["method"] = steps ? Json(steps->method.id) : Json();
   document["h"] = steps ? Json(steps->h) : Json();
 }
 
 /// "rtol 1e-11, atol 1e-11" or "rk4, steps of at most 0.02 s"
-std::string motions_in_words(const std::optional<FixedSteps>& steps) {
+std::string motions_in_words(const std::optional<FixedSteps>& steps, const Tolerances<double>& used) {
   return steps ? fmt::format("{}, steps of at most {} s", steps->method.id, to_text(steps->h))
-               : in_words(stroboscope_tolerances);
+               : in_words(used);
+}
+
+/// A motion, with what its size asks for.
+struct Motion {
+  VectorFunction map;
+  std::vector<VectorXd> points;  ///< its looks; fewer than asked for where it diverges
+  double size;  ///< of the last of them, or of its start where it has come to rest; 0 unknown
+  Tolerances<double> tolerances;  ///< of adaptive periods
+  Resolution resolution;
+};
+
+double largest_of(const std::vector<VectorXd>& states) {
+  double largest = 0;
+  for (const VectorXd& y : states)
+    if (y.allFinite()) largest = std::max(largest, y.cwiseAbs().maxCoeff());
+  return largest;
+}
+
+/// Looks again at finer tolerances, as long as the motion is too small for those that it was seen at.
+Motion motion_of(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
+                 const Looks& seen) {
+  Motion motion{{}, {}, 0, stroboscope_tolerances, {}};
+  for (double atol = infinity; motion.tolerances.atol < atol;) {
+    atol = motion.tolerances.atol;
+    motion.map = stroboscope(problem, period, steps, most_period_steps, motion.tolerances);
+    motion.points = looks(motion.map, problem.y0, seen.skip, seen.count);
+    if (motion.points.empty()) return motion;
+    const double start =
+        std::max(largest_of({problem.y0, motion.map(problem.y0)}), largest_of(motion.points));
+    motion.resolution = {tolerances_at({0, Resolution().rest}, start).atol, steps ? 0 : atol};
+    const std::size_t last = motion.points.size() / 2;
+    motion.size =
+        largest_of({motion.points.begin() + static_cast<std::ptrdiff_t>(last), motion.points.end()});
+    if (motion.size <= motion.resolution.rest) motion.size = start;
+    if (!steps)
+      motion.tolerances.atol = std::min(atol, tolerances_at(stroboscope_tolerances, motion.size).atol);
+  }
+  return motion;
 }
 
 /// A window that holds the points and the motion through the first of them over one period.
-Window around(const Problem& problem, const std::vector<VectorXd>& points, double period) {
-  constexpr double everywhere = 1e300;
+Window around(const Problem& problem, const std::vector<VectorXd>& points, double period,
+              const Motion& motion) {
   const auto names = states_with_units(problem);
-  const Window plane{Vector2d::Constant(-everywhere), Vector2d::Constant(everywhere)};
-  Window window = window_around({orbit(problem, points[0], period, plane, everywhere)}, names[0], names[1],
+  Window window = window_around({way_of_motion(problem, points, period)}, names[0], names[1],
                                 std::vector<Vector2d>(points.begin(), points.end()), 0.3);
   const Vector2d size = window.size(), largest = window.lower.cwiseAbs().cwiseMax(window.upper.cwiseAbs());
-  const double rounding = std::numeric_limits<double>::epsilon();
-  const double other = size.maxCoeff() > 1e3 * stroboscope_tolerances.atol ? size.maxCoeff() : 1;
+  const double rounding = std::numeric_limits<double>::epsilon(), atol = motion.tolerances.atol;
+  const double unit = motion.size > 0 && motion.size < ordinary_size ? motion.size : 1;
+  const double other = size.maxCoeff() > 1e3 * atol ? size.maxCoeff() : unit;
   for (Eigen::Index i = 0; i < 2; ++i)  // at rest to rounding
-    if (size(i) < 1e3 * std::max(stroboscope_tolerances.atol, rounding * largest(i))) {
+    if (size(i) < 1e3 * std::max(atol, rounding * largest(i))) {
       window.lower(i) -= other / 2;
       window.upper(i) += other / 2;
     }
@@ -109,6 +148,7 @@ void check_length(const PhaseOptions& options, const std::string& asked, double 
 struct Section {
   double drive_period;
   std::optional<FixedSteps> steps;
+  Tolerances<double> tolerances;  ///< of adaptive periods
   Looks looks;
   std::vector<VectorXd> points;
   Settled motion;
@@ -122,32 +162,34 @@ struct Section {
   [[nodiscard]] bool diverges() const { return motion.settling == Settling::diverges; }
 };
 
+/// What diverges takes any number of steps: a search follows a period no further.
+constexpr std::int64_t most_searched_steps = 5'000;
+
 Section section_of(const Problem& problem, const PhaseOptions& options) {
   const double period = drive_period(problem, options.period);
   const Looks seen = looks_of(options, 2000);
   const auto steps = fixed_steps_of(options);
   check_length(options, "this section", static_cast<double>(seen.skip) + seen.count,
                seconds_of_period(problem, period, steps));
-  const VectorFunction map = stroboscope(problem, period, steps);
-  const auto points = looks(map, problem.y0, seen.skip, seen.count);
-  const Settled motion = settle(map, points, seen.count, {});
-  const bool whole = static_cast<int>(points.size()) == seen.count;
+  const Motion shown = motion_of(problem, period, steps, seen);
+  const Settled motion = settle(shown.map, shown.points, seen.count, {}, shown.resolution);
+  const bool whole = static_cast<int>(shown.points.size()) == seen.count;
   Section section{
       .drive_period = period,
       .steps = steps,
+      .tolerances = shown.tolerances,
       .looks = seen,
-      .points = points,
+      .points = shown.points,
       .motion = motion,
       .exponent = motion.exponent,
       .searched = options.window.empty()
-                      ? window_of_motions(problem, whole ? points : std::vector<VectorXd>{}, period)
+                      ? window_of_motions(problem, whole ? shown.points : std::vector<VectorXd>{}, period)
                       : parse_window(options.window)};
   if (motion.settling == Settling::periodic)
     section.exponent =
-        largest_lyapunov(map, motion.looks.back(), around(problem, motion.looks, period).size());
-  constexpr std::int64_t short_of_divergence = 5'000;  // steps; what diverges takes any number of them
-  section.periodic =
-      search_fixed_points(stroboscope(problem, period, steps, short_of_divergence), section.searched);
+        largest_lyapunov(shown.map, motion.looks.back(), around(problem, motion.looks, period, shown).size());
+  section.periodic = search_fixed_points(
+      stroboscope(problem, period, steps, most_searched_steps, shown.tolerances), section.searched);
   return section;
 }
 
@@ -202,8 +244,7 @@ Figure picture(const Problem& problem, const Section& section) {
   if (shown > 0 && shown <= 12) {
     x.resize(static_cast<std::size_t>(shown));
     v.resize(static_cast<std::size_t>(shown));
-    const Table way = orbit(problem, section.points[0], shown * section.drive_period,
-                            around(problem, section.points, section.drive_period), 1e9);
+    const Table way = way_of_motion(problem, section.points, shown * section.drive_period);
     panel.curves.push_back(
         {.label = "motion", .x = way.values[0], .y = way.values[1], .style = {.colour = 7, .width = 1.2}});
   }
@@ -221,7 +262,7 @@ Figure picture(const Problem& problem, const Section& section) {
           .footer =
               fmt::format("{}: {}; {} looks after {} periods of {} s{}", problem.id, describe_acting(problem),
                           section.looks.count, section.looks.skip, short_name(section.drive_period),
-                          section.steps ? "; " + motions_in_words(section.steps) : ""),
+                          section.steps ? "; " + motions_in_words(section.steps, section.tolerances) : ""),
           .panel_height = 440};
 }
 
@@ -272,19 +313,50 @@ std::vector<double> periods_of_force(const PhaseOptions& options, const std::vec
   return periods;
 }
 
+/// Both ends of the parameter and its middle stand for all values.
+std::array<std::size_t, 3> some_of(std::size_t values) { return {0, (values - 1) / 2, values - 1}; }
+
 /// The same of a diagram: both ends and the middle of the parameter say what a period takes.
 template <class ProblemAt>
 void check_length(const PhaseOptions& options, const ProblemAt& problem_at,
                   const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
                   const Looks& seen) {
   double seconds = 0;
-  const std::size_t last = periods.size() - 1;
-  for (const std::size_t i : {std::size_t{0}, last / 2, last})
+  for (const std::size_t i : some_of(periods.size()))
     seconds += seconds_of_period(problem_at(i), periods[i], steps) / 3;
   const double applications =
       static_cast<double>(periods.size()) * (static_cast<double>(seen.skip) + seen.count);
   check_length(options, "this diagram", applications,
                seconds / static_cast<double>(options.follow ? 1 : jobs()));
+}
+
+/// What motions of all values are computed and judged at, for the smallest of some.
+struct DiagramScale {
+  Tolerances<double> tolerances = stroboscope_tolerances;
+  Resolution resolution{};
+};
+
+template <class ProblemAt>
+DiagramScale scale_of(const ProblemAt& problem_at, const std::vector<double>& periods,
+                      const std::optional<FixedSteps>& steps, const Looks& seen) {
+  constexpr int few = 8;
+  DiagramScale scale;
+  for (const std::size_t i : some_of(periods.size())) {
+    const Motion motion = motion_of(problem_at(i), periods[i], steps, {few, seen.skip});
+    scale.tolerances.atol = std::min(scale.tolerances.atol, motion.tolerances.atol);
+    scale.resolution.rest = std::min(scale.resolution.rest, motion.resolution.rest);
+  }
+  scale.resolution.error = steps ? 0 : scale.tolerances.atol;
+  return scale;
+}
+
+/// No ensemble.
+MapEnsemble one_after_another(const std::function<Problem(std::size_t i)>& problem_at,
+                              const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
+                              const DiagramScale& scale) {
+  return one_by_one([=](std::size_t i) {
+    return stroboscope(problem_at(i), periods[i], steps, most_period_steps, scale.tolerances);
+  });
 }
 
 /// "4", "chaotic", "not settled" or "diverges"
@@ -409,7 +481,7 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
   if (section.exponent && std::isfinite(section.exponent->value))
     text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
                         section.exponent->count);
-  return text + fmt::format("\nmotions: {}\n", motions_in_words(section.steps));
+  return text + fmt::format("\nmotions: {}\n", motions_in_words(section.steps, section.tolerances));
 }
 
 }  // namespace
@@ -419,7 +491,7 @@ void phase_poincare(const PhaseOptions& options, Console& console) {
   const Section section = section_of(problem, options);
   Json document = document_of(problem);
   document.update(section_document(problem, section));
-  add_motions(document, section.steps);
+  add_motions(document, section.steps, section.tolerances);
   std::string text = headline(problem) + report_of(problem, section, console);
   if (!options.output.empty() && !section.points.empty())
     deliver(picture(problem, section), options, document, text, console);
@@ -437,26 +509,27 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   const auto problem_at = [&](std::size_t i) { return with_value(options.problem, name, values[i]); };
   const std::vector<double> periods = periods_of_force(options, values);
   check_length(options, problem_at, periods, steps, seen);
+  const DiagramScale scale = scale_of(problem_at, periods, steps, seen);
   const std::unique_ptr<Device> device = options.device.open();
-  // One motion after the other makes no ensemble.
   const MapEnsemble maps =
-      options.follow
-          ? one_by_one([&](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); })
-          : period_maps(problem_at, periods, steps, runner_on(device.get(), values.size() / jobs() + 1));
+      options.follow ? one_after_another(problem_at, periods, steps, scale)
+                     : period_maps(problem_at, periods, steps,
+                                   runner_on(device.get(), values.size() / jobs() + 1), scale.tolerances);
   Progress progress(console, "bifurcation");
   const auto& interrupted = interrupt_flag();
+  const auto going = [&](double share) {
+    progress.update(share);
+    return !interrupted;
+  };
   const auto columns =
-      bifurcation(maps, values, first.y0, seen.skip, seen.count, options.follow, [&](double share) {
-        progress.update(share);
-        return !interrupted;
-      });
+      bifurcation(maps, values, first.y0, seen.skip, seen.count, options.follow, going, scale.resolution);
   if (interrupted) throw Interrupted{};
 
   Json document = document_of(first);
   document["parameters"].erase(name);
   Json list = Json::array();
   for (std::size_t i = 0; i < columns.size(); ++i) list.push_back(column_document(columns[i], periods[i]));
-  add_motions(document, steps);
+  add_motions(document, steps, scale.tolerances);
   document["parameter"] = name;
   document["skip"] = seen.skip;
   document["follow"] = options.follow;
@@ -468,7 +541,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   TextTable table({"settles to", name + " from", "to"});
   for (const Stretch& stretch : stretches(columns))
     table.add({stretch.what, short_name(stretch.from), short_name(stretch.to)});
-  text += table.text(console) + fmt::format("motions: {}\n", motions_in_words(steps));
+  text += table.text(console) + fmt::format("motions: {}\n", motions_in_words(steps, scale.tolerances));
   add_time(device.get(), document, text);
   if (!options.output.empty()) {
     const auto names = states_with_units(first);
@@ -481,7 +554,7 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
                  "{}{}; {} looks after {} periods, {}{}", first.id, parameters, seen.count, seen.skip,
                  options.follow ? "each value from where the one before has ended"
                                 : fmt::format("each value from y0 = {}", describe(first.y0)),
-                 steps ? "; " + motions_in_words(steps) : ""),
+                 steps ? "; " + motions_in_words(steps, scale.tolerances) : ""),
              .panel_height = 440},
             options, document, text, console);
   }

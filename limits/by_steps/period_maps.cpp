@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "analysis/dynamics/oscillator_lanes.hpp"
-#include "catalogue/models/planar.hpp"
 #include "core/errors.hpp"
 #include "core/parallel_for.hpp"
 #include "integrators/breakpoints.hpp"
@@ -141,19 +140,19 @@ double size_of_steps(const FixedSteps& steps, double period) {
 }  // namespace
 
 VectorFunction stroboscope(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
-                           std::int64_t most_steps) {
+                           std::int64_t most_steps, const Tolerances<double>& tolerances) {
   return steps ? steps_map(steps->method, problem, size_of_steps(*steps, period), period)
-               : stroboscope(problem, period, most_steps);
+               : stroboscope(problem, period, most_steps, tolerances);
 }
 
 MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
-                        const MotionRunner& runner) {
+                        const MotionRunner& runner, const Tolerances<double>& tolerances) {
   if (steps && !periods.empty()) stroboscope(problem_at(0), periods.front(), steps);  // may throw
   const auto driven = std::make_shared<Driven>(Driven{oscillators(problem_at, periods.size()), {}, periods});
   if (driven->systems.empty()) driven->formulas = formulas(problem_at, periods, steps.has_value());
   const bool has_formulas = !driven->formulas.empty();
-  const AdaptiveSteps adaptive{stroboscope_tolerances, most_period_steps, false};
+  const AdaptiveSteps adaptive{tolerances, most_period_steps, false};
   if (steps)
     for (const double period : periods) driven->sizes.push_back(size_of_steps(*steps, period));
   RunMotions run;
@@ -176,7 +175,9 @@ MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
     throw InputError(
         "--device gpu runs periods of oscillators and of files of formulas that begin at t0 = 0 or do not know t, "
         "adaptive ones or those of an explicit Runge-Kutta method; leave --device out");
-  return one_by_one([=](std::size_t i) { return stroboscope(problem_at(i), periods[i], steps); });
+  return one_by_one([=](std::size_t i) {
+    return stroboscope(problem_at(i), periods[i], steps, most_period_steps, tolerances);
+  });
 }
 
 }  // namespace hmax

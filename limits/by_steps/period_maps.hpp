@@ -10,6 +10,7 @@
 #include "analysis/dynamics/oscillator_lanes.hpp"
 #include "analysis/dynamics/poincare.hpp"
 #include "catalogue/methods/method.hpp"
+#include "catalogue/models/planar.hpp"
 
 namespace hmax {
 
@@ -26,7 +27,8 @@ inline constexpr std::int64_t most_period_steps = 1'000'000;
 /// @param most_steps  of an adaptive period, after which it is taken for one that diverges
 /// @throws InputError as steps_map() where the steps are fixed
 VectorFunction stroboscope(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
-                           std::int64_t most_steps = most_period_steps);
+                           std::int64_t most_steps = most_period_steps,
+                           const Tolerances<double>& tolerances = stroboscope_tolerances);
 
 /// The period maps of problem_at(i). Images have the bits of stroboscope().
 ///
@@ -37,9 +39,11 @@ VectorFunction stroboscope(const Problem& problem, double period, const std::opt
 /// @param problem_at  called by several threads at once where problems are no oscillators
 /// @param periods     [s], of each problem
 /// @param runner      where motions of oscillators and formulas go; it changes times, not images
+/// @param tolerances  of adaptive periods
 /// @throws InputError as steps_map() where the steps are fixed, and where a device does not run them
 MapEnsemble period_maps(const std::function<Problem(std::size_t i)>& problem_at,
                         const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
-                        const MotionRunner& runner = in_lanes());
+                        const MotionRunner& runner = in_lanes(),
+                        const Tolerances<double>& tolerances = stroboscope_tolerances);
 
 }  // namespace hmax

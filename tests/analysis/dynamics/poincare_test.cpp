@@ -101,6 +101,20 @@ VectorFunction logistic(double r) {
   return [r](const VectorXd& x) -> VectorXd { return VectorXd::Constant(1, r * x(0) * (1 - x(0))); };
 }
 
+/// The same map in other units, where two points 7 % apart are less than a picometre apart.
+TEST(Poincare, JudgesSmallMotionsAsLargeOnes) {
+  const double unit = 1e-12;
+  const auto judged = [unit](double r) {
+    const VectorFunction map = [r, unit](const VectorXd& x) -> VectorXd {
+      return unit * logistic(r)(x / unit);
+    };
+    return settle(map, looks(map, VectorXd::Constant(1, 0.3 * unit), 2000, 64), 64, {},
+                  {1e-12 * unit, 1e-11 * unit});
+  };
+  EXPECT_EQ(judged(3.01).period, 2);
+  EXPECT_EQ(judged(3.9).settling, Settling::chaotic);
+}
+
 TEST(Poincare, CountsThePeriodsOfTheLogisticMap) {
   const auto columns =
       diagram(logistic, {2.5, 3.2, 3.5, 3.83, 3.9, 4.5}, VectorXd::Constant(1, 0.3), 2000, 100, false);

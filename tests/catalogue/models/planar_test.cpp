@@ -92,6 +92,20 @@ TEST(Planar, AnOrbitGoesThereAndBackAgain) {
         0.1);
 }
 
+/// A linear motion has one shape in any size.
+TEST(Planar, OrbitsOfNanometresAreThoseOfMetres) {
+  const Problem problem = liver({{"c", 0.4}, {"k3", 0}});
+  const auto end_of = [&](double size) -> Vector2d {
+    const Vector2d reach(2 * size, 2 * size);
+    const Table way = orbit(problem, {0.5 * size, size}, 5, {-reach, reach}, 1e9);
+    return Vector2d(way.values[0].back(), way.values[1].back()) / size;
+  };
+  EXPECT_LT((end_of(1e-9) - end_of(1)).norm(), 1e-5);
+  EXPECT_EQ(tolerances_at(orbit_tolerances, 2).atol, orbit_tolerances.atol);
+  EXPECT_EQ(tolerances_at(orbit_tolerances, 0).atol, orbit_tolerances.atol);
+  EXPECT_EQ(tolerances_at(orbit_tolerances, 2.3e-9).atol, 2e-17);
+}
+
 TEST(Planar, AnOrbitThatRunsAwayEndsNearTheWindow) {
   const Table runaway = orbit(liver({{"c", -2}, {"k3", 0}}), {0.5, 1}, 100, {{-1, -1}, {1, 1}}, 1e9);
   EXPECT_LT(std::hypot(runaway.values[0].back(), runaway.values[1].back()), 20);

@@ -251,6 +251,21 @@ TEST(Phase, FollowsMotionsByStepsOfAMethod) {
   EXPECT_EQ(unstable.json().at("settling"), "diverges");
 }
 
+/// m x'' + c x' + k1 x = P cos(w t) forgets its start as exp(-c t / (2 m)), however small it moves.
+TEST(Phase, AStiffLiverThatIsPushedIsNotChaotic) {
+  const Shell shell;
+  for (const char* stiffness : {"1e5", "1e7"}) {
+    const AnyJson stiff =
+        phase(shell, std::string("liver_forced --set w=3 --poincare --periods 300 --set k1=") + stiffness);
+    EXPECT_EQ(stiff.at("period"), 1) << stiffness;
+    EXPECT_NEAR(stiff.at("lyapunov").get<double>(), -1 / 1.45, 2e-3) << stiffness;
+    EXPECT_LT(stiff.at("tolerances").at("atol").get<double>(), 1e-15);
+  }
+  const AnyJson columns =
+      phase(shell, "liver_forced --bifurcation k1 --from 1e4 --to 1e7 --points 4 --set w=3").at("columns");
+  for (const AnyJson& column : columns) EXPECT_EQ(column.at("period"), 1) << column;
+}
+
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Shell shell;
   const AnyJson document =
@@ -353,6 +368,14 @@ TEST(Phase, APassingMotionIsNotHeldByAStiffKink) {
     EXPECT_EQ(document.at("attractors").at(0).at("x"), -3);
     EXPECT_GT(document.at("attractors").at(0).at("share"), 0.8) << wall;  // 0.87 of 300 starts
   }
+}
+
+/// All of a linear oscillator comes to rest, however small.
+TEST(Phase, BasinsOfNanometresAreFound) {
+  const Shell shell;
+  write_oscillator(shell, "-1e6*x - 10*v");
+  const AnyJson small = phase(shell, "own.toml --window=-1e-9,1e-9,-1e-6,1e-6 --basins --cells 6");
+  EXPECT_EQ(small.at("attractors").at(0).at("share"), 1);
 }
 
 /// The manifolds leave the saddle as exp(0.93 t): at the end of 2 s they have not left it.
