@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <list>
 #include <numeric>
 #include <optional>
@@ -94,6 +95,7 @@ std::optional<int> period_of(const std::vector<VectorXd>& looks, double toleranc
 namespace {
 
 constexpr double separation = 1e-6, weak_exponent = 50;  // the latter in units of the absolute error
+constexpr double some_ulps = 256 * std::numeric_limits<double>::epsilon();
 constexpr int turning = 20;  // until the separation points where neighbours part fastest
 
 /// The exponent of a motion. Whoever looks for it replaces both states by their images and calls go_on(), as
@@ -104,10 +106,7 @@ class ExponentSearch {
  public:
   ExponentSearch(const VectorXd& y, VectorXd scale, const ExponentLimits& limits)
       : scale_(std::move(scale)), limits_(limits), next_(std::max(limits.least, batches)) {
-    // Any direction but an invariant one.
-    VectorXd apart = VectorXd::LinSpaced(y.size(), 1, 1.7).cwiseProduct(scale_);
-    apart *= separation / apart.cwiseQuotient(scale_).norm();
-    states = {y, y + apart};
+    states = {y, y + first_apart()};
   }
 
   std::array<VectorXd, 2> states;  ///< the motion, and a neighbour
@@ -117,17 +116,25 @@ class ExponentSearch {
     // The separation after one application, that before had the size `separation`.
     VectorXd apart = beside - y;
     const double growth = apart.cwiseQuotient(scale_).norm() / separation;
-    if (++applications_ > turning) grown_.push_back(std::log(growth));
+    const double lost = std::max(some_ulps * y.cwiseQuotient(scale_).norm() / separation, 1e-100);
+    const bool met = growth <= lost;
+    if (++applications_ > turning) {
+      grown_.push_back(std::log(met ? lost : growth));
+      at_most_ = at_most_ || met;
+    }
     const int count = std::max(applications_ - turning, 0);
     if (!std::isfinite(growth)) return Exponent{std::nan(""), std::nan(""), count, y};
-    // Both orbits met: the separation is lost to rounding.
-    if (growth == 0) return Exponent{-infinity, 0, count, y};
-    apart /= growth;
-    beside = y + apart;
+    beside = y + (met ? first_apart() : apart / growth);
     return count < next_ ? std::nullopt : judged(count);
   }
 
  private:
+  /// In any direction but an invariant one.
+  [[nodiscard]] VectorXd first_apart() const {
+    const VectorXd apart = VectorXd::LinSpaced(scale_.size(), 1, 1.7).cwiseProduct(scale_);
+    return apart * (separation / apart.cwiseQuotient(scale_).norm());
+  }
+
   /// The exponent if it is known well enough, else the count at which it is looked at again.
   std::optional<Exponent> judged(int count) {
     auto [value, error] = mean_of(grown_);
@@ -135,7 +142,7 @@ class ExponentSearch {
     const bool known = error <= std::max(limits_.relative * std::abs(value), limits_.absolute);
     const bool weak = std::abs(value) < weak_exponent * limits_.absolute;
     if (count >= limits_.most || (known && (!weak || before_)))
-      return Exponent{value, error, count, states[0]};
+      return Exponent{value, error, count, states[0], at_most_};
     // A weak exponent is looked at again after twice as many applications, else the error after a quarter
     // more.
     before_ = known ? std::optional(value) : std::nullopt;
@@ -146,6 +153,7 @@ class ExponentSearch {
   VectorXd scale_;
   ExponentLimits limits_;
   int next_, applications_ = 0;
+  bool at_most_ = false;
   std::vector<double> grown_;
   std::optional<double> before_;  ///< the mean over half as many applications, of a weak exponent
 };

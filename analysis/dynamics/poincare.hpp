@@ -76,13 +76,14 @@ struct ExponentLimits {
 /// A Lyapunov exponent and what is known of it.
 /// Divided by the period of the force [s] it is the exponent in time [1/s].
 struct Exponent {
-  double value;         ///< per application of the map
-  double error;         ///< of the value, 95 %
-  int count;            ///< applications that were averaged
-  Eigen::VectorXd end;  ///< shape (n), where the orbit has ended
+  double value;          ///< per application of the map
+  double error;          ///< of the value, 95 %
+  int count;             ///< applications that were averaged
+  Eigen::VectorXd end;   ///< shape (n), where the orbit has ended
+  bool at_most = false;  ///< the value is a bound: neighbours have met but for rounding
 
   /// Neighbours part, beyond the error.
-  [[nodiscard]] bool positive() const { return value > error; }
+  [[nodiscard]] bool positive() const { return !at_most && value > error; }
 };
 
 /// The largest Lyapunov exponent of the orbit through y, per application of the map: the mean logarithm by
@@ -97,6 +98,9 @@ struct Exponent {
 /// both halves: it is looked at again after twice as many applications, and the error is no less than what it
 /// has changed. Nor is it less than 0.003: the rounding of a map that is integrated, seen at a separation of
 /// a millionth, turns neighbours aside and lets those that part by powers part by some 0.001 per application.
+/// Of neighbours nearer than some hundred ulps of y, where rounding hides how near, that stands for their
+/// distance: the value is a bound.
+///
 /// With e_0 of size 1e-6 in units of `scale`:
 ///   lambda = (1 / N) sum_i ln(|d_i| / |e_i|),   d_i = P(y_i + e_i) - P(y_i),   e_i+1 = d_i |e_0| / |d_i|.
 /// The first 20 applications only turn e into the direction that grows fastest and are not counted.

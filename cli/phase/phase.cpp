@@ -195,6 +195,13 @@ std::string headline(const Problem& problem) {
   return fmt::format("{} with {}\n", problem.id, describe_acting(problem));
 }
 
+std::string multipliers_in_words(const Multipliers& multipliers) {
+  const auto is_small = [](const std::complex<double>& mu) { return std::abs(mu) < 1e-9; };
+  const auto& [first, second] = multipliers;
+  if (is_small(first)) return "below 1e-9, below 1e-9";
+  return is_small(second) ? short_name(first.real()) + ", below 1e-9" : eigenvalues_in_words(multipliers);
+}
+
 std::string equilibria_table(const PhaseView& view, const Console& console) {
   if (view.equilibria.empty()) return "\n" + guarantee(view) + "\n";
   constexpr std::size_t most_rows = 40;

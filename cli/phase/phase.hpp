@@ -59,13 +59,15 @@ Json to_json(const std::vector<Equilibrium>& equilibria);
 Json eigenvalues_document(const std::array<std::complex<double>, 2>& eigenvalues);
 /// "-0.69 ± 0.0845i" or "-0.1, -3"
 std::string eigenvalues_in_words(const std::array<std::complex<double>, 2>& eigenvalues);
+/// The same of multipliers; below 1e-9 differences of the map tell no more of one.
+std::string multipliers_in_words(const Multipliers& multipliers);
 
 /// What a search has looked for, in words.
 struct Searched {
   std::string_view one, many;  ///< "equilibrium", "equilibria"
   std::string_view of;         ///< whose degree it is: "field", "map"
   std::string_view without;    ///< which of the points has no index, "degenerate"
-  std::string_view border;     ///< when the degree is not defined
+  std::string border;          ///< when the degree is not defined
 };
 /// What a search in a window is worth, as a sentence.
 std::string guarantee(const Problem& problem, const Window& window, const DegreeCheck& check,

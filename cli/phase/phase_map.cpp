@@ -92,7 +92,7 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
     const FixedPoint& point = seen.fixed.points[i];
     table.add({std::string(name_of(point.type)), seen.spurious[i] ? "no: spurious" : "yes",
                short_name(point.state(0)), short_name(point.state(1)),
-               eigenvalues_in_words(point.multipliers)});
+               multipliers_in_words(point.multipliers)});
   }
   text += seen.fixed.points.empty() ? "" : table.text(console);
   text += guarantee(view, seen) + "\n";
@@ -103,7 +103,7 @@ std::string table_of(const PhaseView& view, const MapView& seen, const Console& 
   };
   for (const PeriodTwo& orbit : seen.period_two)
     pairs.add({std::string(name_of(orbit.type)), in_brackets(orbit.states[0]), in_brackets(orbit.states[1]),
-               eigenvalues_in_words(orbit.multipliers)});
+               multipliers_in_words(orbit.multipliers)});
   return text + "\n" + pairs.text(console);
 }
 

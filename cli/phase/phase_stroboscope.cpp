@@ -159,6 +159,8 @@ struct Section {
   /// [1/s]
   [[nodiscard]] double lyapunov() const { return exponent->value / drive_period; }
   [[nodiscard]] double lyapunov_error() const { return exponent->error / drive_period; }
+  /// The exponent is known to be below a bound.
+  [[nodiscard]] bool is_bound() const { return exponent && exponent->at_most; }
   [[nodiscard]] bool diverges() const { return motion.settling == Settling::diverges; }
 };
 
@@ -193,8 +195,9 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
   return section;
 }
 
-/// "0.1035 ± 0.0021"
+/// "0.1035 ± 0.0021" or "below -0.27"
 std::string with_error(const Section& section) {
+  if (section.is_bound()) return "below " + short_number(section.lyapunov(), 2);
   return fmt::format("{} ± {}", short_name(section.lyapunov()), short_number(section.lyapunov_error(), 2));
 }
 
@@ -417,7 +420,7 @@ Json column_document(const BifurcationColumn& column, double period) {
   Json xs = Json::array();
   for (const VectorXd& y : motion.looks) xs.push_back(y(0));
   const auto exponent = [&](double Exponent::*part) {
-    return motion.exponent ? Json((*motion.exponent).*part / period) : Json();
+    return motion.exponent && !motion.exponent->at_most ? Json((*motion.exponent).*part / period) : Json();
   };
   return {{"value", column.value},
           {"x", xs},
@@ -442,6 +445,7 @@ Json section_document(const Problem& problem, const Section& section) {
   for (const VectorXd& y : section.points) points.push_back({y(0), y(1)});
   for (const FixedPoint& point : section.periodic.points) periodic.push_back(fixed_point_document(point));
   const Settled& motion = section.motion;
+  const bool exponent = section.exponent && !section.is_bound();
   return {{"drive_period", section.drive_period},
           {"tolerances", Json()},
           {"skip", section.looks.skip},
@@ -449,8 +453,9 @@ Json section_document(const Problem& problem, const Section& section) {
           {"settling", name_of(motion.settling)},
           {"period", json_or_null(motion.period)},
           {"followed", motion.followed},
-          {"lyapunov", section.exponent ? Json(section.lyapunov()) : Json()},
-          {"lyapunov_error", section.exponent ? Json(section.lyapunov_error()) : Json()},
+          {"lyapunov", exponent ? Json(section.lyapunov()) : Json()},
+          {"lyapunov_error", exponent ? Json(section.lyapunov_error()) : Json()},
+          {"lyapunov_below", section.is_bound() ? Json(section.lyapunov()) : Json()},
           {"lyapunov_periods", section.exponent ? Json(section.exponent->count) : Json()},
           {"periodic", periodic},
           {"search", search_document(section.searched, section.periodic, guarantee(problem, section))},
@@ -474,13 +479,13 @@ std::string report_of(const Problem& problem, const Section& section, const Cons
     TextTable table({"repeats after one period", names[0], names[1], "multipliers"});
     for (const FixedPoint& point : section.periodic.points)
       table.add({std::string(name_of(point.type)), short_name(point.state(0)), short_name(point.state(1)),
-                 eigenvalues_in_words(point.multipliers)});
+                 multipliers_in_words(point.multipliers)});
     text += "\n" + table.text(console);
   }
   text += fmt::format("\n{}\n", guarantee(problem, section));
   if (section.exponent && std::isfinite(section.exponent->value))
-    text += fmt::format("\nlargest Lyapunov exponent {} 1/s (95 %, {} periods)\n", with_error(section),
-                        section.exponent->count);
+    text += fmt::format("\nlargest Lyapunov exponent {} 1/s ({}{} periods)\n", with_error(section),
+                        section.is_bound() ? "" : "95 %, ", section.exponent->count);
   return text + fmt::format("\nmotions: {}\n", motions_in_words(section.steps, section.tolerances));
 }
 

@@ -58,6 +58,16 @@ TEST(Poincare, TheExponentOfALinearSystemIsItsDamping) {
   EXPECT_NEAR(exponent.value / liver.period(), -0.1 / 2.9, exponent.error / liver.period());
 }
 
+/// Over a period of 125 s neighbours part as exp(-0.69 * 125), which no two doubles tell.
+TEST(Poincare, NeighboursThatMeetGiveABound) {
+  const Driven liver{.m = 1.45, .c = 2, .k1 = 0.7, .P = 0.5, .w = 0.05};
+  const VectorXd start = looks(map_of(liver), Vector2d(0, 0), 20, 1)[0];
+  const Exponent exponent = largest_lyapunov(map_of(liver), start, Vector2d(1, 1));
+  EXPECT_TRUE(exponent.at_most);
+  EXPECT_GT(exponent.value, -1 / 1.45 * liver.period());
+  EXPECT_LT(exponent.value, -15);
+}
+
 /// Ueda's x'' + 0.05 x' + x^3 = 7.5 cos t, the chaotic attractor of [ueda1979randomly].
 TEST(Poincare, UedasOscillatorIsBoundedAndNeverRepeats) {
   const Driven ueda{.m = 1, .c = 0.05, .k3 = 1, .P = 7.5, .w = 1};

@@ -266,6 +266,19 @@ TEST(Phase, AStiffLiverThatIsPushedIsNotChaotic) {
   for (const AnyJson& column : columns) EXPECT_EQ(column.at("period"), 1) << column;
 }
 
+/// Neighbours meet within a period: the exponent is told to be below a bound, the multipliers below 1e-9.
+TEST(Phase, ASlowForceGivesABoundOfTheExponent) {
+  const Shell shell;
+  const std::string slow = "liver_forced --set w=0.05 --poincare --periods 30 --skip 10";
+  const AnyJson document = phase(shell, slow);
+  EXPECT_TRUE(document.at("lyapunov").is_null());
+  EXPECT_GT(document.at("lyapunov_below"), -1 / 1.45);
+  EXPECT_LT(document.at("lyapunov_below"), -0.1);
+  const std::string told = shell.text("phase --problem " + slow);
+  EXPECT_TRUE(says(told, "largest Lyapunov exponent below -0.1"));
+  EXPECT_TRUE(says(told, "below 1e-9, below 1e-9"));
+}
+
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Shell shell;
   const AnyJson document =
