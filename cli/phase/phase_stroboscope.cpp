@@ -167,6 +167,25 @@ struct Section {
 /// What diverges takes any number of steps: a search follows a period no further.
 constexpr std::int64_t most_searched_steps = 5'000;
 
+/// @param map     of periods of any length
+/// @param search  of those that a search follows; where the motion that is seen has longer ones, it is found
+///                by `map`
+FixedPointSearch motions_of_one_period(const VectorFunction& map, const VectorFunction& search,
+                                       const Section& section) {
+  const Settled& motion = section.motion;
+  const Window& window = section.searched;
+  if (motion.period != 1 || search(motion.looks.back()).allFinite())
+    return search_fixed_points(search, window);
+  const Vector2d seen = motion.looks.back();
+  const auto distance = [&](const Vector2d& y) -> double {
+    return (y - seen).cwiseQuotient(window.size()).norm();
+  };
+  if ((seen - (window.lower + window.upper) / 2).cwiseAbs().cwiseQuotient(window.size()).maxCoeff() > 0.5)
+    return search_fixed_points(search, window);
+  return search_fixed_points(
+      [&](const Vector2d& y) -> Vector2d { return distance(y) < 0.01 ? map(y) : search(y); }, window, {seen});
+}
+
 Section section_of(const Problem& problem, const PhaseOptions& options) {
   const double period = drive_period(problem, options.period);
   const Looks seen = looks_of(options, 2000);
@@ -190,8 +209,8 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
   if (motion.settling == Settling::periodic)
     section.exponent =
         largest_lyapunov(shown.map, motion.looks.back(), around(problem, motion.looks, period, shown).size());
-  section.periodic = search_fixed_points(
-      stroboscope(problem, period, steps, most_searched_steps, shown.tolerances), section.searched);
+  section.periodic = motions_of_one_period(
+      shown.map, stroboscope(problem, period, steps, most_searched_steps, shown.tolerances), section);
   return section;
 }
 
@@ -227,12 +246,14 @@ std::string verdict(const Section& section) {
 
 /// What the search for motions of one period is worth, as a sentence.
 std::string guarantee(const Problem& problem, const Section& section) {
-  return guarantee(problem, section.searched, section.periodic, section.periodic.points.size(),
-                   {.one = "motion of one period",
-                    .many = "motions of one period",
-                    .of = "map",
-                    .without = "with a multiplier of 1",
-                    .border = "a motion lies on it or diverges from it"});
+  return guarantee(
+      problem, section.searched, section.periodic, section.periodic.points.size(),
+      {.one = "motion of one period",
+       .many = "motions of one period",
+       .of = "map",
+       .without = "with a multiplier of 1",
+       .border = fmt::format("a motion lies on it, diverges from it or takes more than {} steps a period",
+                             most_searched_steps)});
 }
 
 Figure picture(const Problem& problem, const Section& section) {

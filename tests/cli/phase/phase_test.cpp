@@ -279,6 +279,16 @@ TEST(Phase, ASlowForceGivesABoundOfTheExponent) {
   EXPECT_TRUE(says(told, "below 1e-9, below 1e-9"));
 }
 
+/// Where the search gives up after 5000 steps a period the motion that is seen is listed all the same.
+TEST(Phase, AMotionThatTakesManyStepsAPeriodIsListed) {
+  const AnyJson document =
+      phase(Shell(), "liver_forced --set P=1e6 --poincare --periods 20 --skip 20 --window 107,109,-221,-219");
+  EXPECT_EQ(document.at("period"), 1);
+  ASSERT_EQ(document.at("periodic").size(), 1U);
+  EXPECT_NEAR(document.at("periodic")[0].at("x").get<double>(), document.at("section")[0][0], 1e-8);
+  EXPECT_TRUE(says(document.at("search").at("status").get<std::string>(), "more than 5000 steps a period"));
+}
+
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const Shell shell;
   const AnyJson document =
