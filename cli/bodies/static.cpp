@@ -472,7 +472,7 @@ void add_static(CLI::App& app, Console& console) {
   add_number(command, "--tolerance", options.tolerance,
              "Tolerance of the residual, relative to the load; 1e-9 by default");
   add_number(command, "--linear-tolerance", options.inner_tolerance,
-             "Tolerance of sor and cg; as Newton's method needs, in modified Newton 1e-4, by default");
+             "Tolerance of sor and cg; as Newton's method needs, else 1e-4, by default");
   add_number(
       command, "--relaxation", options.relaxation,
       "Relaxation factor of sor, between 0 and 2; 1.5, with --compare the best for the stiffness at rest, by default");
