@@ -1,5 +1,6 @@
 #include "analysis/foreign_steps/hidden_state.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "analysis/spectrum/lanczos.hpp"
@@ -54,7 +55,10 @@ HiddenState examine_hidden_state(ForeignStepper& engine, const StateCoordinates&
   const VectorXd numbers = start_vector(scale.size());
   const VectorXd away =
       coordinates.at(y, detour * numbers.cwiseProduct(scale) / numbers.cwiseAbs().maxCoeff());
-  if (engine.after(slot, away, h, 5).allFinite()) {
+  const VectorXd detoured = engine.after(slot, away, h, 5);
+  // What is at rest shows no noise of its motion.
+  found.repeated = std::max(found.repeated, distance(detoured, engine.after(slot, away, h, 5)));
+  if (detoured.allFinite()) {
     engine.set_state(y);
     found.history = distance(next, stepped(1)) / detour;
   }

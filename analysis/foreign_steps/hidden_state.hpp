@@ -12,7 +12,7 @@ namespace hmax {
 
 /// All differences in units of scales.
 struct HiddenState {
-  double repeated = 0;   ///< between three steps from a saved state, and the same again
+  double repeated = 0;   ///< between steps from a saved state, or one beside it, and the same again
   double set_again = 0;  ///< between three steps from it, and from it after its own state was set
   /// Between steps from one state after two histories, per unit of the difference of the histories.
   double history = 0;

@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/analysis/foreign_steps/mapped_stepper.hpp"
 #include "tests/analysis/foreign_steps/random_lattice.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -106,6 +108,18 @@ TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
     const ProbedLimit found = probe_steps(engine, {.h0 = 1e-6, .h1 = 1e-5, .rows = 2, .observe = false});
     EXPECT_EQ(found.smoothness, StepSmoothness::smooth) << status_of(found);
   }
+}
+
+/// Numbers that decay at a random rate.
+Eigen::VectorXd shaking(const Eigen::VectorXd& y, double h) {
+  static std::mt19937_64 random(1);
+  return y / (1 + h * std::uniform_real_distribution(1.0, 2.0)(random));
+}
+
+TEST(StepProbe, NoiseOfMotionsIsSeenAtRest) {
+  Mapped engine(shaking, Eigen::VectorXd::Zero(2));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-2, .h1 = 0.1, .observe = false});
+  EXPECT_TRUE(says(status_of(found), "steps are not reproducible"));
 }
 
 /// Free bodies, held ones and bodies on a floor, of 48 to 3,000 numbers, with runs as long as those of `hmax
