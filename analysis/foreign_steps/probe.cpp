@@ -490,7 +490,8 @@ void StepProbe::compare_rests() {
   for (StepSpectrum& row : found_.rows) {
     if (first.size() == 0 || row.settled.size() == 0) continue;
     const double moved = (row.settled - first).norm();
-    row.settled_moves = moved > 0 ? moved / first.norm() : 0;
+    // Of two states of rest at zero each has what is left of the way there.
+    row.settled_moves = moved > 10 * rest_tolerance() * (first - start_).norm() ? moved / first.norm() : 0;
   }
 }
 

@@ -110,6 +110,18 @@ TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
   }
 }
 
+/// Implicit Euler of x'' + 0.3 x' + 7.3 x = 0.
+Eigen::VectorXd swinging(const Eigen::VectorXd& y, double h) {
+  const double v = (y[1] - 7.3 * h * y[0]) / (1 + 0.3 * h + 7.3 * h * h);
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepProbe, RestAtZeroIsOneUpToRounding) {
+  Mapped engine(swinging, Eigen::Vector2d(0.7, 0.2));
+  for (const StepSpectrum& row : probe_steps(engine, {.h0 = 1e-3, .h1 = 1, .observe = false}).rows)
+    EXPECT_EQ(row.settled_moves, 0) << row.h;
+}
+
 /// Numbers that decay at a random rate.
 Eigen::VectorXd shaking(const Eigen::VectorXd& y, double h) {
   static std::mt19937_64 random(1);

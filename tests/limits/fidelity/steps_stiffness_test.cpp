@@ -12,10 +12,10 @@
 namespace hmax {
 namespace {
 
-/// x'' = 10 - k x by implicit Euler, half of whose correction is made: at rest x = 10 (2 / k + h^2).
+/// x'' = g - k x by implicit Euler, half of whose correction is made: at rest x = g (2 / k + h^2).
 class HalfCorrected final : public ForeignStepper {
  public:
-  explicit HalfCorrected(double k) : k_(k) {}
+  explicit HalfCorrected(double k, double g = 10, double x = 0) : k_(k), g_(g), y_(x, 0.0) {}
   [[nodiscard]] std::string name() const override { return "half"; }
   [[nodiscard]] Eigen::Index dim() const override { return 2; }
   [[nodiscard]] bool has_hidden_state() const override { return false; }
@@ -23,7 +23,7 @@ class HalfCorrected final : public ForeignStepper {
   void set_state(const Eigen::VectorXd& y) override { y_ = y; }
   bool step(double h, std::int64_t count) override {
     for (std::int64_t i = 0; i < count; ++i) {
-      const double aim = y_[0] + h * y_[1] + h * h * 10;
+      const double aim = y_[0] + h * y_[1] + h * h * g_;
       const double x = aim - 0.5 * h * h * k_ * aim / (1 + h * h * k_);
       y_ << x, (x - y_[0]) / h;
     }
@@ -33,8 +33,8 @@ class HalfCorrected final : public ForeignStepper {
   void restore(int slot) override { y_ = slots_.at(static_cast<std::size_t>(slot)); }
 
  private:
-  double k_;
-  Eigen::VectorXd y_ = Eigen::VectorXd::Zero(2);
+  double k_, g_;
+  Eigen::Vector2d y_;
   std::array<Eigen::VectorXd, 3> slots_;
 };
 
@@ -61,6 +61,12 @@ TEST(StepsStiffness, RefusesWhatDoesNotDependOnIt) {
   EXPECT_TRUE(
       says(error_of<InputError>([] { stiffness_of_steps([](double) { return with(1); }, 1e-3, 0.1); }),
            "does not depend on the stiffness"));
+  // Without a load what is left of the start is rounding.
+  EXPECT_TRUE(says(error_of<InputError>([] {
+                     stiffness_of_steps(
+                         [](double c) { return std::make_unique<HalfCorrected>(100 * c, 0, 1); }, 1e-3, 0.1);
+                   }),
+                   "load the body"));
 }
 
 }  // namespace
