@@ -99,6 +99,10 @@ double StepProbe::beyond_limit() const {
   return found_.smoothness == StepSmoothness::kink ? std::min(least, usual) : usual;
 }
 
+void StepProbe::contradict_at_least() {
+  contradict("grow at h0 already", "runs grow at h0 already, though no multiplier does; take a smaller h0");
+}
+
 /// From a little on both sides of h_max away from it.
 void StepProbe::bracket(double low, double high) {
   for (double away = 0.004; runs_grow(low); away *= 2) {
@@ -106,7 +110,7 @@ void StepProbe::bracket(double low, double high) {
     low = found_.h_max * (1 - away);
     if (low < settings_.h0 / 2) {
       found_.observed = nan;
-      return contradict("runs grow at h0 already, though no multiplier does; take a smaller h0");
+      return contradict_at_least();
     }
   }
   for (double away = 0.004; !runs_grow(high); away *= 2) {
@@ -126,17 +130,19 @@ void StepProbe::observe_beyond_limits() {
     found_.observed = infinity;
     if (!runs_grow(settings_.h1)) return;
     found_.observed = nan;
-    if (!runs_grow(settings_.h0)) narrow(settings_.h0, settings_.h1, 0.01);
-    return contradict("multipliers and runs contradict each other: runs of " + std::to_string(found_.steps) +
-                      " steps grow from " +
-                      rounded_text(std::isnan(found_.observed) ? settings_.h0 : found_.observed, 3) +
-                      " s on, though no multiplier does; use steps below that");
+    if (runs_grow(settings_.h0)) return contradict_at_least();
+    narrow(settings_.h0, settings_.h1, 0.01);
+    const std::string grow = "grow from " + rounded_text(found_.observed, 3) + " s on";
+    return contradict(grow, "multipliers and runs contradict each other: runs of " +
+                                std::to_string(found_.steps) + " steps " + grow +
+                                ", though no multiplier does; use steps below that");
   }
   if (found_.state == ProbedState::motion || !std::isfinite(found_.rows.front().spectral_radius)) return;
   const double rate = std::log(found_.rows.front().spectral_radius);
   if (rate * static_cast<double>(found_.steps) > seen_growth && !runs_grow(settings_.h0))
-    contradict("multipliers and runs contradict each other: a multiplier grows by " + rounded_text(rate, 2) +
-               " a step of h0, and runs of " + std::to_string(found_.steps) + " steps do not grow");
+    contradict("do not grow at h0", "multipliers and runs contradict each other: a multiplier grows by " +
+                                        rounded_text(rate, 2) + " a step of h0, and runs of " +
+                                        std::to_string(found_.steps) + " steps do not grow");
 }
 
 /// Where the step jumps runs are all there is. What a jump moves is no smaller for a smaller disturbance: the
@@ -182,7 +188,7 @@ void StepProbe::compare_with_runs() {
                             ", which begin with one disturbance; use the smaller one");
     return;
   }
-  if (gap > 0 && !is_motion) {
+  if (gap > 0 && found_.state == ProbedState::equilibrium) {
     const double middle = (found_.h_max + shown) / 2, rate = std::log(at(middle).spectral_radius);
     if (rate * static_cast<double>(steps_of_run(middle)) < seen_growth) {
       found_.contradiction = gap > allowed_gap && creep_ == 0;
@@ -193,8 +199,10 @@ void StepProbe::compare_with_runs() {
     }
   }
   if (std::abs(gap) <= (is_motion ? allowed_gap_of_motion : allowed_gap)) return;
-  contradict("multipliers and runs contradict each other: growth begins at " + rounded_text(found_.h_max, 4) +
-             " s by multipliers, and " + until + " by " + runs + "; use the smaller one");
+  contradict((std::isinf(found_.observed) ? "do not grow up to " : "grow from ") + rounded_text(shown, 4) +
+                 (std::isinf(found_.observed) ? " s" : " s on") + "; use the smaller limit",
+             "multipliers and runs contradict each other: growth begins at " + rounded_text(found_.h_max, 4) +
+                 " s by multipliers, and " + until + " by " + runs + "; use the smaller one");
 }
 
 void StepProbe::observe() {

@@ -70,6 +70,7 @@ class StepProbe {
   std::int64_t observed_steps();
   double seconds_of_step();
   [[nodiscard]] double beyond_limit() const;
+  void contradict_at_least();
   void bracket(double low, double high);
   void narrow(double low, double high, double resolution);
   void compare_with_runs();
@@ -78,10 +79,11 @@ class StepProbe {
   void say_what_is_unresolved();
   void compare_rests();
   void say_what_steps_show();
-  /// One of the two limits is wrong.
-  void contradict(const std::string& text) {
-    found_.contradiction = true;
-    found_.status.push_back(text);
+  /// One of the two limits is wrong, unless runs leave the state that multipliers tell of.
+  void contradict(const std::string& runs, const std::string& text) {
+    const bool leave = found_.state == ProbedState::initial;
+    found_.contradiction = !leave;
+    found_.status.push_back(leave ? "runs leave this state, and " + runs : text);
   }
 
   /// Sizes of numbers at the start.

@@ -51,12 +51,13 @@ struct ProbedLimit {
   double gap = 0;                          ///< (observed - h_max) / h_max; NaN without a number on both sides
   std::int64_t steps = 0;                  ///< of each of the runs
   /// h_max and observed are apart by more than 5 %, along a motion by more than 20 %: one of them is wrong,
-  /// or the runs are too short. `status` has a sentence.
+  /// or the runs are too short. `status` has a sentence. Not of an initial state, which runs leave.
   bool contradiction = false;
-  /// That a step is judged by [s]: h_max, or observed at a jump and where it contradicts h_max and is
-  /// smaller.
+  /// That a step is judged by [s]: h_max, or observed at a jump, and where it contradicts h_max or is of runs
+  /// that leave the state, and is smaller.
   [[nodiscard]] double limit() const {
-    return smoothness == StepSmoothness::jump || (contradiction && observed < h_max) ? observed : h_max;
+    const bool is_apart = contradiction || state == ProbedState::initial;
+    return smoothness == StepSmoothness::jump || (is_apart && observed < h_max) ? observed : h_max;
   }
   std::vector<std::string> status{};  ///< sentences: what the numbers do not tell
 };

@@ -2,6 +2,7 @@
 /// their step.
 #include "analysis/foreign_steps/step_probe.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 
@@ -108,6 +109,28 @@ TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
     const ProbedLimit found = probe_steps(engine, {.h0 = 1e-6, .h1 = 1e-5, .rows = 2, .observe = false});
     EXPECT_EQ(found.smoothness, StepSmoothness::smooth) << status_of(found);
   }
+}
+
+/// Explicit Euler of y' = -y^3, and symplectic Euler of a ball above an elastic floor.
+Eigen::VectorXd slowing(const Eigen::VectorXd& y, double h) { return y.array() - h * y.array().cube(); }
+Eigen::VectorXd falling(const Eigen::VectorXd& y, double h) {
+  const double v = y[1] - h * (9.81 + (y[0] < 0 ? 1e4 * y[0] : 0));
+  return Eigen::Vector2d(y[0] + h * v, v);
+}
+
+TEST(StepProbe, RunsThatLeaveAStateContradictNothing) {
+  Mapped engine(slowing, Eigen::VectorXd::Ones(1));
+  const ProbedLimit found = probe_steps(engine, {.h0 = 1e-3, .h1 = 1.9});
+  EXPECT_EQ(found.state, ProbedState::initial);
+  EXPECT_NEAR(found.h_max, 2.0 / 3, 1e-4);
+  EXPECT_FALSE(found.contradiction);
+  EXPECT_TRUE(says(status_of(found), "runs leave this state, and do not grow up to 1.9 s"));
+  Mapped ball(falling, Eigen::Vector2d(1, 0));
+  const ProbedLimit above = probe_steps(ball, {.h0 = 1e-4, .h1 = 0.03});
+  EXPECT_FALSE(above.contradiction);
+  EXPECT_TRUE(says(status_of(above), "runs leave this state, and grow from"));
+  EXPECT_TRUE(std::isinf(above.h_max));
+  EXPECT_LT(above.limit(), 0.03);
 }
 
 /// Implicit Euler of x'' + 0.3 x' + 7.3 x = 0.
