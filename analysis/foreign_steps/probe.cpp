@@ -320,10 +320,9 @@ void StepProbe::bisect(double low, double high) {
   // So close to the limit the motion that grows is hardly told from others.
   const StepSpectrum beyond = at(std::min(1.002 * found_.h_max, settings_.h1));
   if (beyond.grows) found_.critical = beyond;
+  if (found_.state == ProbedState::motion || fades(beyond)) return;
   // Shorter steps may hide it among multipliers of modulus 1.
-  if (found_.state == ProbedState::motion ||
-      !is_growth_of_model(beyond, spectrum_near(rest_, 1.3 * beyond.h)))
-    return;
+  if (!is_growth_of_model(beyond, spectrum_near(rest_, 1.3 * beyond.h))) return;
   const double rate = std::log(beyond.spectral_radius) / beyond.h;
   if (creeps(rate)) return;
   found_.h_max = nan;
@@ -344,7 +343,26 @@ bool StepProbe::creeps(double rate) {
   return true;
 }
 
-/// Whether what grows at h0 grows in the model: at half the step half as much a step.
+/// Whether growth that hardly exceeds its tolerance is that of the method at every step size, a power of h:
+/// beyond a limit it would come hundreds of times as fast.
+bool StepProbe::fades(const StepSpectrum& row) {
+  const auto excess = [&](const StepSpectrum& of) { return std::abs(of.multiplier) - 1 - creep_ * of.h; };
+  const double here = excess(row);
+  if (!(here < 100 * row.tolerance)) return false;
+  const double twice = excess(spectrum_near(rest_, 2 * row.h)), power = std::log2(twice / here),
+               next = std::log2(excess(spectrum_near(rest_, 4 * row.h)) / twice);
+  if (!(power > 1.2 && power < 6.5 && std::abs(next - power) < 0.5) ||
+      here > 1.5 * row.tolerance * std::exp2(power))
+    return false;
+  found_.h_max = nan;
+  found_.status.push_back("no step size is stable: growth falls as h^" + rounded_text(next, 2) + ", to " +
+                          rounded_text(here, 2) + " a step at " + rounded_text(row.h, 2) +
+                          " s, and is not seen below");
+  return true;
+}
+
+/// Whether what grows at h0 grows in the model, at half the step half as much a step, at all step sizes, or
+/// beyond a limit.
 void StepProbe::explain_growth_at_least() {
   found_.h_max = nan;
   const StepSpectrum row = found_.rows.front();
@@ -356,13 +374,22 @@ void StepProbe::explain_growth_at_least() {
     found_.status.push_back("motions grow at h0 already; take a smaller h0");
     return;
   }
-  const double of_half = at(settings_.h0 / 2).spectral_radius - 1, of_whole = row.spectral_radius - 1;
-  const bool of_model = std::abs(2 * of_half - of_whole) < 0.2 * of_whole;
-  if (of_model && creeps(of_whole / settings_.h0)) return;
-  found_.status.push_back(
-      of_model
-          ? "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state"
-          : "motions grow at h0 already; take a smaller h0");
+  StepSpectrum least = row, half = at(settings_.h0 / 2);
+  const double of_half = half.spectral_radius - 1, of_whole = row.spectral_radius - 1;
+  if (std::abs(2 * of_half - of_whole) < 0.2 * of_whole) {
+    if (!creeps(of_whole / settings_.h0))
+      found_.status.push_back(
+          "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state");
+    return;
+  }
+  constexpr int halvings = 30;
+  for (int i = 0; i < halvings && half.grows; ++i) {
+    least = half;
+    half = spectrum_near(rest_, least.h / 2);
+  }
+  if (!fades(least))
+    found_.status.push_back("motions grow at h0 already; take an h0 below " + rounded_text(least.h, 2) +
+                            " s");
 }
 
 /// All but the last remark.

@@ -87,6 +87,11 @@ def test_explicit_euler_of_a_damped_oscillator_has_its_closed_form():
     assert hmax.probe(step, [0.0, 0.0], 1e-4, 0.1, verify=False).h_max == pytest.approx(2 / 100, rel=1e-3)
 
 
+def test_a_step_that_grows_at_every_size_has_no_limit():
+    found = hmax.probe(lambda y, h: y + h * np.array([y[1], -100 * y[0]]), [0.0, 0.0], 1e-6, 1)
+    assert found.h_max is None and "no step size is stable: growth falls as h^2" in found.status and not found.contradiction
+
+
 def test_a_step_without_growth_is_unbounded():
     found = hmax.probe(lambda y, h: y / (1 + 50 * h), [0.0], 1e-3, 10, verify=False)
     assert found.h_max == math.inf

@@ -111,6 +111,35 @@ TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
   }
 }
 
+/// Runge-Kutta steps of x'' + c x' + 100 x = 0 of order 1 or 2, whose modulus is 1 + (10 h)^2 / 2 or
+/// 1 + (10 h)^4 / 8 without damping.
+template <int order, int c_1e6>
+Eigen::VectorXd oscillating(const Eigen::VectorXd& y, double h) {
+  const auto rate = [](const Eigen::VectorXd& of) {
+    return Eigen::Vector2d(of[1], -100 * of[0] - 1e-6 * c_1e6 * of[1]);
+  };
+  return y + h * rate(order == 1 ? y : Eigen::VectorXd(y + 0.5 * h * rate(y)));
+}
+
+TEST(StepProbe, GrowthThatFallsWithThePowerOfAMethodHasNoLimit) {
+  for (const auto& [step, power] : {std::pair(&oscillating<1, 0>, "h^2"), {&oscillating<2, 0>, "h^4"}})
+    for (const double h0 : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+      Mapped engine(step, Eigen::VectorXd::Zero(2));
+      const ProbedLimit found = probe_steps(engine, {.h0 = h0, .h1 = 1});
+      EXPECT_TRUE(std::isnan(found.h_max)) << found.h_max;
+      EXPECT_TRUE(says(status_of(found), std::string("no step size is stable: growth falls as ") + power));
+      EXPECT_FALSE(found.contradiction) << status_of(found);
+    }
+}
+
+TEST(StepProbe, ASmallLimitIsOne) {
+  // c / 100
+  Mapped engine(oscillating<1, 20'000>, Eigen::VectorXd::Zero(2));
+  EXPECT_NEAR(probe_steps(engine, {.h0 = 1e-5, .h1 = 1, .observe = false}).h_max, 2e-4, 2e-7);
+  const std::string status = status_of(probe_steps(engine, {.h0 = 1e-2, .h1 = 1, .observe = false}));
+  EXPECT_TRUE(says(status, "motions grow at h0 already; take an h0 below 0.00031 s"));
+}
+
 /// Explicit Euler of y' = -y^3, and symplectic Euler of a ball above an elastic floor.
 Eigen::VectorXd slowing(const Eigen::VectorXd& y, double h) { return y.array() - h * y.array().cube(); }
 Eigen::VectorXd falling(const Eigen::VectorXd& y, double h) {
