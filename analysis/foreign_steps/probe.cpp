@@ -422,25 +422,59 @@ int StepProbe::count_of_sizes() const {
   return settings_.h1 > settings_.h0 ? std::max({2, settings_.rows, static_cast<int>(least)}) : 1;
 }
 
-/// At a kink, where each step size takes thousands of steps.
+double StepProbe::size_of(int i, int count) const {
+  if (i + 1 == count) return settings_.h1;
+  return settings_.h0 * std::pow(settings_.h1 / settings_.h0, static_cast<double>(i) / (count - 1));
+}
+
+/// About how many steps are to be done.
+double StepProbe::steps_of_search() const {
+  const int count = count_of_sizes();
+  if (found_.smoothness == StepSmoothness::kink)
+    return static_cast<double>(steps_of_one_sided_growth) * count;
+  double steps = 0;
+  if (settings_.motion) {
+    // Three in each of two passes.
+    for (int i = 0; i < count; ++i) steps += 6 * static_cast<double>(steps_of_motion(size_of(i, count)));
+    return steps;
+  }
+  // Of a bisection, of the choice of an increment, and of products; about ten runs.
+  constexpr double halvings = 14, increments = 102, products = 180, runs = 4000;
+  const double sizes = count > 1 ? count + halvings : 1;
+  const Index n = coordinates_.size();
+  const bool has_groups = pattern_.pays(), has_matrix = n <= settings_.spectrum.matrix_to;
+  const double columns = has_groups   ? static_cast<double>(pattern_.groups().size())
+                         : has_matrix ? static_cast<double>(n)
+                                      : products;
+  // The first matrices may tell the pattern of the others.
+  const double matrices = has_matrix && !has_groups && found_.rows.empty() ? std::min(3.0, sizes) : sizes;
+  return sizes * increments + 2 * matrices * columns + (settings_.observe ? runs : 0);
+}
+
 void StepProbe::refuse_endless_search() {
-  const double steps = static_cast<double>(steps_of_one_sided_growth) * count_of_sizes(),
-               seconds = steps * seconds_of_step();
+  if (std::isinf(settings_.most_seconds)) return;
+  const double steps = steps_of_search(), seconds = steps * seconds_of_step();
   if (seconds <= settings_.most_seconds) return;
+  const bool at_kink = found_.smoothness == StepSmoothness::kink;
+  engine_.restore(home);
   throw InputError(
-      "the state is at a kink of the step, as with a contact that just touches, and growth is sought at " +
-      std::to_string(count_of_sizes()) + " step sizes one by one, for about " + rounded_text(seconds, 2) +
-      " s, more than the limit of " + rounded_text(settings_.most_seconds, 3) +
-      " s; allow more time, look at a shorter range of step sizes, or move the contact");
+      (at_kink
+           ? "the state is at a kink of the step, as with a contact that just touches, and growth is sought at " +
+                 std::to_string(count_of_sizes()) + " step sizes one by one, for about "
+           : "a probe takes some " + rounded_text(steps, 2) + " steps here, about ") +
+      rounded_text(seconds, 2) + " s, more than the limit of " + rounded_text(settings_.most_seconds, 3) +
+      " s; allow more time, look at a shorter range of step sizes" +
+      (at_kink             ? ", or move the contact"
+       : settings_.motion  ? ", or take a shorter motion"
+       : settings_.observe ? ", or do not run the engine"
+                           : ""));
 }
 
 void StepProbe::find_limit() {
   const int count = count_of_sizes();
   double low = 0;
   for (int i = 0; i < count; ++i) {
-    const double part = count > 1 ? static_cast<double>(i) / (count - 1) : 0;
-    const double h =
-        i + 1 == count ? settings_.h1 : settings_.h0 * std::pow(settings_.h1 / settings_.h0, part);
+    const double h = size_of(i, count);
     share_ = 0.02 + 0.4 * static_cast<double>(i) / count;
     detail_ = "h = " + rounded_text(h, 4) + " s";
     tell(share_, detail_);
@@ -452,6 +486,7 @@ void StepProbe::find_limit() {
       bisect(low, h);
       return;
     }
+    if (i == 0) refuse_endless_search();
     low = h;
   }
   found_.h_max = infinity;
@@ -548,6 +583,7 @@ ProbedLimit StepProbe::run() {
   found_.dim = engine_.dim();
   found_.h1 = settings_.h1;
   look_at_start();
+  refuse_endless_search();
   search();
   check_rest_at_limit();
   check_smoothness();

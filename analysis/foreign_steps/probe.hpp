@@ -36,6 +36,8 @@ class StepProbe {
   void check_smoothness();
   void find_limit();
   [[nodiscard]] int count_of_sizes() const;
+  [[nodiscard]] double size_of(int i, int count) const;
+  [[nodiscard]] double steps_of_search() const;
   void refuse_endless_search();
   void search();
   void forget_limit();

@@ -25,7 +25,7 @@ struct ProbeSettings {
   double resolution = 1e-4;        ///< of the limits, relative
   bool observe = true;             ///< run the engine on both sides of the limit
   double seconds_a_run = 2;        ///< CPU time of one of these runs, about
-  /// A search at a kink that is estimated to take longer is refused.
+  /// What is estimated to take longer is refused.
   double most_seconds = std::numeric_limits<double>::infinity();
   StepSpectrumSettings spectrum{};
   /// Told now and then what is done; may throw.

@@ -76,6 +76,7 @@ TEST(ProbeCommand, RefusesWhatDoesNotWork) {
   expect_refused(probe(tested + ":crash:hang --patience 0.2" + steps), "did not return within 0.2 s");
   expect_refused(probe(tested + " --timeout 0" + steps), "--timeout 0 is not positive");
   expect_refused(probe(TESTED_PLUGIN_VERSION + steps), "version 99");
+  expect_refused(probe(tested + ":chain --time-limit 1e-6" + steps), "more than the limit of 1e-06 s");
   expect_refused(probe(tested + ":softened:k=100 --stiffness E" + steps), "has no E=NUMBER");
   expect_refused(probe(tested + ":softened:k=100 --stiffness k --motion 9" + steps), "remove --motion");
   for (const char* motion : {"-1", "0", "nan", "inf"})
