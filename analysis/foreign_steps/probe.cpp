@@ -9,6 +9,7 @@
 #include "analysis/foreign_steps/hidden_state.hpp"
 #include "analysis/foreign_steps/slow_motions.hpp"
 #include "analysis/foreign_steps/step_kinks.hpp"
+#include "analysis/spectrum/lanczos.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
 
@@ -374,6 +375,7 @@ void StepProbe::explain_growth_at_least() {
     found_.status.push_back("motions grow at h0 already; take a smaller h0");
     return;
   }
+  refuse_equal_steps(settings_.h0 / 2, settings_.h0);
   StepSpectrum least = row, half = at(settings_.h0 / 2);
   const double of_half = half.spectral_radius - 1, of_whole = row.spectral_radius - 1;
   if (std::abs(2 * of_half - of_whole) < 0.2 * of_whole) {
@@ -470,6 +472,23 @@ void StepProbe::refuse_endless_search() {
                            : ""));
 }
 
+/// An engine that steps by a size of its own has no limit in that of a probe.
+void StepProbe::refuse_equal_steps(double h, double other) {
+  if (h == other) return;
+  const VectorXd away = 1e-3 * start_vector(scale_.size()).cwiseProduct(scale_);
+  for (const double sign : {1.0, -1.0}) {
+    const VectorXd y = coordinates_.at(start_, sign * away);
+    const VectorXd next = engine_.after(home, y, h, 1);
+    // What does not move may begin to in longer runs.
+    if (next == y || next != engine_.after(home, y, other, 1)) return;
+  }
+  engine_.restore(home);
+  throw InputError(
+      "steps of " + rounded_text(h, 3) + " s and of " + rounded_text(other, 3) +
+      " s from a disturbed state are equal in all bits: the step does not depend on its size; pass "
+      "the step size on to the engine");
+}
+
 void StepProbe::find_limit() {
   const int count = count_of_sizes();
   double low = 0;
@@ -489,6 +508,7 @@ void StepProbe::find_limit() {
     if (i == 0) refuse_endless_search();
     low = h;
   }
+  refuse_equal_steps(settings_.h0, settings_.h1);
   found_.h_max = infinity;
 }
 
@@ -611,6 +631,7 @@ ProbedLimit StepProbe::compare() {
   looks_at_kinks(settings_.h1);
   at(settings_.h0);
   const StepSpectrum row = at(settings_.h1);
+  refuse_equal_steps(settings_.h0, settings_.h1);
   if (row.grows) found_.status.push_back(motion_in_words(row.multiplier) + " grows");
   for (const StepSpectrum& each : found_.rows)
     if (each.settled.size() == 0)

@@ -60,6 +60,7 @@ class StepProbe {
   void look_where_it_settles(StepSpectrum& row);
   StepSpectrum along_motion(double h);
   void bisect(double low, double high);
+  void refuse_equal_steps(double h, double other);
   bool fades(const StepSpectrum& row);
   void explain_growth_at_least();
   void judge_across_kink();

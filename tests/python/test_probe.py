@@ -167,6 +167,7 @@ def test_the_keys_are_those_of_the_program(program):
         ({"step": lambda y, h: y[:1]}, "has 1 numbers but must have 2"),
         ({"step": lambda y, h: "x"}, "no real numbers"),
         ({"step": lambda y, h: y * np.nan}, "not finite"),
+        ({"step": lambda y, h: y / 2}, "does not depend on its size"),
         ({"y0": None}, "y0 is missing"),
         ({"y0": []}, "no numbers"),
         ({"y0": [np.inf, 0]}, r"y0\[0\] is inf"),

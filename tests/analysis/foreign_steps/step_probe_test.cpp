@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/errors.hpp"
 #include "tests/analysis/foreign_steps/mapped_stepper.hpp"
 #include "tests/analysis/foreign_steps/random_lattice.hpp"
 #include "tests/says.hpp"
@@ -184,6 +185,24 @@ TEST(StepProbe, NoiseOfMotionsIsSeenAtRest) {
   Mapped engine(shaking, Eigen::VectorXd::Zero(2));
   const ProbedLimit found = probe_steps(engine, {.h0 = 1e-2, .h1 = 0.1, .observe = false});
   EXPECT_TRUE(says(status_of(found), "steps are not reproducible"));
+}
+
+Eigen::VectorXd by_its_own_size(const Eigen::VectorXd& y, double) { return oscillating<1, 0>(y, 0.01); }
+Eigen::VectorXd halving(const Eigen::VectorXd& y, double) { return y / 2; }
+
+TEST(StepProbe, AStepThatIgnoresItsSizeIsRefused) {
+  const std::string told = "the step does not depend on its size";
+  for (const auto step : {by_its_own_size, halving}) {
+    Mapped engine(step, Eigen::VectorXd::Zero(2));
+    for (const std::optional<double> motion : {std::optional<double>(), std::optional<double>(2)}) {
+      const ProbeSettings settings{.h0 = 1e-3, .h1 = 1, .motion = motion, .observe = false};
+      EXPECT_TRUE(says(error_of<InputError>([&] { probe_steps(engine, settings); }), told));
+      EXPECT_EQ(engine.state().norm(), 0);
+    }
+    EXPECT_TRUE(says(error_of<InputError>([&] { compare_steps(engine, {.h0 = 1e-3, .h1 = 1}); }), told));
+  }
+  Mapped one(halving, Eigen::VectorXd::Zero(2));
+  EXPECT_NO_THROW(probe_steps(one, {.h0 = 1e-2, .h1 = 1e-2, .observe = false}));
 }
 
 /// Free bodies, held ones and bodies on a floor, of 48 to 3,000 numbers, with runs as long as those of `hmax
