@@ -226,10 +226,9 @@ class Search {
           conserved_.cols() > 0
               ? std::string("the rates cannot all vanish while the sums of the states that this system "
                             "conserves keep their value; start elsewhere")
-              : fmt::format(
-                    "the rates cannot all vanish near this state: whatever is moved, one of them "
-                    "stays at {}; start elsewhere where a spring holds the load, without one there is no equilibrium",
-                    rounded(f_.cwiseAbs().maxCoeff())));
+              : fmt::format("the rates cannot all vanish near this state: whatever is moved, one of them "
+                            "stays at {}; start elsewhere; a load without a spring has no equilibrium",
+                            rounded(f_.cwiseAbs().maxCoeff())));
     nudged_ = true;
     if (!nudge())
       return ends(not_finite, "the rates beside a singular state are not finite; start elsewhere");
