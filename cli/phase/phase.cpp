@@ -408,8 +408,8 @@ std::vector<Curve> ways_of(const PhaseView& view, const Equilibrium& saddle, boo
   const Problem problem = into ? reversed(view.still) : view.still;
   std::vector<Curve> ways;
   for (const auto& [direction, rate] : rays_of(view, saddle, into)) {
-    // ln(10^4) / |rate| of it until the window is crossed.
-    const double t_end = std::max(problem.t_end, 20 / std::abs(rate));
+    const double until_seen = std::log(view.window.size().maxCoeff() / small);
+    const double t_end = std::max(problem.t_end, (10 + until_seen) / std::abs(rate));
     const Table way = orbit(problem, saddle.state + small * direction, t_end, view.window, 6);
     ways.push_back({.label = into ? "into the saddle" : "out of the saddle",
                     .x = way.values[0],
