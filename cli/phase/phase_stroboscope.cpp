@@ -168,20 +168,21 @@ struct Section {
 constexpr std::int64_t most_searched_steps = 5'000;
 
 /// @param map     of periods of any length
-/// @param search  of those that a search follows; where the motion that is seen has longer ones, it is found
-///                by `map`
+/// @param search  of those that a search follows; the motion that is seen is found by `map` where that misses
+/// it
 FixedPointSearch motions_of_one_period(const VectorFunction& map, const VectorFunction& search,
                                        const Section& section) {
-  const Settled& motion = section.motion;
   const Window& window = section.searched;
-  if (motion.period != 1 || search(motion.looks.back()).allFinite())
-    return search_fixed_points(search, window);
-  const Vector2d seen = motion.looks.back();
+  FixedPointSearch found = search_fixed_points(search, window);
+  if (section.motion.period != 1) return found;
+  const Vector2d seen = section.motion.looks.back();
   const auto distance = [&](const Vector2d& y) -> double {
-    return (y - seen).cwiseQuotient(window.size()).norm();
+    return (y - seen).cwiseQuotient(window.size()).cwiseAbs().maxCoeff();
   };
-  if ((seen - (window.lower + window.upper) / 2).cwiseAbs().cwiseQuotient(window.size()).maxCoeff() > 0.5)
-    return search_fixed_points(search, window);
+  const bool outside = distance((window.lower + window.upper) / 2) > 0.5;
+  if (outside || std::ranges::any_of(found.points,
+                                     [&](const FixedPoint& point) { return distance(point.state) < 1e-6; }))
+    return found;
   return search_fixed_points(
       [&](const Vector2d& y) -> Vector2d { return distance(y) < 0.01 ? map(y) : search(y); }, window, {seen});
 }

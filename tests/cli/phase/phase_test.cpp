@@ -287,6 +287,9 @@ TEST(Phase, AMotionThatTakesManyStepsAPeriodIsListed) {
   ASSERT_EQ(document.at("periodic").size(), 1U);
   EXPECT_NEAR(document.at("periodic")[0].at("x").get<double>(), document.at("section")[0][0], 1e-8);
   EXPECT_TRUE(says(document.at("search").at("status").get<std::string>(), "more than 5000 steps a period"));
+  // Of this one only neighbours do.
+  const AnyJson stiff = phase(Shell(), "liver_forced --set k1=1e6 --set w=3 --poincare --periods 20");
+  EXPECT_EQ(stiff.at("periodic").size(), 1U);
 }
 
 TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
