@@ -355,7 +355,8 @@ void check_length(const PhaseOptions& options, const ProblemAt& problem_at,
                seconds / static_cast<double>(options.follow ? 1 : jobs()));
 }
 
-/// What motions of all values are computed and judged at, for the smallest of some.
+/// What motions of all values are computed and judged at, for the smallest of some. Without a force a motion
+/// dies out, and has no size.
 struct DiagramScale {
   Tolerances<double> tolerances = stroboscope_tolerances;
   Resolution resolution{};
@@ -367,7 +368,9 @@ DiagramScale scale_of(const ProblemAt& problem_at, const std::vector<double>& pe
   constexpr int few = 8;
   DiagramScale scale;
   for (const std::size_t i : some_of(periods.size())) {
-    const Motion motion = motion_of(problem_at(i), periods[i], steps, {few, seen.skip});
+    const Problem problem = problem_at(i);
+    if (!is_driven(problem)) continue;
+    const Motion motion = motion_of(problem, periods[i], steps, {few, seen.skip});
     scale.tolerances.atol = std::min(scale.tolerances.atol, motion.tolerances.atol);
     scale.resolution.rest = std::min(scale.resolution.rest, motion.resolution.rest);
   }

@@ -315,6 +315,8 @@ TEST(Phase, DrawsTheBifurcationsOfADrivenLiver) {
   const AnyJson force = phase(shell, "liver_forced --bifurcation P --from 0 --to 1 --points 2");
   EXPECT_EQ(force.at("columns")[0].at("period"), 1);
   EXPECT_EQ(force.at("columns")[1].at("period"), 1);
+  const AnyJson dying = phase(shell, ueda + "--bifurcation P --from 0 --to 8 --points 3");
+  EXPECT_EQ(dying.at("tolerances").at("atol"), 1e-11);
 }
 
 TEST(Phase, LooksAtFormulasOnceInTheirPeriod) {
