@@ -40,11 +40,8 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
         system.rhs(t, here, f);
         const double least = size > 0 ? 1e-3 * size : 1e-4,
                      noise = 1e3 * std::numeric_limits<double>::epsilon() * f.cwiseAbs().maxCoeff();
-        std::vector<KinkedComponent> kinks;
-        for (Eigen::Index j = 0; j < y.size() && kinks.size() < most; ++j) {
-          // Twice the reach of jacobian_by_differences().
-          const double d =
-              2 * std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(std::abs(y[j]), least);
+        // How far f is from a straight line over a reach, beside how far it goes.
+        const auto bend = [&](Eigen::Index j, double d) {
           moved[j] = y[j] + d;
           system.rhs(t, moved, above);
           moved[j] = y[j] - d;
@@ -52,7 +49,17 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
           moved[j] = y[j];
           const double change =
               std::max((above - f).cwiseAbs().maxCoeff(), (f - below).cwiseAbs().maxCoeff());
-          if (!((above + below - 2 * f).cwiseAbs().maxCoeff() <= 0.01 * change + noise))
+          return std::pair{(above + below - 2 * f).cwiseAbs().maxCoeff(), change};
+        };
+        std::vector<KinkedComponent> kinks;
+        for (Eigen::Index j = 0; j < y.size() && kinks.size() < most; ++j) {
+          // Twice the reach of jacobian_by_differences().
+          const double d =
+              2 * std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(std::abs(y[j]), least);
+          const auto [off, change] = bend(j, d);
+          // At a hundredth of the reach a jump of the slope is a hundredth, x |x|^(1/2) a thousandth, x^2
+          // 1e-4.
+          if (!(off <= 0.01 * change + noise) && !(bend(j, d / 100).first < off / 200))
             kinks.push_back({j, d});
         }
         return kinks;
@@ -62,7 +69,9 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
 
 // One component after the other, so that sides of several kinks are those of one state.
 bool take_stiffest_side(OperatingPoint& point, const Problem& problem) {
-  if (point.is_body || problem.matrices || is_affine(point.linearity)) return false;
+  constexpr Eigen::Index most_states = 2000;  // each takes two calls of all rates
+  if (point.is_body || problem.matrices || is_affine(point.linearity) || problem.y0.size() > most_states)
+    return false;
   const Eigen::VectorXd y = point.model.y;
   const double size = std::max(largest_of(y), largest_of(problem.y0));
   std::optional<LinearModel> stiffest;

@@ -32,11 +32,23 @@ TEST(Kinks, HaveTheLimitOfTheirStiffestSideWhicheverTheCodeTakes) {
 }
 
 TEST(Kinks, AreNotSeenInWhatBendsSmoothly) {
-  for (const char* rate : {"-x - 1e18*x^3", "-tanh(1e4*x)", "-x*exp(x)", "1 - x - 1e3*x^2"}) {
+  for (const char* rate :
+       {"-x - 1e18*x^3", "-tanh(1e4*x)", "-x*exp(x)", "1 - x - 1e3*x^2", "-x - 1e9*max(x, 0)^1.5"}) {
     const Linearised near = linearised(decaying(rate, 0));
     ASSERT_TRUE(near.point.at_equilibrium) << rate;
     EXPECT_EQ(near.point.status, "") << rate;
   }
+}
+
+// The reach in a displacement is that of the pressure beside it.
+TEST(Kinks, AreNotSeenBesideLargeStatesOfAnotherUnit) {
+  const Linearised near = linearised(make_problem(
+      {.name = "gas",
+       .equations = {{"x", "v"}, {"v", "-100*x - 4e8*x^3 - 2*v + 0.01*(p - 1e5)"}, {"p", "(1e5 - p)/0.1"}},
+       .y0 = {1e-3, 0, 1e5}},
+      "gas.toml"));
+  ASSERT_TRUE(near.point.at_equilibrium);
+  EXPECT_EQ(near.point.status, "");
 }
 
 // Each of two stops is met on one side; both together are the stiffest.
