@@ -349,7 +349,7 @@ bool StepProbe::creeps(double rate) {
 bool StepProbe::fades(const StepSpectrum& row) {
   const auto excess = [&](const StepSpectrum& of) { return std::abs(of.multiplier) - 1 - creep_ * of.h; };
   const double here = excess(row);
-  if (!(here < 100 * row.tolerance)) return false;
+  if (!(here < 100 * row.tolerance) || 4 * row.h > settings_.h1) return false;
   const double twice = excess(spectrum_near(rest_, 2 * row.h)), power = std::log2(twice / here),
                next = std::log2(excess(spectrum_near(rest_, 4 * row.h)) / twice);
   if (!(power > 1.2 && power < 6.5 && std::abs(next - power) < 0.5) ||
@@ -358,7 +358,7 @@ bool StepProbe::fades(const StepSpectrum& row) {
   found_.h_max = nan;
   found_.status.push_back("no step size is stable: growth falls as h^" + rounded_text(next, 2) + ", to " +
                           rounded_text(here, 2) + " a step at " + rounded_text(row.h, 2) +
-                          " s, and is not seen below");
+                          " s, and is not seen below, where damping may outweigh it");
   return true;
 }
 
@@ -377,21 +377,23 @@ void StepProbe::explain_growth_at_least() {
   }
   refuse_equal_steps(settings_.h0 / 2, settings_.h0);
   StepSpectrum least = row, half = at(settings_.h0 / 2);
-  const double of_half = half.spectral_radius - 1, of_whole = row.spectral_radius - 1;
-  if (std::abs(2 * of_half - of_whole) < 0.2 * of_whole) {
-    if (!creeps(of_whole / settings_.h0))
-      found_.status.push_back(
-          "motions grow at every step size, at half of h0 half as much a step: the model itself is unstable at this state");
-    return;
-  }
   constexpr int halvings = 30;
-  for (int i = 0; i < halvings && half.grows; ++i) {
+  for (int i = 0; i < halvings; ++i) {
+    const double of_half = half.spectral_radius - 1, of_whole = least.spectral_radius - 1;
+    // Of steps far beyond a limit growth is in proportion, too.
+    if (of_whole < 0.5 && std::abs(2 * of_half - of_whole) < 0.2 * of_whole) {
+      if (!creeps(of_whole / least.h))
+        found_.status.push_back(
+            "motions grow at every step size, at half of it half as much a step: the model itself is unstable at this state");
+      return;
+    }
+    if (!half.grows) break;
     least = half;
     half = spectrum_near(rest_, least.h / 2);
   }
   if (!fades(least))
-    found_.status.push_back("motions grow at h0 already; take an h0 below " + rounded_text(least.h, 2) +
-                            " s");
+    found_.status.push_back("motions grow at h0 already; take " +
+                            (half.grows ? "a smaller h0" : "an h0 of " + rounded_text(half.h, 2) + " s"));
 }
 
 /// All but the last remark.
@@ -486,7 +488,7 @@ void StepProbe::refuse_equal_steps(double h, double other) {
   throw InputError(
       "steps of " + rounded_text(h, 3) + " s and of " + rounded_text(other, 3) +
       " s from a disturbed state are equal in all bits: the step does not depend on its size; pass "
-      "the step size on to the engine");
+      "it on to the engine, or ask for no limit of what has no time");
 }
 
 void StepProbe::find_limit() {

@@ -1,4 +1,4 @@
-/// Which motions of a large step continue the slow unit_scales, against the eigenvalues of steps of an
+/// Which motions of a large step continue the slow ones, against the eigenvalues of steps of an
 /// oscillator.
 #include "analysis/foreign_steps/slow_motions.hpp"
 

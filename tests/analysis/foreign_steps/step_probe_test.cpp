@@ -138,7 +138,7 @@ TEST(StepProbe, ASmallLimitIsOne) {
   Mapped engine(oscillating<1, 20'000>, Eigen::VectorXd::Zero(2));
   EXPECT_NEAR(probe_steps(engine, {.h0 = 1e-5, .h1 = 1, .observe = false}).h_max, 2e-4, 2e-7);
   const std::string status = status_of(probe_steps(engine, {.h0 = 1e-2, .h1 = 1, .observe = false}));
-  EXPECT_TRUE(says(status, "motions grow at h0 already; take an h0 below 0.00031 s"));
+  EXPECT_TRUE(says(status, "motions grow at h0 already; take an h0 of 0.00016 s"));
 }
 
 /// Explicit Euler of y' = -y^3, and symplectic Euler of a ball above an elastic floor.
