@@ -15,6 +15,10 @@ namespace hmax {
 
 namespace {
 
+/// A share of the first distance. What runs end in, rounding or what equations are solved to, grows and
+/// decays by chance.
+constexpr double noise = 1e-6;
+
 /// From one quarter to the other growth in proportion to time makes at most a factor of four.
 const double in_proportion = std::log(4.0) + ExpectedGrowth{}.visible;
 
@@ -27,7 +31,7 @@ double threshold_of(const ExpectedGrowth& expected) {
 
 // Maxima over quarters, not single states: what oscillates within a quarter has the same maximum in both.
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
-                       double noise) {
+                       double floor) {
   double start = 0, early = 0, late = 0;
   std::int64_t n = 0;
   bool broken = false;
@@ -45,8 +49,8 @@ double observed_growth(const ShowSteps& run, const Distance& distance, double h,
   });
   if (!ended || broken || n < steps) return std::numeric_limits<double>::infinity();
   constexpr double least = std::numeric_limits<double>::min();
-  // Largest distances of the second and the last quarter; noise of the first distance is a floor.
-  const double growth = std::log(late) - std::log(std::max({early, noise * start, least}));
+  // Largest distances of the second and the last quarter; a share of the first distance is a floor.
+  const double growth = std::log(late) - std::log(std::max({early, floor * start, least}));
   // What a nonlinear model has caught far out before the quarters that are compared has grown all the same.
   constexpr double far_out = 1e4;
   return start > 0 && late > far_out * start ? std::max(growth, std::log(late / start)) : growth;
@@ -122,8 +126,6 @@ double onset_between(const Excess& excess, double low, double high, double at_lo
 
 ObservedLimit observe_limit(const ShowSteps& run, const Distance& distance, double predicted,
                             const ExpectedGrowth& expected) {
-  // What runs end in is rounding, which grows and decays by chance.
-  constexpr double noise = 1e-9;
   return observe_limit(
       [&](double h, std::int64_t steps) { return observed_growth(run, distance, h, steps, noise); },
       predicted, expected);
@@ -242,8 +244,6 @@ ShowSteps without_roots(ShowSteps run, Eigen::VectorXd rest,
 
 bool grows_at(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps) {
   // From one quarter to the other linear growth makes at most a factor of 4, so does not count.
-  // What is left of a mode that every step annihilates is what equations are solved to.
-  constexpr double noise = 1e-6;
   return observed_growth(run, distance, h, steps, noise) > in_proportion;
 }
 

@@ -31,9 +31,9 @@ using Distance = std::function<double(const Eigen::Ref<const Eigen::VectorXd>& y
 /// before and after it.
 /// ln(max over n > 3N/4 of d_n) - ln(max over N/4 < n <= N/2 of d_n), d the distance, N = steps.
 /// @param h  [s]
-/// @param noise  a distance below this share of the first one is no growth yet
+/// @param floor  a distance below this share of the first one is no growth yet
 double observed_growth(const ShowSteps& run, const Distance& distance, double h, std::int64_t steps,
-                       double noise = 0);
+                       double floor = 0);
 
 /// Two numbers that say how one motion of a linear model stands, such as its displacement and its velocity,
 /// in one unit.
