@@ -441,7 +441,7 @@ void take_off_motion(const MotionSize& motion, double t, std::size_t& at, Eigen:
 /// Whether a motion stays where it begins, but for rounding.
 bool rests(const MotionSize& motion) {
   const auto is_start = [&](const Eigen::VectorXd& y) {
-    return (y - motion.y.front()).norm() <= 1e-9 * y.norm();
+    return ((y - motion.y.front()).cwiseAbs().array() <= 1e-9 * y.cwiseAbs().array()).all();
   };
   return !motion.y.empty() && std::ranges::all_of(motion.y, is_start);
 }
