@@ -145,9 +145,11 @@ AdviceQuestion question_of(const AdviseOptions& options, const Problem& problem,
                                    to_text(question.tolerance)));
   }
   if (options.budget) question.budget = positive("--budget", *options.budget, "5") / 1000;
-  if (question.budget && *question.budget > question.frame())
+  // Frames are written with few digits, such as 16.67.
+  if (question.budget && *question.budget > 1.05 * question.frame())
     throw InputError(fmt::format("--budget is {} ms, and a frame has {} ms; give less, or leave it out",
                                  to_text(*options.budget), short_number(1000 * question.frame())));
+  if (question.budget) question.budget = std::min(*question.budget, question.frame());
   question.least_error = options.budget && !options.tolerance;
   question.within = positive("--within", options.within.value_or(60), "60");
   if (!options.frames.empty()) {

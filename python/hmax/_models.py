@@ -210,7 +210,7 @@ def advise(
     """
     hertz = between("rate", rate, 1, 1e5)
     allowed = 0.01 if tolerance is None else between("tolerance", tolerance, 1e-10, 1)
-    milliseconds = None if budget is None else between("budget", budget, 1e-6, 1000 / hertz)
+    milliseconds = None if budget is None else min(between("budget", budget, 1e-6, 1050 / hertz), 1000 / hertz)
     names = [methods] if isinstance(methods, str) else [method_name(method) for method in methods]
     seconds = float("inf") if within is None else between("within", within, 1e-3, 1e9)
     question = (hertz, allowed, milliseconds, budget is not None and tolerance is None, names, min(count("frames", frames), 10**6), seconds)
