@@ -186,7 +186,7 @@ Tolerances<double> tolerances_at(Tolerances<double> tolerances, double size) {
 }
 
 Tolerances<double> tolerances_in(const Window& window, const Tolerances<double>& tolerances) {
-  return tolerances_at(tolerances, window.size().minCoeff());
+  return tolerances_at(tolerances, window.lower.cwiseAbs().cwiseMax(window.upper.cwiseAbs()).minCoeff());
 }
 
 VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps,

@@ -209,7 +209,8 @@ Section section_of(const Problem& problem, const PhaseOptions& options) {
                       : parse_window(options.window)};
   if (motion.settling == Settling::periodic)
     section.exponent =
-        largest_lyapunov(shown.map, motion.looks.back(), around(problem, motion.looks, period, shown).size());
+        largest_lyapunov(shown.map, motion.looks.back(),
+                         around(problem, motion.looks, period, shown).size().cwiseMax(1e-3 * shown.size));
   section.periodic = motions_of_one_period(
       shown.map, stroboscope(problem, period, steps, most_searched_steps, shown.tolerances), section);
   return section;
@@ -370,7 +371,7 @@ DiagramScale scale_of(const ProblemAt& problem_at, const std::vector<double>& pe
   for (const std::size_t i : some_of(periods.size())) {
     const Problem problem = problem_at(i);
     if (!is_driven(problem)) continue;
-    const Motion motion = motion_of(problem, periods[i], steps, {few, seen.skip});
+    const Motion motion = motion_of(problem, periods[i], steps, {few, steps ? 0 : seen.skip});
     scale.tolerances.atol = std::min(scale.tolerances.atol, motion.tolerances.atol);
     scale.resolution.rest = std::min(scale.resolution.rest, motion.resolution.rest);
   }
@@ -555,8 +556,9 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
       bifurcation(maps, values, first.y0, seen.skip, seen.count, options.follow, going, scale.resolution);
   if (interrupted) throw Interrupted{};
 
-  Json document = document_of(first);
-  document["parameters"].erase(name);
+  Problem held = first;
+  std::erase_if(held.parameters, [&](const auto& parameter) { return parameter.first == name; });
+  Json document = document_of(held);
   Json list = Json::array();
   for (std::size_t i = 0; i < columns.size(); ++i) list.push_back(column_document(columns[i], periods[i]));
   add_motions(document, steps, scale.tolerances);
@@ -565,8 +567,6 @@ void phase_bifurcation(const PhaseOptions& options, Console& console) {
   document["follow"] = options.follow;
   document["columns"] = list;
 
-  Problem held = first;
-  std::erase_if(held.parameters, [&](const auto& parameter) { return parameter.first == name; });
   std::string text = headline(held) + "\n";
   TextTable table({"settles to", name + " from", "to"});
   for (const Stretch& stretch : stretches(columns))

@@ -205,15 +205,15 @@ TEST(Phase, TellsChaosFromRepetition) {
 TEST(Phase, FindsAllMotionsOfOnePeriodAndSaysWhy) {
   const Shell shell;
   const auto found = [&](const std::string& options) {
-    return phase(shell, "liver_forced --poincare --periods 300 --set m=1 --set k3=1 " + options);
+    return phase(shell, "liver_forced --poincare --periods 300 --set m=1 " + options);
   };
-  const AnyJson chaos = found("--set c=0.05 --set k1=0 --set P=7.5 --set w=1");
+  const AnyJson chaos = found("--set k3=1 --set c=0.05 --set k1=0 --set P=7.5 --set w=1");
   ASSERT_EQ(chaos.at("periodic").size(), 3U);
   EXPECT_NEAR(chaos.at("periodic")[1].at("x").get<double>(), 2.89136324, 1e-7);
   EXPECT_EQ(chaos.at("periodic")[1].at("index"), -1);
   EXPECT_EQ(chaos.at("search").at("index_sum"), 1);
   EXPECT_EQ(chaos.at("search").at("degree"), 1);
-  const std::string wells = "--set c=0.25 --set k1=-1 --set w=1 ";
+  const std::string wells = "--set k3=1 --set c=0.25 --set k1=-1 --set w=1 ";
   EXPECT_EQ(found(wells + "--set P=0.2").at("periodic").size(), 7U);
   // Around one of the wells alone.
   const AnyJson part = found(wells + "--set P=0.1 --window 0.5,1.5,-0.5,0.5");
@@ -264,6 +264,15 @@ TEST(Phase, AStiffLiverThatIsPushedIsNotChaotic) {
   const AnyJson columns =
       phase(shell, "liver_forced --bifurcation k1 --from 1e4 --to 1e7 --points 4 --set w=3").at("columns");
   for (const AnyJson& column : columns) EXPECT_EQ(column.at("period"), 1) << column;
+}
+
+TEST(Phase, ASmallVibrationAboutAStaticLoadHasItsExponent) {
+  const Shell shell;
+  write_text(shell / "held.toml",
+             "[equations]\nx = \"v\"\nv = \"0.3448 + 1e-9*cos(3*t) - 1.3793*v - 4.6207*x\"\n"
+             "[initial]\nx = 0.0746\nv = 0\n");
+  const AnyJson held = phase(shell, "held.toml --poincare --periods 100 --period 2.0943951023931953");
+  EXPECT_NEAR(held.at("lyapunov").get<double>(), -1.3793 / 2, 0.05);
 }
 
 /// Neighbours meet within a period: the exponent is told to be below a bound, the multipliers below 1e-9.
