@@ -22,7 +22,8 @@ TEST(Tics, OfALinearAxisAreTheClosestWhoseLabelsHaveRoom) {
 
 TEST(Tics, OfALinearAxisReachBeyondItsEndByHalfALabel) {
   EXPECT_NEAR(overhang({}, {-0.00015, 0.00015}, 700), 3.4 * 7, 1e-9);  // 0.00015 at the very end
-  EXPECT_EQ(overhang({}, {0, 1.08}, 700), 0);                          // 1 is 52 pixels before it
+  EXPECT_NEAR(overhang({}, {-0.0003, -0.0001}, 700), 3.4 * 7, 1e-9);
+  EXPECT_EQ(overhang({}, {0, 1.08}, 700), 0);  // 1 is 52 pixels before it
   EXPECT_EQ(overhang({.logarithmic = true}, {1, 1000}, 800), 0);
 }
 
