@@ -87,7 +87,7 @@ Words options_with_values(const CLI::App& app) {
     for (const CLI::Option* option : command.get_options())
       for (const std::string& name : option->get_lnames()) {
         bool& has_value = all.try_emplace("--" + name, true).first->second;
-        has_value = has_value && option->get_items_expected_max() > 0;
+        has_value = has_value && option->get_items_expected_min() > 0;
       }
     for (const CLI::App* each : command.get_subcommands({})) look(*each);
   };
@@ -131,8 +131,7 @@ _hmax() {
 )";
   for (const auto& [option, values] : values_of_options())
     text += fmt::format("    {}) words=\"{}\" ;;\n", option, joined_words(values));
-  text += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$current\")); return ;;\n",
-                      fmt::join(options_with_values(app), "|"));
+  text += fmt::format("    {}) return ;;\n", fmt::join(options_with_values(app), "|"));
   text += R"(  esac
   if [[ -z $words ]]; then
     case ${COMP_CWORD}:${COMP_WORDS[1]}:${COMP_WORDS[2]} in
