@@ -14,6 +14,7 @@
 #include "cli/shared/commands.hpp"
 #include "cli/shared/options.hpp"
 #include "cli/shared/outputs.hpp"
+#include "cli/shared/shown_text.hpp"
 #include "core/errors.hpp"
 #include "results/json.hpp"
 
@@ -32,7 +33,7 @@ struct CheckOptions {
     std::string text;
     for (const auto& [name, value] :
          {std::pair{"--methods", &methods}, {"--tableau", &tableau}, {"--baseline", &baseline}})
-      if (!value->empty()) text += fmt::format(" {} '{}'", name, *value);
+      if (!value->empty()) text += fmt::format(" {} {}", name, shell_word(*value));
     return text;
   }
 };

@@ -77,7 +77,7 @@ struct OrderReport {
 
   /// What errors below the floor are worth.
   [[nodiscard]] std::string_view floor() const {
-    return blurred ? "what the error of the reference blurs" : "rounding level";
+    return blurred ? "the error of the reference" : "rounding level";
   }
 
   /// Whether the slopes come visibly nearer to the expected order up to the step at which errors are

@@ -11,6 +11,7 @@
 #include "cli/shared/options.hpp"
 #include "core/errors.hpp"
 #include "core/numbers.hpp"
+#include "core/part_file.hpp"
 #include "core/text/digest.hpp"
 #include "limits/rows/model_digest.hpp"
 #include "results/build_info.hpp"
@@ -22,7 +23,8 @@ namespace {
 
 bool is_same_file(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
-  return !b.empty() && fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+  return !b.empty() && fs::weakly_canonical(fs::absolute(behind_links(a))) ==
+                           fs::weakly_canonical(fs::absolute(behind_links(b)));
 }
 
 std::string digest_of_file(const std::string& name) {
