@@ -73,8 +73,7 @@ TEST(CheckCommand, GuardsAMethodOfOnesOwn) {
   write_text(shell / "mine.toml", "a = [[], [\"2/3\"]]\nb = [\"1/4\", \"3/4\"]\n");
   const Told other = shell.hmax("check --tableau mine.toml --baseline mine.csv");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_TRUE(says(other.out, "hmax check --update --tableau mine.toml --baseline mine.csv"))
-      << other.out;
+  EXPECT_TRUE(says(other.out, "hmax check --update --tableau mine.toml --baseline mine.csv")) << other.out;
   // Rows of others stay.
   write_text(shell / "other.toml", "a = [[], [\"1/2\"]]\nb = [0, 1]\n");
   ASSERT_EQ(shell.hmax("check --tableau other.toml --baseline mine.csv --update").exit_code, 0);
