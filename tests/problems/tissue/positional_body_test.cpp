@@ -88,8 +88,9 @@ TEST(PositionalBody, PointsOfOneColourDoNotActOnEachOther) {
     const Eigen::VectorXd q = random_vector(body->dofs(), 4e-3, 1), still = Eigen::VectorXd::Zero(q.size());
     const Eigen::MatrixXd K = stiffness(*body, 0, q, still);
     const PositionalBody points(body, PositionalVerbs::points);
-    expect_colouring(points.point_colours(), body->dofs() / 3,
-                     [&](std::int32_t i, std::int32_t j) { return !K.block<3, 3>(3 * i, 3 * j).isZero(0); });
+    expect_colouring(points.point_colours(), body->dofs() / 3, [&](std::int32_t i, std::int32_t j) {
+      return !K.block<3, 3>(Eigen::Index{3} * i, Eigen::Index{3} * j).isZero(0);
+    });
   }
 }
 
@@ -165,7 +166,8 @@ TEST(PositionalBody, ConstraintsHaveTheGradientsOfTheirValues) {
       for (const std::int32_t c : colour) {
         const CompliantConstraint at = constraint_of(system, q, c);
         Eigen::VectorXd gradient = Eigen::VectorXd::Zero(q.size());
-        for (std::size_t i = 0; i < at.points; ++i) gradient.segment<3>(3 * at.point[i]) += at.gradient[i];
+        for (std::size_t i = 0; i < at.points; ++i)
+          gradient.segment<3>(Eigen::Index{3} * at.point[i]) += at.gradient[i];
         const Eigen::VectorXd along = random_vector(q.size(), 1, 100 + static_cast<unsigned>(c));
         const auto value = [&](double s) { return constraint_of(system, q + s * along, c).value; };
         const double d = 1e-6;
@@ -186,7 +188,7 @@ TEST(PositionalBody, ConstraintsHaveTheForcesOfTheBody) {
       for (const std::vector<std::int32_t>& colour : system.constraint_colours())
         for (const CompliantConstraint& at : constraints_of(system, q, colour))
           for (std::size_t i = 0; i < at.points; ++i)
-            f.segment<3>(3 * at.point[i]) -= at.value / at.compliance * at.gradient[i];
+            f.segment<3>(Eigen::Index{3} * at.point[i]) -= at.value / at.compliance * at.gradient[i];
       const Eigen::VectorXd wanted = force(*body, 0, q, still);
       const double share = body->settings().model.is_of_springs() ? 1e-9 : 40 * size / 0.03;
       EXPECT_LT((f - wanted).norm(), share * wanted.norm()) << model << ", " << size;
