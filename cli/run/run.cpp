@@ -646,7 +646,7 @@ void add_run(CLI::App& app, Console& console) {
            "Write the motion to a CSV file, or of a body to FILE.pvd for ParaView", "FILE");
   add_number(
       command, "--every", options.every,
-      "Interval of the written points [s], every step by default; between steps by the interpolant of the method, or by cubics");
+      "Interval of the written points [s], between steps by the interpolant of the method or by cubics; every step by default");
   add_text(command, "--max-steps", options.max_steps,
            "Limit of steps; 1e9 fixed or 2e7 attempted adaptive steps by default", "NUMBER");
   options.checkpoint.add_to(command);
