@@ -51,8 +51,7 @@ std::string short_axis_tics(const Range& range, double length, double room) {
   const double first_power = std::pow(10, std::floor(std::log10(range.high - range.low)) - 1);
   for (double power = first_power; power <= range.high; power *= 10)
     for (const double step : {power, 2 * power, 5 * power}) {
-      const double last = std::floor(range.high / step + 1e-9),
-                   first = std::ceil(range.low / step * (1 - 1e-9));
+      const double last = std::floor(range.high / step + 1e-9), first = std::ceil(range.low / step - 1e-9);
       if (last - first < 1) return {};
       if (decade * std::log10(last / (last - 1)) < room) continue;  // the narrowest two
       std::string list;
@@ -112,7 +111,7 @@ std::string tics(char axis_name, const Axis& axis, const Range& range, double le
 
 double overhang(const Axis& axis, const Range& range, double length) {
   if (axis.logarithmic || !axis.names.empty() || !(range.high > range.low)) return 0;
-  const double step = linear_step(range, length), last = step * std::floor(range.high / step * (1 + 1e-9));
+  const double step = linear_step(range, length), last = step * std::floor(range.high / step + 1e-9);
   const double half = tic_character / 2 * static_cast<double>(fmt::format("{:g}", last).size());
   return std::max(0.0, half - (range.high - last) / (range.high - range.low) * length);
 }
