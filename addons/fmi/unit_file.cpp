@@ -36,7 +36,8 @@ void write(unzFile zip, const fs::path& file, std::int64_t& left) {
   const auto read = [&] { return unzReadCurrentFile(zip, block.data(), block.size()); };
   for (int count = read(); count != 0; count = read()) {
     require_whole(count);
-    if ((left -= count) < 0) throw Failure{"its files have more than 1 GB"};
+    left -= count;
+    if (left < 0) throw Failure{"its files have more than 1 GB"};
     out.write(block.data(), count);
   }
   require_whole(unzCloseCurrentFile(zip));

@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int directions = 8192;  ///< of a turn
-constexpr double ds = 2 * 27.6 / (directions / 4);
+constexpr int in_quadrant = 2048, directions = 4 * in_quadrant;  ///< of a turn
+constexpr double ds = 2 * 27.6 / in_quadrant;
 
 /// Directions around 0 lie closer towards the axes, beside which stiff fields turn: in each quadrant s = ln
 /// tan(phi) grows evenly from -27.6 to 27.6, so that dphi = ds / (2 cosh s). Sums over s converge like those
@@ -24,8 +24,8 @@ struct Direction {
 };
 
 Direction direction(int k) {
-  const int quadrant = k / (directions / 4) % 4, i = k % (directions / 4);
-  const double s = ds * (i + 0.5 - directions / 8);
+  const int quadrant = k / in_quadrant % 4, i = k % in_quadrant;
+  const double s = ds * (i + 0.5 - 0.5 * in_quadrant);
   const Vector2d u = Vector2d(1, std::exp(s)).normalized();
   const std::array<Vector2d, 4> turned{u, Vector2d(-u(1), u(0)), Vector2d(-u), Vector2d(u(1), -u(0))};
   return {turned[static_cast<std::size_t>(quadrant)], ds / (2 * std::cosh(s))};
