@@ -13,8 +13,6 @@ namespace hmax {
 
 namespace {
 
-double largest_of(const Eigen::VectorXd& y) { return y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff(); }
-
 double norm_of_jacobian(const LinearModel& model) {
   return std::visit([](const auto& J) { return J.norm(); }, model.J());
 }
@@ -31,7 +29,7 @@ std::optional<LinearModel> model_beside(const OperatingPoint& point, const Eigen
 }  // namespace
 
 std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Eigen::VectorXd& y, double size,
-                                      std::size_t most) {
+                                      KinkPlace place, std::size_t most) {
   return std::visit(
       [&]<class Sys>(const Sys& system) {
         using State = typename Sys::State;
@@ -57,10 +55,11 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
           const double d =
               2 * std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(std::abs(y[j]), least);
           const auto [off, change] = bend(j, d);
+          if (off <= 0.01 * change + noise) continue;
           // At a hundredth of the reach a jump of the slope is a hundredth, x |x|^(1/2) a thousandth, x^2
           // 1e-4.
-          if (!(off <= 0.01 * change + noise) && !(bend(j, d / 100).first < off / 200))
-            kinks.push_back({j, d});
+          if (place == KinkPlace::at_state && bend(j, d / 100).first < off / 200) continue;
+          kinks.push_back({j, d});
         }
         return kinks;
       },
@@ -73,10 +72,10 @@ bool take_stiffest_side(OperatingPoint& point, const Problem& problem) {
   if (point.is_body || problem.matrices || is_affine(point.linearity) || problem.y0.size() > most_states)
     return false;
   const Eigen::VectorXd y = point.model.y;
-  const double size = std::max(largest_of(y), largest_of(problem.y0));
+  const double size = std::max(y.lpNorm<Eigen::Infinity>(), problem.y0.lpNorm<Eigen::Infinity>());
   std::optional<LinearModel> stiffest;
   Eigen::VectorXd side = y;
-  for (const auto& [component, reach] : kinks_at(problem, point.model.t, y, size)) {
+  for (const auto& [component, reach] : kinks_at(problem, point.model.t, y, size, KinkPlace::at_state)) {
     Eigen::VectorXd up = side, down = side;
     up[component] += reach;
     down[component] -= reach;

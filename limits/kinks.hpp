@@ -12,17 +12,26 @@
 
 namespace hmax {
 
-/// A component of the state in which f kinks or jumps, and how far to both sides that is seen.
+/// A component of the state in which f kinks or jumps, and how far to both sides that is seen, in its unit.
 struct KinkedComponent {
   Eigen::Index component;
   double reach;
 };
 
+enum class KinkPlace {
+  at_state,      ///< the slopes jump at the state itself
+  within_reach,  ///< or near it, or bend as much: central differences are no Jacobian there
+};
+
 /// The components in which the slopes of f on both sides of y differ by more than 1 %, at twice the
-/// increments of central differences, which are no Jacobian then.
+/// increments of central differences.
+/// @param t     [s]
+/// @param y     shape (dim), which is not empty
 /// @param size  of the states: below a thousandth of it components are moved as ones of that size
 /// @param most  so many at most
+/// @cost  two calls of f a component, two more where it bends
 std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Eigen::VectorXd& y, double size,
+                                      KinkPlace place,
                                       std::size_t most = std::numeric_limits<std::size_t>::max());
 
 /// What the status of a point says whose model take_stiffest_side() has changed.

@@ -95,7 +95,8 @@ class Events {
     while (window_ + 2 < regular_.at.size() && t >= regular_.at[window_ + 1]) close_window();
     if (++count_ % stride_ != 0) return;
     // Differences across a kink are no Jacobian.
-    if (!is_exact_ && !kinks_at(problem_, t, y, y.cwiseAbs().maxCoeff(), 1).empty()) return;
+    if (!is_exact_ && !kinks_at(problem_, t, y, y.cwiseAbs().maxCoeff(), KinkPlace::within_reach, 1).empty())
+      return;
     try {
       const Sample sample{invariants(problem_, t, y), t, y};
       for (const int i : {0, 1}) widen(i, sample);

@@ -51,6 +51,14 @@ TEST(Kinks, AreNotSeenBesideLargeStatesOfAnotherUnit) {
   EXPECT_EQ(near.point.status, "");
 }
 
+// Central differences are none across a kink that is near, though the state has one slope.
+TEST(Kinks, NearAStateAreSeenWithinReach) {
+  const Problem stop = decaying("-x - (x > 1 + 2e-6 ? 100*(x - 1 - 2e-6) : 0)", 1);
+  const Eigen::VectorXd y = Eigen::VectorXd::Ones(1);
+  EXPECT_EQ(kinks_at(stop, 0, y, 1, KinkPlace::within_reach).size(), 1U);
+  EXPECT_TRUE(kinks_at(stop, 0, y, 1, KinkPlace::at_state).empty());
+}
+
 // Each of two stops is met on one side; both together are the stiffest.
 TEST(Kinks, OfSeveralStopsTakeTheSideOfAll) {
   const Problem stops = make_problem({.name = "stops",
