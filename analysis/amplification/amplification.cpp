@@ -518,7 +518,8 @@ UnstableSteps sampled(const Growth& growth, double tolerated, bool once) {
   }
   double before = 0, margin_before = bound;
   // Limits of high orders are small; behind the first hundred only large structures are left.
-  for (double x = 1e-4; x <= growth.farthest; x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.15 * x)) {
+  for (double x = growth.nearest; x <= growth.farthest;
+       x += std::min(std::max(5e-3, 2e-2 * (x - 100)), 0.15 * x)) {
     const double h = x * growth.scale, here = margin(h);
     const bool stable = here > 0;
     // Close to the origin the growth of a mode that leaves at once is less than rounding shows.

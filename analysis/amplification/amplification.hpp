@@ -103,7 +103,8 @@ struct Growth {
   double scale = 1;                             ///< a typical step [s], 1 / |lambda|
   // For what has no closed conditions:
   bool grows_at_origin = false;  ///< at arbitrarily small h
-  double farthest = 1e6;         ///< an exit is sought up to h = farthest scale
+  double nearest = 1e-4;         ///< an exit is sought from h = nearest scale on
+  double farthest = 1e6;         ///< up to h = farthest scale
 
   /// The radius at a step h > 0 [s].
   [[nodiscard]] double spectral_radius(double h) const {

@@ -52,13 +52,9 @@ Amplification stabilised_amplification(int stages = 0) {
     const double reach = stages > 0 ? Polynomials::template reach<double>(stages) : farthest;
     growth.farthest = 2 * reach;
     // What decays leaves nowhere before the reach, since stages are chosen by a radius that its rate does not
-    // exceed: the search, which begins at 1e-4 scale, begins there. From the origin on it would evaluate
-    // thousands of stages beside a fast mode.
+    // exceed. Before it there would be thousands of stages to evaluate beside a fast mode.
     const bool covered = stages > 0 || mode.radius >= (1 - 1e-12) * std::abs(mode.lambda);
-    if (covered && mode.lambda.imag() == 0 && mode.lambda.real() < 0) {
-      growth.scale *= 1e4 * reach;
-      growth.farthest = 2e-4;
-    }
+    if (covered && mode.lambda.imag() == 0 && mode.lambda.real() < 0) growth.nearest = reach;
     growth.grows_at_origin =
         mode.lambda.real() == 0 && detail::stabilised_grows_at_origin(with(stages > 0 ? stages : chosen(0)));
     if (stages > 0) {
