@@ -19,6 +19,7 @@
 #include "limits/kinks.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_range.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -368,12 +369,8 @@ Linearised linearised(const Problem& problem, AskedState at, const EquilibriumWa
 SmallDisplacement small_displacement(const Problem& problem, const Linearised& near,
                                      const Eigen::VectorXd& direction, double most) {
   // Of the size of the states of the problem, whatever their unit.
-  const auto largest = [](const Eigen::VectorXd& y) { return y.size() == 0 ? 0 : y.cwiseAbs().maxCoeff(); };
-  double scale = std::max(largest(near.point.model.y), largest(problem.y0));
-  if (problem.body) {
-    const auto& points = problem.body->mesh().points;
-    scale = std::max(scale, (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
-  }
+  double scale = std::max(near.point.model.y.lpNorm<Eigen::Infinity>(), problem.y0.lpNorm<Eigen::Infinity>());
+  if (problem.body) scale = std::max(scale, diagonal_of(problem.body->mesh()));
   const double first = 1e-6 * (scale > 0 ? scale : 1);
   const auto change_on = [&](double size) {
     const Eigen::VectorXd y = near.point.model.y + size * direction;

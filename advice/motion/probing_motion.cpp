@@ -18,6 +18,7 @@
 #include "core/errors.hpp"
 #include "integrators/linear/sparse_solver.hpp"
 #include "limits/linearised_problem.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/topology.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -35,10 +36,6 @@ struct Course {
 Course course_of(double frame) {
   const double some_frames = std::max(0.2, 4 * frame);
   return {0.1, some_frames, some_frames};
-}
-
-double size_of(const TetMesh& mesh) {
-  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
 }
 
 /// The largest displacement K^-1 f [m]; 0 where K has no inverse. Where supports leave rigid motions, K has
@@ -70,7 +67,7 @@ double force_for_2_percent(const Problem& pressed, const Eigen::VectorXd& q) {
   TissueBody::DofMatrix K;
   body.stiffness(0, q, zero, K);
   const double given = linear_displacement(body, std::move(K), with_force - without_force);
-  return given > 0 && std::isfinite(given) ? 0.02 * size_of(body.mesh()) / given : 1;
+  return given > 0 && std::isfinite(given) ? 0.02 * diagonal_of(body.mesh()) / given : 1;
 }
 
 bool is_loose(const TissueBody& body) { return !loose_dofs(body).empty(); }
@@ -85,7 +82,7 @@ TetMesh::Index furthest(const TetMesh& mesh, const std::vector<TetMesh::Index>& 
 /// Of some points those near one of them.
 std::vector<TetMesh::Index> around(const TetMesh& mesh, const std::vector<TetMesh::Index>& of,
                                    TetMesh::Index tip) {
-  const double radius = 0.15 * size_of(mesh);
+  const double radius = 0.15 * diagonal_of(mesh);
   std::vector<TetMesh::Index> near;
   for (const TetMesh::Index i : of)
     if ((mesh.points.col(i) - mesh.points.col(tip)).norm() <= radius) near.push_back(i);
@@ -151,7 +148,7 @@ double first_share(const Problem& problem) {
   TissueBody::DofMatrix K;
   body.force(0, zero, zero, f);
   body.stiffness(0, zero, zero, K);
-  const double most = 0.02 * size_of(body.mesh()),
+  const double most = 0.02 * diagonal_of(body.mesh()),
                moved = linear_displacement(body, std::move(K), std::move(f));
   double share = 1;
   while (share > 1.0 / 64 && share * moved > most) share /= 2;

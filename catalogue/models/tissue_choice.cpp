@@ -13,6 +13,7 @@
 #include "core/numbers.hpp"
 #include "core/text/split.hpp"
 #include "problems/mesh/files/mesh_names.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/tissue/contact.hpp"
 #include "problems/tissue/held_end.hpp"
 #include "problems/tissue/materials.hpp"

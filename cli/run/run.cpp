@@ -36,6 +36,7 @@
 #include "limits/documents/model_json.hpp"
 #include "limits/documents/number_json.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/json.hpp"
 #include "results/table.hpp"
@@ -395,9 +396,7 @@ BodyPicture picture_of(const RunOptions& options, const Problem& problem, const 
 
 /// How far a body has moved, in its own size.
 double sizes_moved(const TissueBody& body, const Eigen::VectorXd& y) {
-  const Eigen::Matrix3Xd& points = body.mesh().points;
-  return largest_displacement(y.head(body.dofs())) /
-         (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+  return largest_displacement(y.head(body.dofs())) / diagonal_of(body.mesh());
 }
 
 /// Throws where an option has nothing to act on.

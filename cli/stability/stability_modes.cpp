@@ -22,6 +22,7 @@
 #include "limits/modes/fastest_mode.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/mesh/files/mesh_writers.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/tissue/body.hpp"
 #include "results/json.hpp"
 #include "results/table.hpp"
@@ -43,8 +44,7 @@ Eigen::MatrixXd on_points(const TissueBody& body, const Eigen::VectorXd& shape) 
   Eigen::MatrixXd field = Eigen::MatrixXd::Zero(3, mesh.point_count());
   for (std::size_t i = 0; i < body.free_points().size(); ++i)
     field.col(body.free_points()[i]) = shape.segment<3>(3 * static_cast<Eigen::Index>(i));
-  const double size = (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
-  return field * (0.1 * size / field.colwise().norm().maxCoeff());
+  return field * (0.1 * diagonal_of(mesh) / field.colwise().norm().maxCoeff());
 }
 
 /// The largest K_ii / m_i [1/s^2].

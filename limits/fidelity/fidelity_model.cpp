@@ -18,6 +18,7 @@
 #include "limits/linearised_problem.hpp"
 #include "limits/modes/mode_curve.hpp"
 #include "limits/modes/mode_start.hpp"
+#include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -68,8 +69,7 @@ void settle_body(FidelityModel& model, const std::function<void()>& watch) {
   model.volume = volume_of(body, model.equilibrium);
   model.sizes = model.equilibrium;
   if (!model.sizes.isZero(0)) return;
-  const auto& points = body.mesh().points;
-  model.sizes.setConstant(0.01 * (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm());
+  model.sizes.setConstant(0.01 * diagonal_of(body.mesh()));
 }
 
 void settle_other(FidelityModel& model) {

@@ -62,6 +62,10 @@ bool is_degenerate(const Corners& x) {
   return !(std::abs(signed_volume(x)) > 1e-12 * longest * longest * longest);
 }
 
+double diagonal_of(const TetMesh& mesh) {
+  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
+}
+
 MeshQuality quality_of(const TetMesh& mesh) {
   MeshQuality quality;
   if (mesh.point_count() > 0) {

@@ -34,6 +34,9 @@ double mean_ratio(const Corners& x);
 /// True where the volume is that of rounding: |V| <= 1e-12 l^3, l the longest edge.
 bool is_degenerate(const Corners& x);
 
+/// The length of the diagonal of the box around the points [m]; there is one at least.
+double diagonal_of(const TetMesh& mesh);
+
 struct MeshQuality {
   double volume = 0;          ///< of all tetrahedra, inverted ones negative [m^3]
   double min_mean_ratio = 1;  ///< of the worst tetrahedron

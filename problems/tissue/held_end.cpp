@@ -4,11 +4,9 @@
 
 #include <Eigen/Geometry>
 
-namespace hmax {
+#include "problems/mesh/mesh_quality.hpp"
 
-double diagonal_of(const TetMesh& mesh) {
-  return (mesh.points.rowwise().maxCoeff() - mesh.points.rowwise().minCoeff()).norm();
-}
+namespace hmax {
 
 TetMesh::Index HeldEnd::opposite(const TetMesh& mesh) const {
   std::vector<TetMesh::Index> far = points_of_end(mesh, -towards, 0.02);

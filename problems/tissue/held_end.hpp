@@ -22,9 +22,6 @@ struct HeldEnd {
   [[nodiscard]] TetMesh::Index opposite(const TetMesh& mesh) const;
 };
 
-/// The length of the diagonal of the box around a mesh [m].
-double diagonal_of(const TetMesh& mesh);
-
 /// A force towards the held end on the patch of the surface around the free one.
 PressingForce pressing_force(double force, const TetMesh& mesh, const HeldEnd& end);
 
