@@ -185,8 +185,12 @@ Tolerances<double> tolerances_at(Tolerances<double> tolerances, double size) {
   return tolerances;
 }
 
+double size_of_states(const Window& window) {
+  return window.lower.cwiseAbs().cwiseMax(window.upper.cwiseAbs()).minCoeff();
+}
+
 Tolerances<double> tolerances_in(const Window& window, const Tolerances<double>& tolerances) {
-  return tolerances_at(tolerances, window.lower.cwiseAbs().cwiseMax(window.upper.cwiseAbs()).minCoeff());
+  return tolerances_at(tolerances, size_of_states(window));
 }
 
 VectorFunction stroboscope(const Problem& problem, double period, std::int64_t most_steps,
@@ -229,9 +233,7 @@ void add_row(const Vector2d& y, Table& table) {
 
 Table way_of_motion(const Problem& problem, const std::vector<Eigen::VectorXd>& looks, double time) {
   Table table = plane_table(problem);
-  double size = 0;
-  for (const Eigen::VectorXd& y : looks) size = std::max(size, y.cwiseAbs().maxCoeff());
-  follow(problem, looks[0], time, size, [&](double, const Vector2d& y) {
+  follow(problem, looks[0], time, largest_of(looks), [&](double, const Vector2d& y) {
     add_row(y, table);
     return y.allFinite();
   });
@@ -244,7 +246,7 @@ Table orbit(const Problem& problem, const Vector2d& start, double t_end, const W
   const Vector2d margin = 2 * window.size();
   Vector2d last = start;
   double gone = 0;
-  follow(problem, start, t_end, window.size().minCoeff(), [&](double, const Vector2d& y) {
+  follow(problem, start, t_end, size_of_states(window), [&](double, const Vector2d& y) {
     const bool near =
         ((y - window.lower + margin).array() >= 0).all() && ((window.upper + margin - y).array() >= 0).all();
     add_row(y, table);
@@ -268,10 +270,6 @@ Window within_numbers(const Window& window, const Problem& problem) {
       problem.id, to_text(problem.y0[0]), to_text(problem.y0[1]), rounded_text(farthest, 3), to_text(most));
 }
 
-}  // namespace
-
-namespace {
-
 /// The states from y0 on, as long as the motion is no runaway.
 /// @param size  of the motion
 std::vector<Vector2d> states_of_motion(const Problem& problem, double size) {
@@ -287,12 +285,6 @@ std::vector<Vector2d> states_of_motion(const Problem& problem, double size) {
   });
   if (seen.empty()) seen.push_back(problem.y0);
   return seen;
-}
-
-double largest_of(const std::vector<Vector2d>& states) {
-  double largest = 0;
-  for (const Vector2d& y : states) largest = std::max(largest, y.cwiseAbs().maxCoeff());
-  return largest;
 }
 
 }  // namespace

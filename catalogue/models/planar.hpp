@@ -1,6 +1,7 @@
 /// Problems of two states in the plane: their field, frozen in time where they are driven, and their orbits.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -43,11 +44,20 @@ inline constexpr Tolerances<double> stroboscope_tolerances{1e-11, 1e-11}, basin_
 /// Of motions smaller than this absolute tolerances are shares of the size.
 inline constexpr double ordinary_size = 0.01;
 
+/// The largest |y_i| of states that are finite; 0 of none.
+template <class State>
+double largest_of(const std::vector<State>& states) {
+  double largest = 0;
+  for (const State& y : states)
+    if (y.allFinite()) largest = std::max(largest, y.cwiseAbs().maxCoeff());
+  return largest;
+}
+
 /// One of these for motions of a size: of a small one the absolute tolerance is that share of it, to one
 /// digit.
 /// @param size  largest |y_i|, 0 where it is not known
 Tolerances<double> tolerances_at(Tolerances<double> tolerances, double size);
-/// Of motions in a window: the size is its shorter side.
+/// Of motions in a window, whose size is that of the states at its corners, of the smaller component.
 Tolerances<double> tolerances_in(const Window& window, const Tolerances<double>& tolerances);
 
 /// The state one period after a state, see analysis/dynamics/poincare.hpp.

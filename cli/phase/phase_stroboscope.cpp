@@ -79,13 +79,6 @@ struct Motion {
   Resolution resolution;
 };
 
-double largest_of(const std::vector<VectorXd>& states) {
-  double largest = 0;
-  for (const VectorXd& y : states)
-    if (y.allFinite()) largest = std::max(largest, y.cwiseAbs().maxCoeff());
-  return largest;
-}
-
 /// Looks again at finer tolerances, as long as the motion is too small for those that it was seen at.
 Motion motion_of(const Problem& problem, double period, const std::optional<FixedSteps>& steps,
                  const Looks& seen) {
@@ -96,11 +89,11 @@ Motion motion_of(const Problem& problem, double period, const std::optional<Fixe
     motion.points = looks(motion.map, problem.y0, seen.skip, seen.count);
     if (motion.points.empty()) return motion;
     const double start =
-        std::max(largest_of({problem.y0, motion.map(problem.y0)}), largest_of(motion.points));
+        std::max(largest_of(std::vector{problem.y0, motion.map(problem.y0)}), largest_of(motion.points));
     motion.resolution = {tolerances_at({0, Resolution().rest}, start).atol, steps ? 0 : atol};
     const std::size_t last = motion.points.size() / 2;
-    motion.size =
-        largest_of({motion.points.begin() + static_cast<std::ptrdiff_t>(last), motion.points.end()});
+    motion.size = largest_of(
+        std::vector(motion.points.begin() + static_cast<std::ptrdiff_t>(last), motion.points.end()));
     if (motion.size <= motion.resolution.rest) motion.size = start;
     if (!steps)
       motion.tolerances.atol = std::min(atol, tolerances_at(stroboscope_tolerances, motion.size).atol);
@@ -379,7 +372,7 @@ DiagramScale scale_of(const ProblemAt& problem_at, const std::vector<double>& pe
   return scale;
 }
 
-/// No ensemble.
+/// Of motions each of which begins where the one before has ended.
 MapEnsemble one_after_another(const std::function<Problem(std::size_t i)>& problem_at,
                               const std::vector<double>& periods, const std::optional<FixedSteps>& steps,
                               const DiagramScale& scale) {

@@ -104,6 +104,9 @@ TEST(Planar, OrbitsOfNanometresAreThoseOfMetres) {
   EXPECT_EQ(tolerances_at(orbit_tolerances, 2).atol, orbit_tolerances.atol);
   EXPECT_EQ(tolerances_at(orbit_tolerances, 0).atol, orbit_tolerances.atol);
   EXPECT_EQ(tolerances_at(orbit_tolerances, 2.3e-9).atol, 2e-17);
+  // States in a narrow window may be large.
+  const Vector2d one(1, 1), narrow(1e-9, 1e-9);
+  EXPECT_EQ(tolerances_in({one - narrow, one + narrow}, orbit_tolerances).atol, orbit_tolerances.atol);
 }
 
 TEST(Planar, AnOrbitThatRunsAwayEndsNearTheWindow) {
