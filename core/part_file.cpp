@@ -106,6 +106,14 @@ bool is_written_in_place(const std::filesystem::path& file) {
   return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
 }
 
+void check_in_place(const std::filesystem::path& file) {
+  const std::optional<int> own = own_descriptor(behind_links(file));
+  if (!own) return;
+  const int flags = fcntl(*own, F_GETFL);
+  if (flags >= 0 && (flags & O_ACCMODE) == O_RDONLY) errno = EBADF;
+  if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY) fail();
+}
+
 void write_in_place(const std::filesystem::path& file, std::string_view text) {
   // What the program itself writes there goes on behind it: the copy shares its position.
   const std::optional<int> own = own_descriptor(behind_links(file));

@@ -15,6 +15,9 @@ std::filesystem::path behind_links(const std::filesystem::path& file);
 /// replaced.
 bool is_written_in_place(const std::filesystem::path& file);
 
+/// @throws std::system_error  where such a file is an own descriptor that is not open for writing
+void check_in_place(const std::filesystem::path& file);
+
 /// Writes `text` behind what is in such a file. @throws std::system_error
 void write_in_place(const std::filesystem::path& file, std::string_view text);
 

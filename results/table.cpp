@@ -129,8 +129,9 @@ void write_file(const fs::path& file, std::string_view text, std::string_view op
 }
 
 void check_writable(const fs::path& file, std::string_view opening) {
-  if (!is_replaced(file, opening)) return;
+  const bool replaces = is_replaced(file, opening);
   try {
+    if (!replaces) return check_in_place(file);
     const PartFile part(file);
   } catch (const std::system_error& error) {
     throw cannot_write(file, error.code().message());

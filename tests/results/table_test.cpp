@@ -133,6 +133,16 @@ TEST(Table, WhatLeadsToAnOpenDescriptorIsWrittenBetweenWhatElseIsWrittenThere) {
   }
 }
 
+/// Before the run, not after it.
+TEST(Table, ADescriptorThatTakesNothingIsRefusedAtOnce) {
+  std::FILE* const read = std::fopen("/dev/null", "r");
+  ASSERT_NE(read, nullptr);
+  const std::string open = "/proc/self/fd/" + std::to_string(fileno(read));
+  EXPECT_THROW(check_writable(open), InputError);
+  std::fclose(read);
+  EXPECT_THROW(check_writable(open), InputError);
+}
+
 TEST(PartFile, HasANameOfItsOwnAndLeavesNothing) {
   const Scratch scratch;
   const auto names = [&] {
