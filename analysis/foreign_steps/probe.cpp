@@ -488,7 +488,7 @@ void StepProbe::refuse_equal_steps(double h, double other) {
   throw InputError(
       "steps of " + rounded_text(h, 3) + " s and of " + rounded_text(other, 3) +
       " s from a disturbed state are equal in all bits: the step does not depend on its size; pass "
-      "it on to the engine, or ask for no limit of what has no time");
+      "it on to the engine. A model without time has no largest step");
 }
 
 void StepProbe::find_limit() {
