@@ -7,7 +7,6 @@
 #include <variant>
 
 #include "core/errors.hpp"
-#include "core/text/sentences.hpp"
 
 namespace hmax {
 
@@ -89,7 +88,7 @@ bool take_stiffest_side(OperatingPoint& point, const Problem& problem) {
   if (!stiffest) return false;
   point.model = *std::move(stiffest);
   point.model.y = y;
-  add_sentence(point.status, at_a_kink);
+  point.at_kink = true;
   return true;
 }
 

@@ -34,13 +34,13 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
                                       KinkPlace place,
                                       std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// What the status of a point says whose model take_stiffest_side() has changed.
+/// What is said of a point that is at a kink.
 inline constexpr std::string_view at_a_kink =
     "the slopes of the model jump at this state: h_max is the limit of its stiffest side, and motions that "
     "cross the kink may fail at shorter steps";
 
 /// Where the slopes of a model jump at an equilibrium, gives the point the linear model of the side with the
-/// largest Jacobian, and says so in its status. A Jacobian is that of one side, whichever the code takes.
+/// largest Jacobian. A Jacobian is that of one side, whichever the code takes.
 /// @param problem  that of the point; bodies and what is linear stay as they are
 /// @returns whether they jump
 bool take_stiffest_side(OperatingPoint& point, const Problem& problem);

@@ -47,6 +47,7 @@ StepAnswer answer_of(const MethodChoice& choice, const Problem& problem, const L
                     .status = near.point.status};
   if (row.h_max) answer.h_max = *row.h_max;
   const auto say = [&](const std::string& sentence) { add_sentence(answer.status, sentence); };
+  if (near.point.at_kink) say(std::string(at_a_kink));
   say(row.note);
   if (!verified) return answer;
   if (row.observed && !std::isnan(row.observed->h_max))

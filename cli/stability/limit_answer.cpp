@@ -76,7 +76,7 @@ MotionTolerances tolerances_of(const Json& along) {
 
 /// What h_max holds for, of a model that is not linear.
 std::string words_of_state(const Problem& problem, const Json& model) {
-  if (model.value("state_status", "").find(at_a_kink) != std::string::npos) return std::string(at_a_kink);
+  if (model.value("kink", false)) return std::string(at_a_kink);
   return fmt::format("{}: h_max holds for small motions about this state", why_along(problem));
 }
 

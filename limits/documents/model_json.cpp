@@ -13,6 +13,7 @@
 #include "core/size_limits.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/documents/number_json.hpp"
+#include "limits/kinks.hpp"
 #include "limits/modes/fastest_mode.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -147,6 +148,7 @@ Json model_json(const Problem& problem, const Linearised& near, ModelFacts facts
   // Of a body: whether the state is away from rest.
   if (problem.body) document["away_from_rest"] = point.model.y.norm() > 0;
   if (!point.status.empty()) document["state_status"] = point.status;
+  if (point.at_kink) document["kink"] = true;
   if (!point.missing.empty()) document["untouched"] = point.missing;
   if (facts == ModelFacts::all) {
     add_spectrum(document, near);
@@ -165,7 +167,8 @@ bool has_limits_along(const Json& model) {
 
 std::string status_of_state(const Json& model, const Problem& problem) {
   const bool along = has_limits_along(model);
-  const std::string status = model.value("state_status", "");
+  const std::string status =
+      joined(model.value("state_status", ""), model.value("kink", false) ? at_a_kink : "");
   std::string missing = model.value("untouched", "");
   if (!missing.empty() && !along)
     missing += model.value("state_kind", "") == name_of(StateKind::rest) && status.empty()

@@ -53,6 +53,7 @@ struct OperatingPoint {
   bool at_equilibrium = false;
   std::string state = {};    ///< in words: which state, whose Jacobian
   std::string status = {};   ///< why it is not the state that was asked for
+  bool at_kink = false;      ///< the slopes jump at this state; the model is that of the stiffest side
   std::string missing = {};  ///< says that a tool does not touch the body in this state
   /// Of the problem, from its structure (catalogue/models/model.hpp).
   Linearity linearity = Linearity::unknown;

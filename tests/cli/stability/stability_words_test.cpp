@@ -65,8 +65,9 @@ TEST(StabilityPredict, SaysThatAStopJustTouches) {
     EXPECT_TRUE(says(told.out, kink)) << told.out;
     EXPECT_FALSE(says(told.out, "h_max holds for small motions")) << told.out;
   }
-  const AnyJson row = shell.json(line).at("rows").at(0);
+  const AnyJson answer = shell.json(line), row = answer.at("rows").at(0);
   EXPECT_TRUE(says(row.at("status").get<std::string>(), kink)) << row;
+  EXPECT_EQ(answer.at("models").at(0).at("kink"), true);
   // Of the side the code takes it is ten times as long.
   EXPECT_NEAR(row.at("h_max").get<double>(), std::sqrt(8 / 10100.0), 3e-4);
   EXPECT_TRUE(row.at("safe").at("h").is_null()) << row;  // nothing moves from there
