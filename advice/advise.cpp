@@ -19,6 +19,7 @@
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/linearised_problem.hpp"
+#include "limits/modes_alone.hpp"
 #include "limits/predict.hpp"
 #include "problems/tissue/body.hpp"
 
@@ -41,17 +42,21 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
   motion.t_end = least_frames * question.frame();
 }
 
-/// The slowest oscillations of a spectrum [rad/s] with their damping ratios.
-std::vector<std::pair<double, double>> slowest_modes(const ModeSet& set) {
+/// The slowest oscillations at a state [rad/s] with their damping ratios, each alone where damping couples
+/// them.
+std::vector<std::pair<double, double>> slowest_modes(const Linearised& near) {
+  const std::optional<MechanicalPart>& part = near.point.model.mechanical;
+  const bool coupled = part && part->symmetric && part->damping == Damping::general;
   std::vector<std::pair<double, double>> modes;
-  for (const MechanicalMode& each : set.spectrum.mechanical) {
+  for (const MechanicalMode& each :
+       coupled ? modes_alone(near.point, 3).slowest : near.modes.spectrum.mechanical) {
     const Mode mode = mode_of(each);
     if (mode.omega && *mode.omega > 0 && mode.zeta && *mode.zeta < 1)
       modes.emplace_back(*mode.omega, *mode.zeta);
   }
   std::ranges::sort(modes);
   // Of large models the ends alone are known, and sometimes only the fast one.
-  const std::size_t known = set.slow_end ? 0 : set.curve ? 1 : 3;
+  const std::size_t known = near.modes.slow_end ? 0 : near.modes.curve ? 1 : 3;
   if (modes.size() > known) modes.resize(known);
   return modes;
 }
@@ -316,7 +321,7 @@ class Search {
       model.with_stiffness = [problem = problem_, y = changed_state(), make = make_](double factor) {
         return stiffer(problem, y, make, factor);
       };
-    model.slow = slowest_modes(model.near.modes);
+    model.slow = slowest_modes(model.near);
     for (const auto& [omega, zeta] : model.slow) advice_.modes.push_back(omega);
     ExplicitLimits limits = explicit_limits(model.near);
     if (question_.least_error) limits.central = 0;  // errors that are ranked must be seen apart

@@ -15,9 +15,10 @@
 #include "catalogue/models/tissue_problem.hpp"
 #include "core/input_error.hpp"
 #include "limits/by_steps/one_step_map.hpp"
+#include "limits/kinks.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/modes/mode_curve.hpp"
-#include "limits/modes/mode_start.hpp"
+#include "limits/modes_alone.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
@@ -130,59 +131,41 @@ void find_masses(FidelityModel& model, MechanicalPart& part) {
   model.load = model.load.cwiseProduct(*masses);
 }
 
-/// The slowest modes of the undamped model near its equilibrium, with what its damping makes of each alone,
-/// x^T C x = 2 zeta omega: it may couple them, as beta K at rest does a little where a body is deformed.
+ShownMode shown_mode(const MechanicalMode& mode) {
+  const double omega = std::sqrt(mode.kappa);
+  return {.omega = omega, .zeta = mode.gamma / (2 * omega)};
+}
+
+/// The slowest modes near the equilibrium, each alone.
 void add_modes(FidelityModel& model, std::size_t modes) {
-  Linearised near{.point = operating_point(model.problem, 0, at_rest(model.start + model.equilibrium))};
-  MechanicalPart& part = *near.point.model.mechanical;
-  find_masses(model, part);
-  const AnyMatrix C = part.C;
-  std::visit([](auto& held) { held.setZero(); }, part.C);
-  part.damping = Damping::none;
+  OperatingPoint point = operating_point(model.problem, 0, at_rest(model.start + model.equilibrium));
+  take_stiffest_side(point, model.problem);
+  find_masses(model, *point.model.mechanical);
   model.shapes.resize(model.start.size(), 0);
-  if (!part.symmetric) {
+  if (!point.model.mechanical->symmetric) {
     model.why_no_modes = "the stiffness of the model is not symmetric, and no mode is compared";
     return;
   }
-  near.modes = mode_set(near.point.model, near.point.is_body);
-  std::vector<MechanicalMode> slow = near.modes.spectrum.mechanical;
-  std::ranges::sort(slow, {}, &MechanicalMode::kappa);
-  // What moves as a rigid body has a stiffness of rounding.
-  const double rounding = slow.empty() ? 0
-                                       : 4 * std::numeric_limits<double>::epsilon() *
-                                             static_cast<double>(model.start.size()) *
-                                             std::max(0.0, slow.back().kappa);
-  std::erase_if(slow, [&](const MechanicalMode& each) { return !(each.kappa > rounding); });
-  const auto& curve = near.modes.curve;
-  if (slow.empty() && !curve)
+  const bool at_kink = point.at_kink;
+  ModesAlone found = modes_alone(std::move(point), modes);
+  if (!found.stiff)
     throw input_error(
         "{} has no positive stiffness in its equilibrium, and neither stiffness nor a mode to show; start it near another "
         "one, or change its parameters",
         model.problem.id);
-  const auto damped = [&](const MechanicalMode& mode, const VectorXd& x) {
-    const double omega = std::sqrt(mode.kappa);
-    const VectorXd Cx = std::visit([&](const auto& held) -> VectorXd { return held * x; }, C);
-    return ShownMode{.omega = omega, .zeta = x.dot(Cx) / (2 * omega)};
-  };
-  if (!slow.empty()) {
-    const ShownMode fastest = damped(slow.back(), shape_of_mode(near, slow.back()));
+  if (found.fastest) {
+    const ShownMode fastest = shown_mode(*found.fastest);
     model.fastest = fastest.omega;
     model.fastest_zeta = std::min(fastest.zeta, 0.999);
   }
-  if (curve) {  // of large models the ends are known alone
-    const double least = near.modes.slow_end ? near.modes.slow_end->of(part, *curve) : curve->kappa_min;
-    slow.clear();
-    if (least > rounding) slow.push_back(curve->at(least));
+  if (at_kink) {
+    model.why_no_modes = "the slopes of the model jump at its equilibrium, and no mode is compared";
+    return;
   }
-  if (slow.empty())
+  if (found.slowest.empty())
     model.why_no_modes = "the slow modes of a model of this size are not computed, and none is compared";
-  slow.resize(std::min(slow.size(), modes));
-  model.shapes.resize(model.start.size(), static_cast<Eigen::Index>(slow.size()));
-  for (std::size_t k = 0; k < slow.size(); ++k) {
-    const VectorXd x = shape_of_mode(near, slow[k]);
-    model.modes.push_back(damped(slow[k], x));
-    model.shapes.col(static_cast<Eigen::Index>(k)) = x;
-  }
+  for (const MechanicalMode& mode : found.slowest) model.modes.push_back(shown_mode(mode));
+  model.shapes = std::move(found.shapes);
 }
 
 void require_rest(const Problem& problem) {

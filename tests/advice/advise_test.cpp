@@ -85,6 +85,20 @@ TEST(Candidates, AreMethodsWithTheirChoices) {
   EXPECT_EQ(count("newmark", make_problem("lorenz")), 0U);
 }
 
+// beta K at rest couples the modes of the body that sags; each alone it leaves where it was.
+TEST(Advise, TellsSlowModesThatDampingCouples) {
+  const auto slow = [](double beta) {
+    const Problem problem = cube("press", {{"beta", beta}});
+    return advise(problem, question(100, {"linearly_implicit_euler"}, problem));
+  };
+  const Advice damped = slow(0.01), undamped = slow(0);
+  ASSERT_EQ(damped.modes.size(), 3U);
+  ASSERT_EQ(undamped.modes.size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(damped.modes[k], undamped.modes[k], 1e-6 * undamped.modes[k]);
+  for (const double added : damped.rows.at(0).damping_added) EXPECT_GT(added, 0);
+}
+
 TEST(Advise, RecommendsAStepThatHoldsWhenItIsRun) {
   const Problem problem = cube("press");
   const AdviceQuestion asked =

@@ -15,6 +15,7 @@
 #include "core/errors.hpp"
 #include "limits/fidelity/fidelity.hpp"
 #include "tests/results/scratch.hpp"
+#include "tests/says.hpp"
 
 namespace hmax {
 namespace {
@@ -179,6 +180,17 @@ TEST(ModelFidelity, OfManyUnknownsKnowsTheSlowestModeOrNone) {
   EXPECT_NEAR(held.modes[0].omega, omega, 1e-6 * omega);
   EXPECT_TRUE(free.modes.empty());
   EXPECT_NE(free.why_no_modes.find("slow modes of a model of this size are not computed"), std::string::npos);
+}
+
+// Differences across the stop that just touches had the mode of neither side.
+TEST(ModelFidelity, OfAKinkComparesNoMode) {
+  const Scratch folder;
+  write_text(folder / "stop.toml",
+             "[equations]\nx = \"v\"\nv = \"-100*x - (x<0 ? 1e4*x : 0) - 0.2*v\"\n[initial]\nx = 0\nv = 0\n");
+  const FidelityModel model = settled_model(made((folder / "stop.toml").string()));
+  EXPECT_TRUE(model.modes.empty());
+  EXPECT_TRUE(says(model.why_no_modes, "jump at its equilibrium"));
+  EXPECT_NEAR(model.fastest, std::sqrt(10100), 1e-9);
 }
 
 TEST(ModelFidelity, OfFormulasFindsTheirMasses) {
