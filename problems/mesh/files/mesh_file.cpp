@@ -53,6 +53,13 @@ const MeshFormat* format_of(const fs::path& file) {
   return found == formats.end() ? nullptr : found;
 }
 
+/// Room for `more` behind what there is. Room for just these would move all for each of many pieces.
+template <class T>
+void reserve_more(std::vector<T>& list, std::size_t more) {
+  const std::size_t needed = list.size() + more;
+  if (needed > list.capacity()) list.reserve(std::max(needed, 2 * list.capacity()));
+}
+
 }  // namespace
 
 void ExtraColumns::skip(MeshText& text, const char* row) {
@@ -126,13 +133,13 @@ MeshFile read_mesh_file(const fs::path& file) {
   });
 }
 
-void MeshBuilder::reserve_points(std::size_t points) { points_.reserve(points_.size() + 3 * points); }
+void MeshBuilder::reserve_points(std::size_t points) { reserve_more(points_, 3 * points); }
 
 void MeshBuilder::reserve_tetrahedra(std::size_t tetrahedra) {
-  corners_.reserve(corners_.size() + 4 * tetrahedra);
-  regions_.reserve(regions_.size() + tetrahedra);
-  element_numbers_.reserve(element_numbers_.size() + tetrahedra);
-  places_.reserve(places_.size() + tetrahedra);
+  reserve_more(corners_, 4 * tetrahedra);
+  reserve_more(regions_, tetrahedra);
+  reserve_more(element_numbers_, tetrahedra);
+  reserve_more(places_, tetrahedra);
 }
 
 void MeshBuilder::add_point(double x, double y, double z) { points_.insert(points_.end(), {x, y, z}); }
