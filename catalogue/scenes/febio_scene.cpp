@@ -106,8 +106,8 @@ class FebioSceneReader {
     const std::vector<Known> here = known(parent.type);
     const std::string of = file_.parent(parent) ? fmt::format(" of a {}", parent.type) : std::string();
     std::set<std::string_view> seen;
-    for (const XmlPart& part : file_.parts()) {
-      if (file_.parent(part) != &parent) continue;
+    for (const XmlPart* child : file_.within(parent)) {
+      const XmlPart& part = *child;
       const auto found =
           std::ranges::find_if(here, [&](const Known& each) { return is_listed(part.type, each.types); });
       if (found == here.end()) {
@@ -135,8 +135,8 @@ class FebioSceneReader {
                                                                                {"mm-g-s", "mm,g,s"},
                                                                                {"mm-mg-s", "mm,1e-6,s"},
                                                                                {"um-nN-s", "1e-6,g,s"}}};
-    const XmlPart* const above = in(root, "Module");
-    const XmlPart* const units = above ? in(*above, "units") : nullptr;
+    const XmlPart* const above = file_.first(root, "Module");
+    const XmlPart* const units = above ? file_.first(*above, "units") : nullptr;
     const std::string_view called = units ? trimmed(units->text) : "";
     const auto* const known = std::ranges::find(systems, called, [](const auto& each) { return each.first; });
     if (known == systems.end()) return builder_.take_units();
@@ -201,7 +201,7 @@ class FebioSceneReader {
 
   /// Numbers of a part of a load at its amplitude; zeros where a part that may be left out is.
   Eigen::VectorXd amounts(const XmlPart& load, std::string_view type, Eigen::Index count) {
-    const XmlPart* const part = in(load, type);
+    const XmlPart* const part = file_.first(load, type);
     if (!part && !is_listed(type, "x|y|z"))
       file_.fail(load, fmt::format("{} has no {}; add it", load.type, type));
     if (!part) return Eigen::VectorXd::Zero(count);
@@ -232,7 +232,7 @@ class FebioSceneReader {
   void read_nodal_load(const XmlPart& load, std::string_view type) {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     if (type == "nodal_load") {
-      const XmlPart* const dof = in(load, "dof");
+      const XmlPart* const dof = file_.first(load, "dof");
       const std::size_t axis =
           dof ? std::string_view("xyz").find(trimmed(dof->text)) : std::string_view::npos;
       if (!dof || trimmed(dof->text).size() != 1 || axis == std::string_view::npos)
@@ -256,16 +256,8 @@ class FebioSceneReader {
       builder_.add_force(mesh_.point_numbers[static_cast<std::size_t>(corner)], force);
   }
 
-  /// The part of this type in another one; null where there is none.
-  [[nodiscard]] const XmlPart* in(const XmlPart& parent, std::string_view type) const {
-    const auto found = std::ranges::find_if(file_.parts(), [&](const XmlPart& part) {
-      return part.type == type && file_.parent(part) == &parent;
-    });
-    return found == file_.parts().end() ? nullptr : &*found;
-  }
-
   std::optional<double> number(const XmlPart& parent, std::string_view type) {
-    const XmlPart* const part = in(parent, type);
+    const XmlPart* const part = file_.first(parent, type);
     if (!part) return std::nullopt;
     const std::vector<double> values = file_.numbers(*part);
     const bool has_parts =
@@ -315,7 +307,7 @@ class FebioSceneReader {
 
   /// Newmark's method, or generalized alpha where the spectral radius of infinite steps is given.
   void read_control() {
-    const XmlPart* const analysis = control_ ? in(*control_, "analysis") : nullptr;
+    const XmlPart* const analysis = control_ ? file_.first(*control_, "analysis") : nullptr;
     const std::string kind =
         analysis ? lower(analysis->has("type") ? analysis->tag.attribute("type") : trimmed(analysis->text))
                  : "static";

@@ -94,8 +94,7 @@ class FebioMeshReader {
   void read_set(const XmlPart& set) {
     std::vector<Index>& members = sets_[std::string(set.name())];
     members = points(set);
-    for (const XmlPart& part : file_.parts())
-      if (file_.parent(part) == &set) members.push_back(point(number(part), part));
+    for (const XmlPart* part : file_.within(set)) members.push_back(point(number(*part), *part));
   }
 
   /// The points of a Surface as the set that conditions and loads call by "@surface:NAME".
@@ -117,14 +116,13 @@ class FebioMeshReader {
     std::vector<unsigned> held(builder_.point_count(), 0);
     each("bc", "Boundary", [&](const XmlPart& condition) {
       unsigned bits = condition.tag.attribute("type") == "zero displacement" ? 0 : 8;
-      for (const XmlPart& part : file_.parts())
-        if (file_.parent(part) == &condition && bits != 8) {
-          const auto direction = std::string_view("x_dof y_dof z_dof ").find(std::string(part.type) + " ");
-          const std::vector<double> on = file_.numbers(part);
-          if (direction == std::string_view::npos || on.size() != 1 || (on[0] != 0 && on[0] != 1))
-            file_.fail(part, in_quotes(part.type) + " of a condition is not understood; remove it");
-          if (on[0] == 1) bits |= 1U << (direction / 6);
-        }
+      for (const XmlPart* part : bits == 8 ? std::vector<const XmlPart*>() : file_.within(condition)) {
+        const auto direction = std::string_view("x_dof y_dof z_dof ").find(std::string(part->type) + " ");
+        const std::vector<double> on = file_.numbers(*part);
+        if (direction == std::string_view::npos || on.size() != 1 || (on[0] != 0 && on[0] != 1))
+          file_.fail(*part, in_quotes(part->type) + " of a condition is not understood; remove it");
+        if (on[0] == 1) bits |= 1U << (direction / 6);
+      }
       if (bits == 8 && !condition.has("node_set")) return;
       const auto set = sets_.find(std::string(condition.tag.attribute("node_set")));
       if (set == sets_.end())

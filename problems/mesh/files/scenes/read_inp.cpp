@@ -2,6 +2,7 @@
 /// *BOUNDARY. What has no bearing on it is passed over.
 #include <algorithm>
 #include <array>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -115,8 +116,7 @@ class InpMeshReader {
       file_.fail(card.place, "the elements are of type " + in_quotes(type) +
                                  ", and only C3D4 and C3D10 are read; mesh the body with tetrahedra");
     const auto named = card.parameter("ELSET");
-    if (named && std::ranges::find(element_cards_, *named, &ElementCard::first) == element_cards_.end())
-      element_cards_.emplace_back(*named, &card);
+    if (named && element_names_.insert(*named).second) element_cards_.emplace_back(*named, &card);
     for (std::size_t next = 0; next < card.lines.size();) {
       InpLine line = card.lines[next++];
       for (; line.goes_on && line.fields.size() <= count && next < card.lines.size(); ++next) {
@@ -276,6 +276,7 @@ class InpMeshReader {
   std::unordered_map<std::int64_t, std::size_t> by_number_;
   Sets nodes_, elements_;
   std::vector<ElementCard> element_cards_;
+  std::set<std::string> element_names_;              ///< of these
   std::vector<std::vector<TetMesh::Index>> points_;  ///< of the elements
 };
 

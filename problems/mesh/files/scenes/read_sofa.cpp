@@ -264,9 +264,9 @@ namespace {
 
 /// A component or a node with this name in a node.
 const XmlPart* named_in(const XmlFile& file, const XmlPart& node, std::string_view name) {
-  const auto found = std::ranges::find_if(
-      file.parts(), [&](const XmlPart& part) { return file.parent(part) == &node && part.name() == name; });
-  return found == file.parts().end() ? nullptr : &*found;
+  const std::vector<const XmlPart*> parts = file.within(node);
+  const auto found = std::ranges::find(parts, name, &XmlPart::name);
+  return found == parts.end() ? nullptr : *found;
 }
 
 /// @param path  without "@" and the name of a value

@@ -403,10 +403,18 @@ std::string many_blocks(int blocks) {
   return text + "$EndElements\n";
 }
 
+/// So many sets of elements, each of one tetrahedron.
+std::string many_element_sets(int sets) {
+  std::string text = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n";
+  for (int i = 1; i <= sets; ++i) text += fmt::format("*ELEMENT,TYPE=C3D4,ELSET=E{0}\n{0},1,2,3,4\n", i);
+  return text;
+}
+
 /// Lines before each piece once were counted anew, and room for each piece made by moving those before it.
 TEST(MeshFiles, ManyPiecesAreReadInTimeProportionalToThem) {
   EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.vtu", many_pieces(n)), n); }, 4000), 10);
   EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.msh", many_blocks(n)), n); }, 30'000), 10);
+  EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.inp", many_element_sets(n)), n); }, 8000), 10);
   expect_refused("a.vtu", replaced(many_pieces(1000), "0 1 2 3<", "0 1 2 4<"), "a.vtu, line 5: ");
 }
 
