@@ -47,7 +47,7 @@ enum class AdviceBound {
   accuracy,   ///< it misses the tolerance; where errors are ranked: one of half its length is no better
   newton,     ///< its equations are not solved
   budget,     ///< even this one takes more than the budget; where errors are ranked: one of half its length
-              ///< would
+              ///< would, or was not tried in time
   rate        ///< the step is a whole frame
 };
 enum class AdviceVerdict {

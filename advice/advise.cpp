@@ -253,6 +253,7 @@ class Search {
       if (has_hope()) {
         analyse();
         search_steps();
+        if (question_.least_error) spend_budgets();
         if (is_suitable(advice_.rows.front())) verify_best();
         if (is_suitable(advice_.rows.front())) {
           look_at_other_model();
@@ -378,6 +379,29 @@ class Search {
           std::move(rows[i]);
       sort_rows(advice_.rows, question_);
     }
+  }
+
+  /// Shorter steps of all rows in turn, as long as they pay and there is time: none waits for what another
+  /// one spends, the one with the smallest error least.
+  void spend_budgets() {
+    std::vector<AdviceRow*> going;
+    for (AdviceRow& row : advice_.rows) {
+      if (!is_suitable(row)) continue;
+      row.bound = AdviceBound::budget;
+      going.push_back(&row);
+    }
+    const std::vector<AdviceRow*> all = going;
+    try {
+      while (!going.empty())
+        std::erase_if(going, [&](AdviceRow* row) {
+          enter(AdviceStage::searching, 0.7, "shorter steps of " + row->candidate.words(), time_of_search);
+          return !spend_budget(*row, question_, *model_, watch_);
+        });
+    } catch (const OutOfTime&) {  // what suffices stays
+    }
+    until_ = 1;
+    for (AdviceRow* row : all) describe_step(*row, *model_, watch_);
+    sort_rows(advice_.rows, question_);
   }
 
   void verify_best() {

@@ -46,12 +46,27 @@ class StepSearch {
     row.least_steps = row.steps_per_frame;
     row.bound = cause;
     row.verdict = AdviceVerdict::suitable;
-    if (question_.least_error) spend_budget(row);
     if (is_surely_late(row.missed, row.frames) || row.frame.p50 > question_.frame_budget()) {
       row.bound = AdviceBound::budget;
       row.verdict = AdviceVerdict::too_slow;
       row.status = fmt::format("{} of {} frames took more than the budget", row.missed, row.frames);
     }
+  }
+
+  /// As spend_budget().
+  bool halve(AdviceRow& row) const {
+    row.bound = AdviceBound::budget;
+    if (2 * row.frame.p50 > 0.8 * question_.frame_budget() || 2 * row.steps_per_frame > most_steps)
+      return false;
+    AdviceRow shorter = row;
+    const MotionRun run = run_at(shorter, 2 * row.steps_per_frame);
+    if (is_surely_late(shorter.missed, shorter.frames)) return false;
+    if (!suffices(run) || shorter.error > 0.9 * row.error) {
+      row.bound = AdviceBound::accuracy;
+      return false;
+    }
+    row = shorter;
+    return true;
   }
 
  private:
@@ -119,21 +134,6 @@ class StepSearch {
       }
     }
     row = best;
-  }
-
-  /// Shorter steps as long as they fit into four fifths of the budget and the error falls, while there is
-  /// time.
-  void spend_budget(AdviceRow& row) const try {
-    while (2 * row.frame.p50 <= 0.8 * question_.frame_budget() && 2 * row.steps_per_frame <= most_steps) {
-      AdviceRow shorter = row;
-      const MotionRun run = run_at(shorter, 2 * row.steps_per_frame);
-      row.bound =
-          is_surely_late(shorter.missed, shorter.frames) ? AdviceBound::budget : AdviceBound::accuracy;
-      if (!suffices(run) || row.bound == AdviceBound::budget || shorter.error > 0.9 * row.error) return;
-      row = shorter;
-    }
-    row.bound = AdviceBound::budget;
-  } catch (const OutOfTime&) {  // what suffices stays
   }
 
   /// Without a step that is long enough: no run was stable, or none was made.
@@ -249,12 +249,20 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
   describe_step(row, model, watcher);
 }
 
+bool spend_budget(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
+                  const Watcher& watcher) {
+  return StepSearch(question, model, watcher).halve(row);
+}
+
 bool settle_limit(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
                   const Watcher& watcher) {
   const CandidateLimit limit = pending_limit(row.candidate, model, watcher);
   const double before = row.h;
   if (before > step_safety * limit.h_max) {
     search_step(row, limit, question, model, watcher);
+    while (question.least_error && is_suitable(row) && spend_budget(row, question, model, watcher)) {
+    }
+    describe_step(row, model, watcher);
     return true;
   }
   row.limit_pending = false;

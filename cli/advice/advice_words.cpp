@@ -30,7 +30,8 @@ std::string percent(double share) { return std::isfinite(share) ? short_number(1
 std::string sentence_of_bound(const AdviceRow& row, bool least_error) {
   const bool suits = row.verdict == AdviceVerdict::recommended || row.verdict == AdviceVerdict::tie;
   if (least_error && suits && row.bound == AdviceBound::budget)
-    return "the budget: frames of twice as many steps would take more than 0.8 of it, or be late";
+    return "the budget: frames of twice as many steps would take more than 0.8 of it, be late, or were not tried in "
+           "time";
   if (least_error && suits && row.bound == AdviceBound::accuracy)
     return "accuracy: twice as many steps hardly lower the error";
   switch (row.bound) {

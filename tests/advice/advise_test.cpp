@@ -356,6 +356,26 @@ TEST(Advise, SpendsABudgetOnTheError) {
   EXPECT_GE(row.steps_per_frame, 2 * row.least_steps);
 }
 
+// A method of first order spent all of the time of the answer on steps of microseconds, and no other was run.
+TEST(Advise, RunsEachMethodBeforeOneSpendsTheBudget) {
+  Problem problem = make_problem("liver_linear");
+  problem.t_end = 5;
+  AdviceQuestion asked = question(100, {"linearly_implicit_euler", "rk4"}, problem);
+  asked.budget = 1e-4;
+  asked.least_error = true;
+  std::vector<std::string> stages;
+  (void)advise(problem, asked, [&](double, const std::string& what) {
+    if (stages.empty() || stages.back() != what) stages.push_back(what);
+  });
+  const auto begins = [](const char* words) {
+    return [=](const std::string& stage) { return stage.starts_with(words); };
+  };
+  const auto spent = std::ranges::find_if(stages, begins("shorter steps of "));
+  ASSERT_NE(spent, stages.end());
+  EXPECT_EQ(std::count_if(stages.begin(), spent, begins("steps of ")), 4);
+  EXPECT_TRUE(std::none_of(spent, stages.end(), begins("steps of ")));
+}
+
 TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
   const Problem problem = cube("press");
   const Advice advice = advise(problem, question(100, {"linearly_implicit_euler"}, problem));
