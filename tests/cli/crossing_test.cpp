@@ -80,7 +80,7 @@ struct ListedFamily {
 std::vector<ListedFamily> families(const Shell& shell) {
   std::vector<ListedFamily> all;
   for (const json& each : shell.json("list methods")) {
-    if (all.empty() || all.back().name != each["family"]) all.push_back({each["family"]});
+    if (all.empty() || all.back().name != each["family"].get<std::string>()) all.push_back({each["family"]});
     all.back().methods.push_back(
         {each["id"], each["needs_second_order"], each["needs_split"], each["adaptive"]});
   }

@@ -141,12 +141,12 @@ TEST(LargestStableStep, IsTheSameForEveryTypeOfMatrix) {
   const Eigen::VectorXd M = Eigen::VectorXd::LinSpaced(n, 0.01, 0.02);
   const double h = largest_stable_step("rk4", K, M, C).h_max;
   ASSERT_TRUE(std::isfinite(h));
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> K_by_rows = K;
+  const Eigen::SparseMatrix<double, Eigen::RowMajor> K_rows = K;
   const Eigen::MatrixXd K_dense = K, C_dense = C;
   const Eigen::Matrix<double, 5, 5, Eigen::RowMajor> K_fixed = K_dense;
   const Sparse M_sparse = Eigen::MatrixXd(M.asDiagonal()).sparseView();
   for (const double other :
-       {largest_stable_step("rk4", K_by_rows, M, C).h_max, largest_stable_step("rk4", K_dense, M, C).h_max,
+       {largest_stable_step("rk4", K_rows, M, C).h_max, largest_stable_step("rk4", K_dense, M, C).h_max,
         largest_stable_step("rk4", K_fixed, M.transpose(), C_dense).h_max,
         largest_stable_step("rk4", K, M.asDiagonal(), C).h_max,
         largest_stable_step("rk4", K, M_sparse, C).h_max,

@@ -37,7 +37,7 @@ double by_blocks(const std::vector<double>& x, const std::vector<double>& y) {
   for (std::int32_t first = 0; first < count; first += piece_size) {
     const std::int32_t here = std::min(piece_size, count - first);
     block.each(here, [&](std::int32_t n) {
-      const auto at = static_cast<std::size_t>(first + n);
+      const auto at = static_cast<std::size_t>(first) + static_cast<std::size_t>(n);
       products[static_cast<std::size_t>(n)] = x[at] * y[at];
     });
     add_up<lanes_of_a_piece>(block, here, products.data(), lanes.data());

@@ -266,7 +266,7 @@ TYPED_TEST(Imex, ErrorEstimateHasTheOrderItClaims) {
 
 /// An oscillator that does not say that its stiff part is linear.
 struct Unaware : Oscillator {
-  Unaware() : Oscillator() {}
+  Unaware() = default;
   [[nodiscard]] static bool has_linear_stiff_part() { return false; }
 };
 
