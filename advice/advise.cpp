@@ -381,8 +381,8 @@ class Search {
     }
   }
 
-  /// Shorter steps of all rows in turn, as long as they pay and there is time: none waits for what another
-  /// one spends, the one with the smallest error least.
+  /// Shorter steps, where they pay and as long as there is time: those next whose frames are the cheapest, so
+  /// that none waits for what another one spends.
   void spend_budgets() {
     std::vector<AdviceRow*> going;
     for (AdviceRow& row : advice_.rows) {
@@ -392,11 +392,11 @@ class Search {
     }
     const std::vector<AdviceRow*> all = going;
     try {
-      while (!going.empty())
-        std::erase_if(going, [&](AdviceRow* row) {
-          enter(AdviceStage::searching, 0.7, "shorter steps of " + row->candidate.words(), time_of_search);
-          return !spend_budget(*row, question_, *model_, watch_);
-        });
+      while (!going.empty()) {
+        const auto next = std::ranges::min_element(going, {}, [](AdviceRow* row) { return row->frame.p50; });
+        enter(AdviceStage::searching, 0.7, "shorter steps of " + (*next)->candidate.words(), time_of_search);
+        if (!spend_budget(**next, question_, *model_, watch_)) going.erase(next);
+      }
     } catch (const OutOfTime&) {  // what suffices stays
     }
     until_ = 1;
