@@ -32,15 +32,15 @@ inline std::vector<FunctionLines> functions_of(const std::string& text) {
       here = {line, number, 0};
       at = At::head;
     }
-    if (at == At::head && line.ends_with('{'))
+    if (at == At::head && line.ends_with('{')) {
       at = At::body;
-    else if (at == At::head && (line.ends_with(';') || line.ends_with('}')))
-      at = At::outside;  // a declaration, or all of it on few lines
-    else if (at == At::body && line == "}") {
-      functions.push_back({here.head, here.line, number - here.line + 1});
-      at = At::outside;
-    } else if (at == At::body && first_column && line.starts_with('}'))
-      at = At::outside;  // a type, or a table
+      continue;
+    }
+    const bool is_function = at == At::body && line == "}";
+    if (is_function) functions.push_back({here.head, here.line, number - here.line + 1});
+    const bool is_short = at == At::head && (line.ends_with(';') || line.ends_with('}')),
+               is_type_or_table = at == At::body && first_column && line.starts_with('}');
+    if (is_function || is_short || is_type_or_table) at = At::outside;
   }
   return functions;
 }

@@ -81,7 +81,7 @@ TEST(Amplification, OfEveryMultistepMethodIsTheRecurrenceOfItsSteps) {
       Complex defect = 0;
       double size = 0;
       for (int j = 0; j <= k; ++j) {
-        const auto& y = states[static_cast<std::size_t>(first + j)];
+        const auto& y = states[static_cast<std::size_t>(first) + static_cast<std::size_t>(j)];
         const Complex term =
             Complex(evaluate(pi.coefficients()[static_cast<std::size_t>(j)], LongComplex(z))) *
             Complex(y[0], y[1]);

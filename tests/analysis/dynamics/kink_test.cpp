@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "analysis/dynamics/trap.hpp"

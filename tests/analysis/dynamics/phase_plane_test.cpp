@@ -28,11 +28,11 @@ struct CubicOscillator {
   }
 };
 
-const Window kWindow{{-2, -2.5}, {2, 2.5}};
+const Window near_origin{{-2, -2.5}, {2, 2.5}};
 
 /// The only equilibrium of the liver oscillator with damping c.
 Equilibrium liver(double c) {
-  const auto found = find_equilibria(frozen_at(CubicOscillator{.c = c}), kWindow);
+  const auto found = find_equilibria(frozen_at(CubicOscillator{.c = c}), near_origin);
   EXPECT_EQ(found.size(), 1u);
   return found.at(0);
 }
@@ -102,7 +102,7 @@ TEST(PhasePlane, AFoldIsDegenerateInAnyWindow) {
 }
 
 TEST(PhasePlane, ASpringWithoutLinearPartIsDegenerate) {
-  const auto found = find_equilibria(frozen_at(CubicOscillator{.c = 0.5, .k1 = 0}), kWindow);
+  const auto found = find_equilibria(frozen_at(CubicOscillator{.c = 0.5, .k1 = 0}), near_origin);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].type, EquilibriumType::degenerate);
   EXPECT_NEAR(found[0].state(0), 0, 1e-9);
@@ -171,16 +171,16 @@ TEST(PhasePlane, PointsThatNewtonPassesAreNoEquilibria) {
 TEST(PhasePlane, AFieldWithoutEquilibriaHasNone) {
   const PlanarField field{[](const Vector2d& y) { return Vector2d(1, y(0) * y(0) + 1); },
                           [](const Vector2d& y) { return (Matrix2d() << 0, 0, 2 * y(0), 0).finished(); }};
-  EXPECT_TRUE(find_equilibria(field, kWindow).empty());
+  EXPECT_TRUE(find_equilibria(field, near_origin).empty());
 }
 
 TEST(PhasePlane, NullclinesOfTheOscillatorAreTheAxisAndTheCubic) {
   const CubicOscillator liver{.c = 2};
   const PlanarField field = frozen_at(liver);
-  const auto axis = nullcline(field, 0, kWindow);
+  const auto axis = nullcline(field, 0, near_origin);
   ASSERT_EQ(axis.size(), 1u);
   for (const Vector2d& p : axis[0]) EXPECT_NEAR(p(1), 0, 1e-12);
-  const auto cubic = nullcline(field, 1, kWindow);
+  const auto cubic = nullcline(field, 1, near_origin);
   ASSERT_EQ(cubic.size(), 1u);
   for (const Vector2d& p : cubic[0])
     EXPECT_NEAR(p(1), -(0.7 * p(0) + 0.8 * std::pow(p(0), 3)) / 2, 1e-3);  // v = -(k1 x + k3 x^3) / c
@@ -190,11 +190,11 @@ TEST(PhasePlane, NullclinesOfTheOscillatorAreTheAxisAndTheCubic) {
 
 TEST(PhasePlane, AClosedNullclineIsStitchedToOneClosedCurve) {
   const PlanarField circle{[](const Vector2d& y) { return Vector2d(y.squaredNorm() - 1, y(0) * y(1)); }, {}};
-  const auto closed = nullcline(circle, 0, kWindow);
+  const auto closed = nullcline(circle, 0, near_origin);
   ASSERT_EQ(closed.size(), 1u);
   EXPECT_EQ(closed[0].front(), closed[0].back());
   for (const Vector2d& p : closed[0]) EXPECT_NEAR(p.norm(), 1, 1e-3);
-  EXPECT_GE(nullcline(circle, 1, kWindow).size(), 2u);  // the two axes cross at the origin
+  EXPECT_GE(nullcline(circle, 1, near_origin).size(), 2u);  // the two axes cross at the origin
 }
 
 TEST(PhasePlane, NullclinesStopWhereTheFieldIsNotFinite) {
@@ -234,8 +234,8 @@ TEST(PhasePlane, BadWindowsAreRefused) {
   const PlanarField field = frozen_at(CubicOscillator{});
   EXPECT_THROW(find_equilibria(field, {{0, 0}, {0, 1}}), std::invalid_argument);
   EXPECT_THROW(find_equilibria(field, {{0, 0}, {1, NAN}}), std::invalid_argument);
-  EXPECT_THROW(nullcline(field, 2, kWindow), std::invalid_argument);
-  EXPECT_THROW(direction_field(field, kWindow, {"x", "v"}, 0, 3), std::invalid_argument);
+  EXPECT_THROW(nullcline(field, 2, near_origin), std::invalid_argument);
+  EXPECT_THROW(direction_field(field, near_origin, {"x", "v"}, 0, 3), std::invalid_argument);
 }
 
 TEST(PhasePlane, ARealEigenvalueHasItsDirection) {
@@ -388,7 +388,7 @@ TEST(Equilibria, LinesOfThemAreNotPoints) {
       for (const Equilibrium& e : found.points)
         EXPECT_EQ(e.type, EquilibriumType::degenerate) << far << " " << e.state.transpose();
     }
-  for (const Equilibrium& e : search_equilibria(line, kWindow).points) EXPECT_NEAR(e.state(1), 0, 1e-12);
+  for (const Equilibrium& e : search_equilibria(line, near_origin).points) EXPECT_NEAR(e.state(1), 0, 1e-12);
 }
 
 TEST(Equilibria, ADegenerateOneHidesNoOther) {

@@ -114,10 +114,10 @@ TEST(StepProbe, RoundingOfManyNumbersIsNoJump) {
 
 /// Runge-Kutta steps of x'' + c x' + 100 x = 0 of order 1 or 2, whose modulus is 1 + (10 h)^2 / 2 or
 /// 1 + (10 h)^4 / 8 without damping.
-template <int order, int c_1e6>
+template <int order, int micro_c>
 Eigen::VectorXd oscillating(const Eigen::VectorXd& y, double h) {
   const auto rate = [](const Eigen::VectorXd& of) {
-    return Eigen::Vector2d(of[1], -100 * of[0] - 1e-6 * c_1e6 * of[1]);
+    return Eigen::Vector2d(of[1], -100 * of[0] - 1e-6 * micro_c * of[1]);
   };
   return y + h * rate(order == 1 ? y : Eigen::VectorXd(y + 0.5 * h * rate(y)));
 }
