@@ -171,10 +171,11 @@ TEST_F(ProbeBullet, TheNeoHookeanForceIsSofterThanItsNumbers) {
   // Its mu and lambda are 3/4 mu and lambda - 5/8 mu at rest [smith2018stable].
   const double E = 6000, nu = 0.3, mu = E / (2 * (1 + nu)), lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
   const double mu_at_rest = mu * 3 / 4, lambda_at_rest = lambda - mu * 5 / 8;
-  const double E_at_rest = mu_at_rest * (3 * lambda_at_rest + 2 * mu_at_rest) / (lambda_at_rest + mu_at_rest);
+  const double young_at_rest =
+      mu_at_rest * (3 * lambda_at_rest + 2 * mu_at_rest) / (lambda_at_rest + mu_at_rest);
   const double nu_at_rest = lambda_at_rest / (2 * (lambda_at_rest + mu_at_rest));
   const double expected =
-      limit_of_hmax("--set E=" + std::to_string(E_at_rest) + " --set nu=" + std::to_string(nu_at_rest));
+      limit_of_hmax("--set E=" + std::to_string(young_at_rest) + " --set nu=" + std::to_string(nu_at_rest));
   EXPECT_NEAR(body(held + "--set E=6000 --set nu=0.3")["h_max"].get<double>() / expected, 1, 1e-4);
   // Free, and of six rigid motions.
   const nlohmann::json free = body("--unit m --set E=6000 --set nu=0.3");

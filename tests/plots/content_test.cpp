@@ -28,7 +28,7 @@ Row row(const std::string& method, const std::string& mode, double h, double sec
   return r;
 }
 
-const std::vector<ShownMethod> kMethods{
+const std::vector<ShownMethod> shown_methods{
     {"explicit_euler", 1}, {"rk4", 4}, {"rk4_38", 4}, {"dormand_prince_54", 5, "ode45"}};
 
 std::vector<Row> rows() {
@@ -45,10 +45,10 @@ std::vector<Row> rows() {
 TEST(Figures, RefuseExploredRows) {
   std::vector<Row> some = rows();
   some[0].explored = true;
-  EXPECT_THROW(step_figure(some, kMethods), InputError);
-  EXPECT_THROW(step_cost_figure(some, kMethods), InputError);
-  EXPECT_THROW(work_precision_figure(some, kMethods), InputError);
-  EXPECT_THROW(run_time_panel(some, "fixed", kMethods), InputError);
+  EXPECT_THROW(step_figure(some, shown_methods), InputError);
+  EXPECT_THROW(step_cost_figure(some, shown_methods), InputError);
+  EXPECT_THROW(work_precision_figure(some, shown_methods), InputError);
+  EXPECT_THROW(run_time_panel(some, "fixed", shown_methods), InputError);
 }
 
 TEST(Figures, ShowOneDeviceOrTheProcessor) {
@@ -57,23 +57,23 @@ TEST(Figures, ShowOneDeviceOrTheProcessor) {
     row.key.device = "card";
     row.device_s.swap(row.cpu_s);
   }
-  const Panel there = run_time_panel(some, "fixed", kMethods),
-              here = run_time_panel(rows(), "fixed", kMethods);
+  const Panel there = run_time_panel(some, "fixed", shown_methods),
+              here = run_time_panel(rows(), "fixed", shown_methods);
   EXPECT_EQ(here.title, "CPU time of one run");
   EXPECT_EQ(here.y.label, "CPU time [s]");
   EXPECT_EQ(there.title, "Device time of one run on card");
   EXPECT_EQ(there.y.label, "device time [s]");
   EXPECT_EQ(there.curves.at(1).y, here.curves.at(1).y);
-  EXPECT_EQ(work_precision_figure(some, kMethods).panels[0].y.label, "device time [s]");
-  EXPECT_EQ(step_cost_figure(some, kMethods).panels[0].y.label, "device time per step [ns]");
+  EXPECT_EQ(work_precision_figure(some, shown_methods).panels[0].y.label, "device time [s]");
+  EXPECT_EQ(step_cost_figure(some, shown_methods).panels[0].y.label, "device time per step [ns]");
   some[0] = rows()[0];
-  EXPECT_THROW(step_figure(some, kMethods), InputError);
-  EXPECT_THROW(step_cost_figure(some, kMethods), InputError);
-  EXPECT_THROW(work_precision_figure(some, kMethods), InputError);
+  EXPECT_THROW(step_figure(some, shown_methods), InputError);
+  EXPECT_THROW(step_cost_figure(some, shown_methods), InputError);
+  EXPECT_THROW(work_precision_figure(some, shown_methods), InputError);
 }
 
 TEST(StepFigure, ShowsTimeOverErrorForBothReadingsOfAStep) {
-  const Figure figure = step_figure(rows(), kMethods);
+  const Figure figure = step_figure(rows(), shown_methods);
   ASSERT_EQ(figure.panels.size(), 4u);
   EXPECT_EQ(figure.columns, 2);
   const Panel& time = figure.panels[0];
@@ -93,7 +93,7 @@ TEST(StepFigure, ShowsTimeOverErrorForBothReadingsOfAStep) {
 TEST(StepFigure, OneReadingAloneStandsSideBySide) {
   std::vector<Row> fixed = rows();
   std::erase_if(fixed, [](const Row& r) { return r.key.mode != "fixed"; });
-  const Figure figure = step_figure(fixed, kMethods);
+  const Figure figure = step_figure(fixed, shown_methods);
   EXPECT_EQ(figure.panels.size(), 2u);
   EXPECT_EQ(figure.columns, 2);
 }
@@ -101,21 +101,21 @@ TEST(StepFigure, OneReadingAloneStandsSideBySide) {
 TEST(StepFigure, RowsOfTwoProblemsAreRefused) {
   std::vector<Row> mixed = rows();
   mixed[1].key.parameters = "c=6";
-  EXPECT_THROW(step_figure(mixed, kMethods), InputError);
-  EXPECT_THROW(step_figure({}, kMethods), InputError);
-  EXPECT_THROW(work_precision_figure({}, kMethods), InputError);
-  EXPECT_THROW(step_cost_figure({}, kMethods), InputError);
+  EXPECT_THROW(step_figure(mixed, shown_methods), InputError);
+  EXPECT_THROW(step_figure({}, shown_methods), InputError);
+  EXPECT_THROW(work_precision_figure({}, shown_methods), InputError);
+  EXPECT_THROW(step_cost_figure({}, shown_methods), InputError);
 }
 
 TEST(StepFigure, OtherFailuresAreNotCalledDivergence) {
   std::vector<Row> other = rows();
-  EXPECT_EQ(run_time_panel(other, "fixed", kMethods).lost_label, "diverged");
+  EXPECT_EQ(run_time_panel(other, "fixed", shown_methods).lost_label, "diverged");
   other[2].outcome = "too_many_steps";
-  EXPECT_EQ(run_time_panel(other, "fixed", kMethods).lost_label, "did not reach the end");
+  EXPECT_EQ(run_time_panel(other, "fixed", shown_methods).lost_label, "did not reach the end");
 }
 
 TEST(StepCostFigure, DividesTheMedianByTheSteps) {
-  const Figure figure = step_cost_figure(rows(), kMethods);
+  const Figure figure = step_cost_figure(rows(), shown_methods);
   EXPECT_NEAR(figure.panels.at(0).curves.at(1).y.at(0), 1e-3 / 1e4 * 1e9, 1e-9);
 }
 
