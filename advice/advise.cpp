@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 
 #include <fmt/format.h>
@@ -390,17 +391,20 @@ class Search {
       row.bound = AdviceBound::budget;
       going.push_back(&row);
     }
-    const std::vector<AdviceRow*> all = going;
+    std::set<AdviceRow*> shortened;
     try {
       while (!going.empty()) {
         const auto next = std::ranges::min_element(going, {}, [](AdviceRow* row) { return row->frame.p50; });
         enter(AdviceStage::searching, 0.7, "shorter steps of " + (*next)->candidate.words(), time_of_search);
-        if (!spend_budget(**next, question_, *model_, watch_)) going.erase(next);
+        if (spend_budget(**next, question_, *model_, watch_))
+          shortened.insert(*next);
+        else
+          going.erase(next);
       }
     } catch (const OutOfTime&) {  // what suffices stays
     }
     until_ = 1;
-    for (AdviceRow* row : all) describe_step(*row, *model_, watch_);
+    for (AdviceRow* row : shortened) describe_step(*row, *model_, watch_);
     sort_rows(advice_.rows, question_);
   }
 

@@ -66,6 +66,9 @@ class StepSearch {
       return false;
     }
     row = shorter;
+    row.damping_added.clear();
+    row.frequency_shift.clear();
+    row.stiffening = AdviceRow::none;
     return true;
   }
 

@@ -37,7 +37,7 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
                  const AnalysedModel& model, const Watcher& watcher);
 
 /// Halves the step of a row that suits, where that fits into four fifths of the budget and lowers the error
-/// by a tenth at least. What describe_step() tells is then that of the longer step.
+/// by a tenth at least. What describe_step() tells is then to be told again.
 /// @returns whether it did; else AdviceRow::bound says why not
 bool spend_budget(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
                   const Watcher& watcher);
