@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -86,7 +87,8 @@ TEST(StepProbe, BodiesOfMoreThan300NumbersHaveTheirLimits) {
   std::mt19937_64 random(36);
   const auto expect_right = [&](LatticeSupport support, Scheme scheme, double numbers) {
     const Lattice lattice = random_lattice(random, support, scheme, numbers);
-    const Judged found = judged(lattice, random, 0.1);
+    // Runs that a time limits are shorter on a slow machine, and show less.
+    const Judged found = judged(lattice, random, std::numeric_limits<double>::infinity());
     EXPECT_TRUE(found.is_right()) << lattice.name() << ", " << found.found.dim << " numbers: h_max "
                                   << found.found.h_max << ", observed " << found.found.observed << ", right "
                                   << found.exact << "; " << status_of(found.found);
