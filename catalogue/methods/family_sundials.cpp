@@ -102,12 +102,8 @@ struct Coefficients {
 /// From the tables that the library steps with; null where a method is more than tables.
 /// @throws std::invalid_argument  where the library lacks one of them
 std::shared_ptr<const Amplification> amplification_of(const sundials::Method& choice, int order) {
-  const auto implicit = [&] {
-    return Coefficients(sundials::library_table(static_cast<ARKODE_DIRKTableID>(choice.implicit_table)));
-  };
-  const auto explicit_part = [&] {
-    return Coefficients(sundials::library_table(static_cast<ARKODE_ERKTableID>(choice.explicit_table)));
-  };
+  const auto implicit = [&] { return Coefficients(sundials::library_dirk_table(choice.implicit_table)); };
+  const auto explicit_part = [&] { return Coefficients(sundials::library_erk_table(choice.explicit_table)); };
   switch (choice.package) {
     case Package::erk: {
       const Coefficients table = explicit_part();

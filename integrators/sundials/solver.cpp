@@ -180,7 +180,7 @@ class ErkStep final : public Solver {
     check(ERKStepSetErrHandlerFn(erk, be_silent, nullptr), "an error handler");
     check(ERKStepSetUserData(erk, calls.user), "the system");
     // Corrected where ERKStep would take it wrongly for first-same-as-last.
-    const Table table = explicit_table(static_cast<ARKODE_ERKTableID>(method.explicit_table));
+    const Table table = explicit_table(method.explicit_table);
     check(ERKStepSetTable(erk, table.get()), "the table");
     check(ERKStepSetMaxNumSteps(erk, no_limit), "steps without limit");
     check(ERKStepSetStopTime(erk, t_end), "the end time");

@@ -49,27 +49,26 @@ namespace {
 /// @throws std::invalid_argument  where the library has no table of this id
 /// @param load  the function of the library that makes the table
 template <class Id>
-Table checked(ARKodeButcherTable (*load)(Id), Id id, int first, int last, const char* kind) {
-  const int number = id;
-  Table table(number >= first && number <= last ? load(id) : nullptr);
+Table checked(ARKodeButcherTable (*load)(Id), int id, int first, int last, const char* kind) {
+  Table table(id >= first && id <= last ? load(static_cast<Id>(id)) : nullptr);
   if (!table)
     throw std::invalid_argument(std::string("SUNDIALS " SUNDIALS_VERSION " has no ") + kind + " table " +
-                                std::to_string(number));
+                                std::to_string(id));
   return table;
 }
 }  // namespace
 
-Table library_table(ARKODE_ERKTableID id) {
+Table library_erk_table(int id) {
   return checked(ARKodeButcherTable_LoadERK, id, ARKODE_MIN_ERK_NUM, ARKODE_MAX_ERK_NUM, "explicit");
 }
 
-Table library_table(ARKODE_DIRKTableID id) {
+Table library_dirk_table(int id) {
   return checked(ARKodeButcherTable_LoadDIRK, id, ARKODE_MIN_DIRK_NUM, ARKODE_MAX_DIRK_NUM, "implicit");
 }
 
-Table explicit_table(ARKODE_ERKTableID id) {
+Table explicit_table(int id) {
   // Only those that need it: the stage more costs an evaluation of f in each step.
-  Table table = library_table(id);
+  Table table = library_erk_table(id);
   return is_taken_for_fsal(*table) ? with_honest_last_stage(*table) : std::move(table);
 }
 

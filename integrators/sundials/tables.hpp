@@ -29,12 +29,13 @@ Table with_honest_last_stage(const ARKodeButcherTableMem& table);
 
 /// Tables as the library has them. Those that it lacks it tells on standard error of its own accord, so the
 /// range of its ids is looked at first.
+/// @param id  of ARKODE_ERKTableID or ARKODE_DIRKTableID, as a number, since it may be none of them
 /// @throws std::invalid_argument  where it has none of this id, as another version of it may
-Table library_table(ARKODE_ERKTableID id);
-Table library_table(ARKODE_DIRKTableID id);
+Table library_erk_table(int id);
+Table library_dirk_table(int id);
 
 /// A table of the library as ERKStep runs it rightly.
 /// @throws std::bad_alloc, std::invalid_argument
-Table explicit_table(ARKODE_ERKTableID id);
+Table explicit_table(int id);
 
 }  // namespace hmax::sundials
