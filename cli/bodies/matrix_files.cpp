@@ -9,6 +9,8 @@
 #include "cli/shared/outputs.hpp"
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
+#include "core/text/sentences.hpp"
+#include "limits/kinks.hpp"
 #include "problems/matrices/matrix_writers.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
@@ -75,10 +77,11 @@ void write_matrices(const Problem& problem, const OperatingPoint& point, const s
   write_files(folder, point.problem, files);
   if (problem.body)
     write_file(std::filesystem::path(folder) / "stiffness.dof", names_of_unknowns(*problem.body));
+  const std::string kink(point.at_kink ? at_a_kink : "");
   std::string option;
   Json document{{"problem", point.problem},
                 {"state_kind", name_of(point.kind)},
-                {"status", json_or_null(point.status)},
+                {"status", json_or_null(joined(point.status, kink))},
                 {"unknowns", files.front().matrix.rows()}};
   std::string text = fmt::format("{}: {}\n", point.problem, point.state);
   for (const Written& each : files) {
@@ -88,6 +91,7 @@ void write_matrices(const Problem& problem, const OperatingPoint& point, const s
                         each.matrix.nonZeros());
   }
   document["matrices"] = option;
+  if (point.at_kink) text += kink + "\n";
   // The matrices are not those that were asked for, as the limits of `hmax stability predict`.
   if (point.kind == StateKind::rest && !point.status.empty()) console.exit_code = Exit::failed;
   console.show(document, text + fmt::format("use them with --matrices {}\n", option));
