@@ -47,7 +47,8 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
 /// them.
 std::vector<std::pair<double, double>> slowest_modes(const Linearised& near) {
   const std::optional<MechanicalPart>& part = near.point.model.mechanical;
-  const bool coupled = part && part->symmetric && part->damping == Damping::general;
+  const bool coupled = part && part->symmetric && part->damping == Damping::general &&
+                       part->mass.size() <= most_cheaply_factored;
   std::vector<std::pair<double, double>> modes;
   for (const MechanicalMode& each :
        coupled ? modes_alone(near.point, 3).slowest : near.modes.spectrum.mechanical) {
@@ -391,6 +392,16 @@ class Search {
       row.bound = AdviceBound::budget;
       going.push_back(&row);
     }
+    try {
+      halve_cheapest(std::move(going));
+    } catch (...) {
+      sort_rows(advice_.rows, question_);
+      throw;
+    }
+    sort_rows(advice_.rows, question_);
+  }
+
+  void halve_cheapest(std::vector<AdviceRow*> going) {
     std::set<AdviceRow*> shortened;
     try {
       while (!going.empty()) {
@@ -405,7 +416,6 @@ class Search {
     }
     until_ = 1;
     for (AdviceRow* row : shortened) describe_step(*row, *model_, watch_);
-    sort_rows(advice_.rows, question_);
   }
 
   void verify_best() {

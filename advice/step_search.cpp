@@ -65,6 +65,8 @@ class StepSearch {
       row.bound = AdviceBound::accuracy;
       return false;
     }
+    // What is known of the limit stays true.
+    if (shorter.status.empty()) shorter.status = row.status;
     row = shorter;
     row.damping_added.clear();
     row.frequency_shift.clear();
@@ -263,7 +265,10 @@ bool settle_limit(AdviceRow& row, const AdviceQuestion& question, const Analysed
   const double before = row.h;
   if (before > step_safety * limit.h_max) {
     search_step(row, limit, question, model, watcher);
-    while (question.least_error && is_suitable(row) && spend_budget(row, question, model, watcher)) {
+    try {
+      while (question.least_error && is_suitable(row) && spend_budget(row, question, model, watcher)) {
+      }
+    } catch (const OutOfTime&) {  // what suffices stays
     }
     describe_step(row, model, watcher);
     return true;
