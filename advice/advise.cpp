@@ -383,39 +383,29 @@ class Search {
     }
   }
 
-  /// Shorter steps, where they pay and as long as there is time: those next whose frames are the cheapest, so
-  /// that none waits for what another one spends.
+  /// Halves steps where that pays, as long as there is time: always those with the cheapest frames, so that
+  /// no method waits for what another one spends.
   void spend_budgets() {
-    std::vector<AdviceRow*> going;
-    for (AdviceRow& row : advice_.rows) {
-      if (!is_suitable(row)) continue;
-      row.bound = AdviceBound::budget;
-      going.push_back(&row);
-    }
+    for (AdviceRow& row : advice_.rows)
+      if (is_suitable(row)) row.bound = AdviceBound::budget;
     try {
-      halve_cheapest(std::move(going));
-    } catch (...) {
-      sort_rows(advice_.rows, question_);
-      throw;
-    }
-    sort_rows(advice_.rows, question_);
-  }
-
-  void halve_cheapest(std::vector<AdviceRow*> going) {
-    std::set<AdviceRow*> shortened;
-    try {
-      while (!going.empty()) {
-        const auto next = std::ranges::min_element(going, {}, [](AdviceRow* row) { return row->frame.p50; });
-        enter(AdviceStage::searching, 0.7, "shorter steps of " + (*next)->candidate.words(), time_of_search);
-        if (spend_budget(**next, question_, *model_, watch_))
-          shortened.insert(*next);
-        else
-          going.erase(next);
+      std::set<std::string> done;
+      for (;;) {
+        AdviceRow* next = nullptr;
+        for (AdviceRow& row : advice_.rows)
+          if (is_suitable(row) && !done.contains(row.candidate.words()) &&
+              (!next || row.frame.p50 < next->frame.p50))
+            next = &row;
+        if (!next) break;
+        enter(AdviceStage::searching, 0.7, "shorter steps of " + next->candidate.words(), time_of_search);
+        if (!halve_step(*next, question_, *model_, watch_)) done.insert(next->candidate.words());
+        sort_rows(advice_.rows, question_);
       }
     } catch (const OutOfTime&) {  // what suffices stays
     }
     until_ = 1;
-    for (AdviceRow* row : shortened) describe_step(*row, *model_, watch_);
+    for (AdviceRow& row : advice_.rows)
+      if (is_suitable(row) && row.damping_added.empty()) describe_step(row, *model_, watch_);
   }
 
   void verify_best() {

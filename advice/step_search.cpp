@@ -53,7 +53,7 @@ class StepSearch {
     }
   }
 
-  /// As spend_budget().
+  /// As halve_step().
   bool halve(AdviceRow& row) const {
     row.bound = AdviceBound::budget;
     if (2 * row.frame.p50 > 0.8 * question_.frame_budget() || 2 * row.steps_per_frame > most_steps)
@@ -254,8 +254,8 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
   describe_step(row, model, watcher);
 }
 
-bool spend_budget(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
-                  const Watcher& watcher) {
+bool halve_step(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
+                const Watcher& watcher) {
   return StepSearch(question, model, watcher).halve(row);
 }
 
@@ -265,12 +265,6 @@ bool settle_limit(AdviceRow& row, const AdviceQuestion& question, const Analysed
   const double before = row.h;
   if (before > step_safety * limit.h_max) {
     search_step(row, limit, question, model, watcher);
-    try {
-      while (question.least_error && is_suitable(row) && spend_budget(row, question, model, watcher)) {
-      }
-    } catch (const OutOfTime&) {  // what suffices stays
-    }
-    describe_step(row, model, watcher);
     return true;
   }
   row.limit_pending = false;

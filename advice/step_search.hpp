@@ -39,8 +39,8 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
 /// Halves the step of a row that suits, where that fits into four fifths of the budget and lowers the error
 /// by a tenth at least. What describe_step() tells is then to be told again.
 /// @returns whether it did; else AdviceRow::bound says why not
-bool spend_budget(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
-                  const Watcher& watcher);
+bool halve_step(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
+                const Watcher& watcher);
 
 /// Finds the pending limit of a row that suits, and another step where the one it has is too near.
 /// @returns whether its step was searched again
