@@ -29,9 +29,9 @@ std::string remarks_of(const ProbedLimit& found) {
 }
 
 /// Explicit Euler of x' = -x / T with another T on each side, as of a muscle, and an oscillator beside it.
-template <int square>
+template <int stiffness>
 VectorXd relaxing(const VectorXd& y, double h) {
-  const double v = y[2] - h * square * y[1];
+  const double v = y[2] - h * stiffness * y[1];
   return Eigen::Vector3d(y[0] - h * y[0] / (y[0] < 0 ? 0.005 : 0.08), y[1] + h * v, v);
 }
 

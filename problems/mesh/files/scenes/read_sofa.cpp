@@ -48,10 +48,9 @@ class SofaMeshReader {
 
  private:
   const XmlPart* topology_in(std::optional<std::size_t> node) const {
-    for (const XmlPart& part : file_.parts())
-      if (part.node == node &&
-          (part.type == "TetrahedronSetTopologyContainer" || part.type == "MeshTopology"))
-        return &part;
+    if (!node) return nullptr;
+    for (const XmlPart* part : file_.within(file_.parts()[*node]))
+      if (part->type == "TetrahedronSetTopologyContainer" || part->type == "MeshTopology") return part;
     return nullptr;
   }
 
