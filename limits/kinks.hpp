@@ -34,7 +34,7 @@ std::vector<KinkedComponent> kinks_at(const Problem& problem, double t, const Ei
                                       KinkPlace place,
                                       std::size_t most = std::numeric_limits<std::size_t>::max());
 
-/// What is said of a point that is at a kink.
+/// What is said of a limit at a point that is at a kink.
 inline constexpr std::string_view at_a_kink =
     "the slopes of the model jump at this state: h_max is the limit of its stiffest side, and motions that "
     "cross the kink may fail at shorter steps";

@@ -10,7 +10,6 @@
 #include "core/errors.hpp"
 #include "core/own_files.hpp"
 #include "core/text/sentences.hpp"
-#include "limits/kinks.hpp"
 #include "problems/matrices/matrix_writers.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "problems/tissue/body.hpp"
@@ -77,7 +76,10 @@ void write_matrices(const Problem& problem, const OperatingPoint& point, const s
   write_files(folder, point.problem, files);
   if (problem.body)
     write_file(std::filesystem::path(folder) / "stiffness.dof", names_of_unknowns(*problem.body));
-  const std::string kink(point.at_kink ? at_a_kink : "");
+  const std::string kink(
+      point.at_kink
+          ? "the slopes of the model jump at this state: the matrices are those of its stiffest side"
+          : "");
   std::string option;
   Json document{{"problem", point.problem},
                 {"state_kind", name_of(point.kind)},

@@ -69,7 +69,8 @@ TEST(StabilityPredict, SaysThatAStopJustTouches) {
   EXPECT_TRUE(says(row.at("status").get<std::string>(), kink)) << row;
   EXPECT_EQ(answer.at("models").at(0).at("kink"), true);
   const AnyJson matrices = shell.json("stability matrices --problem stop.toml --output matrices");
-  EXPECT_TRUE(says(matrices.at("status").get<std::string>(), kink)) << matrices;
+  EXPECT_TRUE(says(matrices.at("status").get<std::string>(), "matrices are those of its stiffest side"))
+      << matrices;
   // Of the side the code takes it is ten times as long.
   EXPECT_NEAR(row.at("h_max").get<double>(), std::sqrt(8 / 10100.0), 3e-4);
   EXPECT_TRUE(row.at("safe").at("h").is_null()) << row;  // nothing moves from there
