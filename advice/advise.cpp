@@ -20,8 +20,8 @@
 #include "core/numbers.hpp"
 #include "core/text/sentences.hpp"
 #include "limits/linearised_problem.hpp"
-#include "limits/modes_alone.hpp"
 #include "limits/predict.hpp"
+#include "limits/undamped_modes.hpp"
 #include "problems/tissue/body.hpp"
 
 namespace hmax {
@@ -43,15 +43,15 @@ void lengthen(ProbingMotion& motion, const AdviceQuestion& question) {
   motion.t_end = least_frames * question.frame();
 }
 
-/// The slowest oscillations at a state [rad/s] with their damping ratios, each alone where damping couples
-/// them.
+/// The slowest oscillations at a state [rad/s] with their damping ratios; undamped modes where the damping is
+/// not proportional.
 std::vector<std::pair<double, double>> slowest_modes(const Linearised& near) {
   const std::optional<MechanicalPart>& part = near.point.model.mechanical;
-  const bool coupled = part && part->symmetric && part->damping == Damping::general &&
-                       part->mass.size() <= most_cheaply_factored;
+  const bool non_proportional = part && part->symmetric && part->damping == Damping::general &&
+                                part->mass.size() <= most_cheaply_factored;
   std::vector<std::pair<double, double>> modes;
   for (const MechanicalMode& each :
-       coupled ? modes_alone(near.point, 3).slowest : near.modes.spectrum.mechanical) {
+       non_proportional ? undamped_modes(near.point, 3).slowest : near.modes.spectrum.mechanical) {
     const Mode mode = mode_of(each);
     if (mode.omega && *mode.omega > 0 && mode.zeta && *mode.zeta < 1)
       modes.emplace_back(*mode.omega, *mode.zeta);

@@ -1,4 +1,4 @@
-#include "limits/modes_alone.hpp"
+#include "limits/undamped_modes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace hmax {
 
-ModesAlone modes_alone(OperatingPoint point, std::size_t most) {
+UndampedModes undamped_modes(OperatingPoint point, std::size_t most) {
   Linearised near{.point = std::move(point)};
   MechanicalPart& part = *near.point.model.mechanical;
   const AnyMatrix C = part.C;
@@ -26,7 +26,7 @@ ModesAlone modes_alone(OperatingPoint point, std::size_t most) {
                                     static_cast<double>(part.mass.size()) * std::max(0.0, slow.back().kappa);
   std::erase_if(slow, [&](const MechanicalMode& each) { return !(each.kappa > rounding); });
   const auto& curve = near.modes.curve;
-  ModesAlone found{.stiff = !slow.empty() || curve};
+  UndampedModes found{.stiff = !slow.empty() || curve};
   const auto damped = [&](const MechanicalMode& mode, const Eigen::VectorXd& x) {
     const Eigen::VectorXd Cx = std::visit([&](const auto& held) -> Eigen::VectorXd { return held * x; }, C);
     return MechanicalMode{mode.kappa, x.dot(Cx)};

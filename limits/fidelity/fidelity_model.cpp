@@ -18,7 +18,7 @@
 #include "limits/kinks.hpp"
 #include "limits/linearised_problem.hpp"
 #include "limits/modes/mode_curve.hpp"
-#include "limits/modes_alone.hpp"
+#include "limits/undamped_modes.hpp"
 #include "problems/mesh/mesh_quality.hpp"
 #include "problems/mesh/ten_node.hpp"
 #include "problems/tissue/body.hpp"
@@ -136,7 +136,7 @@ ShownMode shown_mode(const MechanicalMode& mode) {
   return {.omega = omega, .zeta = mode.gamma / (2 * omega)};
 }
 
-/// The slowest modes near the equilibrium, each alone.
+/// The slowest undamped modes near the equilibrium, with their damping ratios.
 void add_modes(FidelityModel& model, std::size_t modes) {
   OperatingPoint point = operating_point(model.problem, 0, at_rest(model.start + model.equilibrium));
   take_stiffest_side(point, model.problem);
@@ -147,7 +147,7 @@ void add_modes(FidelityModel& model, std::size_t modes) {
     return;
   }
   const bool at_kink = point.at_kink;
-  ModesAlone found = modes_alone(std::move(point), modes);
+  UndampedModes found = undamped_modes(std::move(point), modes);
   if (!found.stiff)
     throw input_error(
         "{} has no positive stiffness in its equilibrium, and neither stiffness nor a mode to show; start it near another "

@@ -85,8 +85,8 @@ TEST(Candidates, AreMethodsWithTheirChoices) {
   EXPECT_EQ(count("newmark", make_problem("lorenz")), 0U);
 }
 
-// beta K at rest couples the modes of the body that sags; each alone it leaves where it was.
-TEST(Advise, TellsSlowModesThatDampingCouples) {
+// beta K at rest is no proportional damping of the body that sags; undamped modes do not know it.
+TEST(Advise, TellsSlowModesWithNonProportionalDamping) {
   const auto slow = [](double beta) {
     const Problem problem = cube("press", {{"beta", beta}});
     return advise(problem, question(100, {"linearly_implicit_euler"}, problem));
