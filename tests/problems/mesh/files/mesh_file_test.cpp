@@ -410,11 +410,22 @@ std::string many_element_sets(int sets) {
   return text;
 }
 
+/// So many sets of nodes, and one tetrahedron.
+std::string many_node_sets(int sets) {
+  std::string text =
+      "<febio_spec version=\"4.0\"><Mesh><Nodes><node id=\"1\">0,0,0</node><node id=\"2\">1,0,0</node>"
+      "<node id=\"3\">0,1,0</node><node id=\"4\">0,0,1</node></Nodes>"
+      "<Elements type=\"tet4\" name=\"p\"><elem id=\"1\">1,2,3,4</elem></Elements>";
+  for (int i = 0; i < sets; ++i) text += fmt::format("<NodeSet name=\"s{}\">1,2</NodeSet>\n", i);
+  return text + "</Mesh></febio_spec>";
+}
+
 /// Lines before each piece once were counted anew, and room for each piece made by moving those before it.
 TEST(MeshFiles, ManyPiecesAreReadInTimeProportionalToThem) {
   EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.vtu", many_pieces(n)), n); }, 4000), 10);
   EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.msh", many_blocks(n)), n); }, 30'000), 10);
   EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.inp", many_element_sets(n)), n); }, 8000), 10);
+  EXPECT_LT(growth_of_time([](int n) { EXPECT_EQ(tetrahedra("a.feb", many_node_sets(n)), 1); }, 8000), 10);
   expect_refused("a.vtu", replaced(many_pieces(1000), "0 1 2 3<", "0 1 2 4<"), "a.vtu, line 5: ");
 }
 
