@@ -208,12 +208,14 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
     const PencilPairs pairs = largest_pencil_eigenpairs(
         [&](const VectorXd& x, VectorXd& y) { rows.unscaled()(x, y); }, *scaled.mass.coupled(), count,
         most_residual, n > most_factored ? 5000 : 1000);
-    if (pairs.converged || n > most_factored)
-      return {.kappa = pairs.values, .shapes = pairs.vectors, .converged = pairs.converged};
+    const ExtremeStiffnesses result{
+        .kappa = pairs.values, .shapes = pairs.vectors, .converged = pairs.converged};
+    if (result.converged || n > most_factored) return result;
     // Just beyond the best value, which bounds the spectrum where every pivot is negative.
     ExtremeStiffnesses beside =
         nearest_stiffnesses(scaled, count, (1 + outside) * (pairs.values.front() + pairs.residual));
-    return beside.negative == n ? beside : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
+    if (beside.negative != n) beside = nearest_stiffnesses(scaled, count, (1 + outside) * bound);
+    return beside.converged ? beside : result;
   }
   const SymmetricOperator product = [&](const VectorXd& x, VectorXd& y) { rows(x, y); };
   ExtremeStiffnesses result;
@@ -230,8 +232,10 @@ ExtremeStiffnesses krylov_stiffnesses(const Scaled& scaled, Index count, bool la
     result = {
         .kappa = pairs.values, .shapes = scaled.mass.root_solve(pairs.vectors), .converged = pairs.converged};
   }
-  return result.converged || n > most_factored ? result
-                                               : nearest_stiffnesses(scaled, count, (1 + outside) * bound);
+  if (result.converged || n > most_factored) return result;
+  // Of a cluster neither may converge, as of a long chain of equal parts; what products gave is near it.
+  ExtremeStiffnesses beyond = nearest_stiffnesses(scaled, count, (1 + outside) * bound);
+  return beyond.converged ? beyond : result;
 }
 
 /// Powers of two that bring row and column i of D^-1 J D to about one size, shape (n): positions and

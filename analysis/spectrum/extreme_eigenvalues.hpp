@@ -46,7 +46,8 @@ struct ExtremeStiffnesses {
 
 /// The `count` largest kappa of a symmetric K, the largest first, by Lanczos iteration; where they lie too
 /// close together for it, by shift and invert at Gershgorin's upper bound. Residuals are at most 1e-10 of the
-/// largest.
+/// largest; where neither converges, as at the dense end of the band of a long chain, the values of the first
+/// are returned, from below.
 /// Gershgorin: no eigenvalue of k = M^-1/2 K M^-1/2 is larger than max_i sum_j |k_ij|.
 /// @param with_shapes  false: `shapes` may be empty, which of one kappa of a large mesh takes half the time
 /// @throws std::invalid_argument  when K is not symmetric

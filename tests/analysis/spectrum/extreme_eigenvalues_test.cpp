@@ -52,6 +52,25 @@ TEST(ExtremeEigenvalues, OfTheSpringChainAreThoseOfItsClosedForm) {
   }
 }
 
+// The band of a long chain, kappa(theta) = 4 + 2 cos(theta) - 2 cos(2 theta), ends at 6.25 where cos(theta) =
+// 1/4: some modes lie within 1e-6 of it, and Gershgorin's bound 8 is far from all.
+TEST(ExtremeEigenvalues, OfADenseEndOfABandAreNearIt) {
+  constexpr Index n = 5000;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Index i = 0; i < n; ++i)
+    for (const auto& [away, value] : {std::pair(0, 4.0), {-1, 1.0}, {1, 1.0}, {-2, -1.0}, {2, -1.0}})
+      if (i + away >= 0 && i + away < n) entries.emplace_back(i, i + away, value);
+  Sparse K(n, n);
+  K.setFromTriplets(entries.begin(), entries.end());
+  const auto part = mechanical_part(VectorXd::Ones(n), K, Sparse(n, n));
+  for (const bool with_shapes : {false, true}) {
+    const auto largest = largest_stiffnesses(part, 1, krylov, with_shapes);
+    ASSERT_EQ(largest.kappa.size(), 1U);
+    EXPECT_NEAR(largest.kappa[0], 6.25, 1e-5);
+    EXPECT_EQ(largest.shapes.cols(), with_shapes ? 1 : 0);
+  }
+}
+
 TEST(ExtremeEigenvalues, OfAJacobianAgreeWithAllOfThem) {
   const Brusselator<double> reaction({.n = 150});
   for (const LinearModel& model : {linearise(reaction, 0, reaction.y0()), chain_model({.n = 150, .c = 0.2}),
