@@ -31,10 +31,14 @@ std::string_view name_of(AdviceStage stage) {
   return names[static_cast<std::size_t>(stage)];
 }
 
-double time_to_meet(const AdviceRow& row, double tolerance) {
+double steps_to_meet(const AdviceRow& row, double tolerance) {
+  if (std::isnan(row.error)) return 1;
   const double order = std::max(1, row.candidate.method.order);
-  const double more = std::isnan(row.error) ? 1 : std::pow(row.error / tolerance, 1 / order);
-  return row.frame_time() * std::max(1.0, more);
+  return std::max(1.0, std::pow(std::min(row.error, 1.0) / tolerance, 1 / order));
+}
+
+double time_to_meet(const AdviceRow& row, double tolerance) {
+  return row.frame_time() * steps_to_meet(row, tolerance);
 }
 
 AdviceKey advice_key(const Problem& problem, const AdviceQuestion& question, const Advice& advice) {

@@ -92,7 +92,11 @@ struct AdviceRow : StepFindings {
   [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
 };
 
-/// About what a frame takes with as many steps as meet a tolerance, from the order of the method [s].
+/// How many times as many steps meet a tolerance, from the order of the method; at least so many where the
+/// error is larger than the motion, since no order tells how it falls there.
+double steps_to_meet(const AdviceRow& row, double tolerance);
+
+/// About what a frame takes with so many [s].
 double time_to_meet(const AdviceRow& row, double tolerance);
 
 /// A change of the model or the question under which a row becomes suitable; it was run.

@@ -91,8 +91,7 @@ class StepSearch {
   /// most_steps.
   [[nodiscard]] std::int64_t next_steps(const AdviceRow& row, AdviceBound cause, std::int64_t steps) const {
     if (steps == most_steps) return most_steps + 1;
-    const double order = std::max(1, row.candidate.method.order);
-    const double wanted = 0.8 * std::pow(row.error / question_.tolerance, 1 / order);
+    const double wanted = 0.8 * steps_to_meet(row, question_.tolerance);
     const double factor = cause == AdviceBound::accuracy ? std::clamp(wanted, 2.0, 64.0) : 2;
     return std::min(most_steps, static_cast<std::int64_t>(factor) * steps);
   }
