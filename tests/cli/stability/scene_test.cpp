@@ -179,6 +179,24 @@ TEST(StabilityOfScenes, GiveWayToWhatIsSet) {
   EXPECT_NEAR(shell.hmax(same).json()["rows"][0]["h_max"], of_material, 1e-9 * of_material);
 }
 
+TEST(StabilityOfScenes, WarnWhereTheirMeshIsTakenWithoutTheMaterial) {
+  Shell shell;
+  write_text(shell / "bar.inp", "** materials\n" + bar("*DYNAMIC, EXPLICIT\n0.1,1"));
+  write_text(shell / "bare.inp",
+             "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n");
+  const auto errors = [&](const std::string& more) {
+    const auto done = shell.hmax(more + " --unit mm --at rest --method rk4");
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return done.err;
+  };
+  const std::string warned = "the material of bar.inp, line 13 is not taken with --mesh";
+  EXPECT_TRUE(says(errors("stability predict --mesh bar.inp"), warned));
+  EXPECT_TRUE(says(errors("stability predict --mesh bar.inp --set rho=1000"), warned));
+  EXPECT_FALSE(says(errors("stability predict --mesh bar.inp --set E=1e4"), "material"));
+  EXPECT_FALSE(says(errors("stability predict --mesh bar.inp --material tissue:liver"), "of bar.inp"));
+  EXPECT_FALSE(says(errors("stability predict --mesh bare.inp"), "material"));
+}
+
 TEST(StabilityOfScenes, SayWhereNumbersOutOfRangeStandUnlessTheyAreReplaced) {
   Shell shell;
   write_text(shell / "bar.inp", bar("*DYNAMIC, EXPLICIT\n0.1,1"));
