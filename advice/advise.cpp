@@ -361,26 +361,42 @@ class Search {
     };
   }
 
-  /// In the order of the first answer, which is that of AnalysedModel::limits.
+  /// In the order of the first answer, which is that of AnalysedModel::limits. A row that takes more than a
+  /// third of the time that is left waits until the others are searched.
   void search_steps() {
     std::vector<AdviceRow> rows = advice_.rows;
     std::erase_if(rows, [](const AdviceRow& row) { return row.verdict != AdviceVerdict::predicted; });
+    std::vector<std::size_t> waiting;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const std::string words = rows[i].candidate.words();
-      try {
-        enter(AdviceStage::searching, 0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(rows.size()),
-              "steps of " + words, is_suitable(advice_.rows.front()) ? time_of_search : 1);
-        search_step(rows[i], model_->limits[i], question_, *model_, watch_);
-      } catch (const OutOfTime&) {
-        // What was found so far is verified in the time that is left.
-        if (!is_suitable(advice_.rows.front())) throw;
-        advice_.out_of_time = true;
-        return;
-      }
-      *std::ranges::find(advice_.rows, words, [](const AdviceRow& row) { return row.candidate.words(); }) =
-          std::move(rows[i]);
-      sort_rows(advice_.rows, question_);
+      const bool is_only = i + 1 == rows.size() && waiting.empty();
+      if (!search_row(rows[i], i, rows.size(), is_only ? 1 : 1.0 / 3)) waiting.push_back(i);
     }
+    for (const std::size_t i : waiting) {
+      if (search_row(rows[i], i, rows.size(), 1)) continue;
+      // What was found so far is verified in the time that is left.
+      if (!is_suitable(advice_.rows.front())) throw OutOfTime{};
+      advice_.out_of_time = true;
+      return;
+    }
+  }
+
+  /// One of so many rows, for a part of the time that is left for all.
+  /// @returns whether that sufficed
+  bool search_row(AdviceRow row, std::size_t i, std::size_t rows, double part) {
+    const std::string words = row.candidate.words();
+    const double end = is_suitable(advice_.rows.front()) ? time_of_search : 1;
+    if (time_.spent() > end) return false;
+    try {
+      enter(AdviceStage::searching, 0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(rows),
+            "steps of " + words, time_.spent() + part * (end - time_.spent()));
+      search_step(row, model_->limits[i], question_, *model_, watch_);
+    } catch (const OutOfTime&) {
+      return false;
+    }
+    *std::ranges::find(advice_.rows, words, [](const AdviceRow& each) { return each.candidate.words(); }) =
+        std::move(row);
+    sort_rows(advice_.rows, question_);
+    return true;
   }
 
   /// Halves steps where that pays, as long as there is time: always those with the cheapest frames, so that

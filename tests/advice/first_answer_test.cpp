@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -110,6 +111,23 @@ TEST(Advise, AnswersWithWhatItKnowsWhenItsTimeIsOver) {
   find_remedies(problem, asked, failed, {});
   EXPECT_FALSE(failed.all_tried);
   EXPECT_TRUE(failed.remedies.empty());
+}
+
+TEST(Advise, RunsOtherMethodsWhereOneTakesMoreThanItsPartOfTheTime) {
+  const Problem problem = cube("press");
+  AdviceQuestion asked = question(100, {"symplectic_euler", "rk4", "newmark"}, problem);
+  asked.within = 8;
+  std::string slow;  // the method that is searched first
+  Advice advice;
+  advise(problem, asked, advice, [&](double, const std::string& what) {
+    if (slow.empty() && what.starts_with("steps of")) slow = what;
+    if (what == slow) std::this_thread::sleep_for(std::chrono::duration<double>(asked.within / 20));
+  });
+  EXPECT_TRUE(advice.out_of_time);
+  ASSERT_NE(advice.recommended(), nullptr) << slow;
+  for (const AdviceRow& row : advice.rows)
+    EXPECT_EQ(row.verdict == AdviceVerdict::predicted, slow == "steps of " + row.candidate.words())
+        << row.candidate.words();
 }
 
 // Ctrl-C ends a search by what its watcher throws.
