@@ -43,7 +43,7 @@ class NumberedPoints {
   }
 
   /// @param where  what names the point, for the error
-  [[nodiscard]] Index find(std::string_view text, const std::string& where) const {
+  [[nodiscard]] Index find(std::string_view text, std::string_view where) const {
     const auto number = whole_number(text);
     if (!number)
       throw input_error("{} has '{}', which is no number of a point; write whole numbers like 1,5,9", where,
@@ -70,19 +70,22 @@ class NumberedPoints {
   std::vector<Entry> by_number_;
 };
 
-std::vector<Index> listed_points(const std::string& list, const LoadedMesh& mesh) {
-  const NumberedPoints points(mesh);
+/// @param set  points:1,5,9
+std::vector<Index> listed_points(std::string_view set, const NumberedPoints& points) {
+  constexpr std::size_t most_shown = 60;
+  const std::string where =
+      set.size() <= most_shown ? std::string(set) : fmt::format("{}...", set.substr(0, most_shown));
   std::vector<Index> found;
-  for (const std::string_view part : split(list, ",")) found.push_back(points.find(part, "points:" + list));
+  for (const std::string_view part : split(set.substr(set.find(':') + 1), ","))
+    found.push_back(points.find(part, where));
   return found;
 }
 
-std::vector<Index> points_in_file(const std::string& file, const LoadedMesh& mesh) {
+std::vector<Index> points_in_file(const std::string& file, const NumberedPoints& points) {
   note_input(file);
   std::ifstream in(file);
   if (!in)
     throw input_error("there is no file '{}' with the points of a support; correct the name behind @", file);
-  const NumberedPoints points(mesh);
   std::vector<Index> found;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -220,15 +223,16 @@ std::string range_along(const std::string& set, const TetMesh& mesh) {
                      short_number(mesh.points.row(half->axis).maxCoeff(), 4), "xyz"[half->axis]);
 }
 
-}  // namespace
-
-std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh) {
-  constexpr std::string_view list = "points:";
+/// @param numbered  made for the first set that asks for numbers
+std::vector<Index> points_of_set(const std::string& set, const LoadedMesh& mesh,
+                                 std::optional<NumberedPoints>& numbered) {
+  const bool is_list = set.starts_with("points:"), is_file = set.starts_with('@');
+  if ((is_list || is_file) && !numbered) numbered.emplace(mesh);
   std::vector<Index> points;
-  if (set.starts_with(list))
-    points = with_inserted(listed_points(set.substr(list.size()), mesh), mesh);
-  else if (set.starts_with('@'))
-    points = with_inserted(points_in_file(set.substr(1), mesh), mesh);
+  if (is_list)
+    points = with_inserted(listed_points(set, *numbered), mesh);
+  else if (is_file)
+    points = with_inserted(points_in_file(set.substr(1), *numbered), mesh);
   else if (const auto box = box_of(set))
     points = points_in_box(mesh.mesh, {(*box)[0], (*box)[2], (*box)[4]}, {(*box)[1], (*box)[3], (*box)[5]});
   else if (const auto half = half_space_of(set))
@@ -242,15 +246,24 @@ std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMe
                       : box_of(set)  ? "give a larger box, in metres"
                                      : "name another set");
   }
+  sort_unique(points);
+  return points;
+}
+
+}  // namespace
+
+std::vector<std::vector<TetMesh::Index>> points_of_each(const std::vector<std::string>& sets,
+                                                        const LoadedMesh& mesh) {
+  std::optional<NumberedPoints> numbered;
+  std::vector<std::vector<Index>> points;
+  for (const std::string& set : sets) points.push_back(points_of_set(set, mesh, numbered));
   return points;
 }
 
 std::vector<TetMesh::Index> union_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh) {
   std::vector<Index> points;
-  for (const std::string& set : sets) {
-    const std::vector<Index> more = points_of_set(set, mesh);
+  for (const std::vector<Index>& more : points_of_each(sets, mesh))
     points.insert(points.end(), more.begin(), more.end());
-  }
   sort_unique(points);
   return points;
 }

@@ -8,7 +8,7 @@
 
 namespace hmax {
 
-/// The points of a mesh for models that are in a set:
+/// The points of a mesh for models that are in each of some sets, sorted:
 ///   NAME                            a group or region of the file
 ///   region:, surface:, curve:, vertices:NAME or NUMBER   where kinds share a name, or have none
 ///   points:1,5,9                    by the numbers of the file; of meshes by name they count from 1
@@ -21,9 +21,10 @@ namespace hmax {
 /// or a group of vertices where both others are.
 /// @throws InputError  for a set that is unknown, ambiguous or empty, and for points that the mesh does not
 /// have
-std::vector<TetMesh::Index> points_of_set(const std::string& set, const LoadedMesh& mesh);
+std::vector<std::vector<TetMesh::Index>> points_of_each(const std::vector<std::string>& sets,
+                                                        const LoadedMesh& mesh);
 
-/// The points of several sets together, sorted. @throws InputError  as points_of_set()
+/// The points of several sets together, sorted. @throws InputError  as points_of_each()
 std::vector<TetMesh::Index> union_of_sets(const std::vector<std::string>& sets, const LoadedMesh& mesh);
 
 /// The same of points that are fixed. @throws InputError  also when they are all points of the mesh

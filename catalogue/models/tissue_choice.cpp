@@ -417,10 +417,13 @@ SphereTool tool_of(const TissueParameters& p, const TetMesh& mesh, const HeldEnd
 
 /// A dead load for each of p.nodal_forces. @throws InputError  for points that the mesh does not have
 std::vector<PressingForce> nodal_forces(const TissueParameters& p, const LoadedMesh& loaded) {
+  std::vector<std::string> sets;
+  for (const auto& each : p.nodal_forces) sets.push_back(each.set);
+  std::vector<std::vector<TetMesh::Index>> points = points_of_each(sets, loaded);
   std::vector<PressingForce> forces;
   for (const auto& [axis, set, value] : p.nodal_forces) {
     PressingForce& force = forces.emplace_back();
-    force.points = union_of_sets({set}, loaded);
+    force.points = std::move(points[forces.size() - 1]);
     force.force[axis] = value * static_cast<double>(force.points.size());
   }
   return forces;

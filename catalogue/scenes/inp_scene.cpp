@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <unordered_set>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
@@ -227,7 +228,8 @@ class InpSceneReader {
       file_.fail(line.place, fmt::format("there is no node set {}; define it, or correct the name",
                                          in_quotes(line.fields.empty() ? "" : line.fields[0])));
     const std::int64_t number = file_.integer({.place = line.place, .fields = {name}}, 0, "node");
-    if (std::ranges::find(numbers, number) == numbers.end())
+    if (numbers_.empty()) numbers_.insert(numbers.begin(), numbers.end());
+    if (!numbers_.contains(number))
       file_.fail(line.place, fmt::format("there is no node {}; correct it", number));
     return {number};
   }
@@ -352,6 +354,7 @@ class InpSceneReader {
   const InpFile& file_;
   SceneBuilder& builder_;
   InpMesh body_;
+  std::unordered_set<std::int64_t> numbers_{};  ///< of the points, once one is asked for
   std::optional<Eigen::Vector3d> gravity_;
   std::map<std::string, Material> materials_;
   std::map<std::string, Amplitude> amplitudes_;

@@ -32,7 +32,7 @@ class SupportSets : public ::testing::Test {
   /// The points of a set by the numbers of the file.
   std::vector<std::int64_t> held(const std::string& set) const {
     std::vector<std::int64_t> numbers;
-    for (const TetMesh::Index i : points_of_set(set, mesh))
+    for (const TetMesh::Index i : union_of_sets({set}, mesh))
       numbers.push_back(mesh.origin->file.point_numbers.at(
           static_cast<std::size_t>(mesh.origin->points.at(static_cast<std::size_t>(i)))));
     std::ranges::sort(numbers);
@@ -40,7 +40,7 @@ class SupportSets : public ::testing::Test {
     return numbers;
   }
   std::string refusal(const std::string& set) const {
-    return error_of<InputError>([&] { points_of_set(set, mesh); });
+    return error_of<InputError>([&] { union_of_sets({set}, mesh); });
   }
   Problem body(std::vector<std::pair<std::string, double>> parameters) const {
     return make_problem("fem_green@" + (folder / "two.msh").string(),
@@ -58,7 +58,7 @@ class SupportSetsOfTenNodes : public SupportSets {
 
   /// How many middles a set has, all of which must lie between two corners of the set.
   int middles(const std::string& set) const {
-    const std::vector<TetMesh::Index> points = points_of_set(set, mesh);
+    const std::vector<TetMesh::Index> points = union_of_sets({set}, mesh);
     const auto has = [&](TetMesh::Index i) { return std::ranges::find(points, i) != points.end(); };
     const auto now = mesh.origin->model_points();
     int count = 0;
@@ -164,9 +164,9 @@ TEST_F(SupportSets, RegionsHaveMaterialsByNameToo) {
 
 TEST(SupportSetsOfNamedMeshes, PointsCountFromOne) {
   const LoadedMesh cube = load_mesh("cube:n=2");
-  EXPECT_EQ(points_of_set("points:1,27", cube), (std::vector<TetMesh::Index>{0, 26}));
-  EXPECT_THROW(points_of_set("points:0", cube), InputError);
-  EXPECT_THROW(points_of_set("points:28", cube), InputError);
+  EXPECT_EQ(union_of_sets({"points:1,27"}, cube), (std::vector<TetMesh::Index>{0, 26}));
+  EXPECT_THROW(union_of_sets({"points:0"}, cube), InputError);
+  EXPECT_THROW(union_of_sets({"points:28"}, cube), InputError);
 }
 
 }  // namespace

@@ -3,9 +3,12 @@
 #include <array>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "catalogue/models/tissue_problem.hpp"
 #include "problems/mesh/files/mesh_import.hpp"
 #include "tests/catalogue/scenes/scene_files.hpp"
+#include "tests/growth_of_time.hpp"
 
 namespace hmax {
 namespace {
@@ -31,6 +34,29 @@ class Scenes : public SceneFiles {
   Scenes()
       : SceneFiles("bar.inp", "mm,t,s", std::string(beam_input) + material + section + boundary + step) {}
 };
+
+/// Tetrahedra side by side whose points have a force each, no two the same.
+std::string with_forces(int tetrahedra) {
+  std::string points = "*NODE\n", elements = "*ELEMENT,TYPE=C3D4,ELSET=EALL\n",
+              forces = "*STEP\n*DYNAMIC\n1,1\n*CLOAD\n";
+  for (int i = 0; i < tetrahedra; ++i) {
+    const int first = 4 * i + 1;
+    for (int corner = 0; corner < 4; ++corner) {
+      points += fmt::format("{},{},{},{}\n", first + corner, 2 * i + (corner == 1), corner == 2 ? 1 : 0,
+                            corner == 3 ? 1 : 0);
+      forces += fmt::format("{},3,{}\n", first + corner, 1e-3 * (first + corner));
+    }
+    elements += fmt::format("{},{},{},{},{}\n", i + 1, first, first + 1, first + 2, first + 3);
+  }
+  return points + elements + material + section + "*BOUNDARY\n1,1,3\n" + forces + "*END STEP\n";
+}
+
+TEST_F(Scenes, OfManyForcesAreReadInProportionToThem) {
+  const auto load = [&](int n) {
+    EXPECT_EQ(body(read(with_forces(n)))->settings().forces.size(), static_cast<std::size_t>(4 * n));
+  };
+  EXPECT_LT(growth_of_time(load, 1000), 8);
+}
 
 TEST_F(Scenes, ConvertUnitsOfAllNumbers) {
   const Scene scene = read(changed("*SOLID", "*DAMPING, ALPHA=3, BETA=2e-6\n*SOLID"));
