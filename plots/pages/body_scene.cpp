@@ -345,17 +345,26 @@ SceneMotion motion_of(const Json& json) {
   return motion;
 }
 
+std::vector<std::int32_t> owner_in(const Json& mode) {
+  std::vector<std::int32_t> owner;
+  for (const Json& each : array_in(mode, "owner")) {
+    const bool is_whole = each.is_number_integer() && std::in_range<std::int32_t>(each.get<std::int64_t>());
+    if (!is_whole) reject("the element of a mode has a point that is no whole number");
+    owner.push_back(each.get<std::int32_t>());
+  }
+  return owner;
+}
+
 SceneMode mode_of(const Json& json) {
   return {.words = json.at("words").get<std::string>(),
           .frequency = json.at("frequency").get<double>(),
           .shape = in_threes<SpacePoint>(restored(json.at("shape").get<std::string>(), 1)),
-          .owner = json.at("owner").get<std::vector<std::int32_t>>(),
+          .owner = owner_in(json),
           .owner_words = json.at("owner_words").get<std::string>()};
 }
 
 BodyScene scene_of(const Json& json) {
-  if (json.at("version").get<int>() != version)
-    reject("this version of hmax does not know its version; write it again");
+  if (json.at("version") != version) reject("this version of hmax does not know its version; write it again");
   BodyScene scene;
   scene.title = json.at("title").get<std::string>();
   scene.caption = json.at("caption").get<std::string>();

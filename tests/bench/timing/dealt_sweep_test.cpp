@@ -114,6 +114,14 @@ SweepSummary dealt(const SweepSpec& spec, Store& store, int size, int most_on_a_
   return dealer.run(plan, store);
 }
 
+/// Without that of a debug build, whose times say nothing.
+std::vector<std::string> warnings_of(const SweepSummary& summary) {
+  std::vector<std::string> warnings = summary.warnings;
+  std::erase_if(warnings,
+                [](const std::string& each) { return each.find("debug build") != std::string::npos; });
+  return warnings;
+}
+
 TEST(DealtSweep, HasTheRowsOfASerialSweepOnAnyNumberOfRanks) {
   for (const SweepSpec& spec : {small_sweep(), exploring()}) {
     const std::vector<Row> expected = serial_rows(spec);
@@ -127,7 +135,7 @@ TEST(DealtSweep, HasTheRowsOfASerialSweepOnAnyNumberOfRanks) {
         expect_equal_rows(store.rows(), expected);
         const bool rough = spec.explore || most_on_a_node > 1;
         for (const Row& row : store.rows()) EXPECT_EQ(row.explored, rough);
-        EXPECT_EQ(summary.warnings.empty(), !rough);
+        EXPECT_EQ(warnings_of(summary).empty(), !rough);
         EXPECT_EQ(summary.ranks, size);
         std::int64_t rows_of_tasks = 0;
         for (const DealtTask& task : summary.tasks) {
@@ -244,8 +252,8 @@ TEST(DealtSweep, RowsOfAnotherMachineAreInASessionOfTheirOwn) {
   ASSERT_EQ(sessions.size(), 2U) << "two ranks are on equal machines";
   EXPECT_NE(sessions[0].fingerprint.cpu, "another");
   EXPECT_EQ(sessions[1].fingerprint.cpu, "another");
-  ASSERT_EQ(summary.warnings.size(), 1U);
-  EXPECT_TRUE(says(summary.warnings[0], "another machine"));
+  ASSERT_EQ(warnings_of(summary).size(), 1U);
+  EXPECT_TRUE(says(warnings_of(summary)[0], "another machine"));
   std::size_t of_others = 0;
   for (const Row& row : store.rows()) of_others += row.session == sessions[1].id;
   EXPECT_GT(of_others, 0U);

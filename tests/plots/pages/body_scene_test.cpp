@@ -205,6 +205,11 @@ TEST(BodyScene, RefusesMalformedText) {
       other[AnyJson::json_pointer(part)] = value;
       refused(other, part + (" " + value.dump()));
     }
+  for (const AnyJson& value : {AnyJson(1e300), AnyJson(0.5), AnyJson(1LL << 40), AnyJson("x")}) {
+    AnyJson other = good;
+    other["modes"][1]["owner"][1] = value;
+    refused(other, "owner " + value.dump());
+  }
   // -32768 is no multiple of the largest.
   AnyJson other = good;
   std::string bytes = *decode_base64(good["motion"]["displacements"][1].get<std::string>());
