@@ -402,7 +402,7 @@ void sweep(const SweepOptions& options, Console& console) {
   const SweepSpec spec = spec_of(options, request);
   const SweepPlan plan = shard ? shard_of(plan_sweep(spec), *shard) : plan_sweep(spec);
   if (ranks) refuse_beside_ranks(options, plan, *ranks);
-  options.body.remark_file(console, options.set, options.materials);
+  options.body.remark_scene(console);
   look_over(plan, console);
   const std::filesystem::path file = sweep_store_path(request, options.file, shard);
   if (options.publish) require_publishable_build();

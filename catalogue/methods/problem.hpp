@@ -84,6 +84,7 @@ struct Problem {
   std::optional<ExtendedSystem> extended = std::nullopt;
   std::shared_ptr<const TissueBody> body = nullptr;       ///< null of other kinds
   bool support_by_default = false;                        ///< of a body: the user chose no support
+  bool material_by_default = false;                       ///< of a body: the user gave no stiffness
   std::shared_ptr<const MatrixModel> matrices = nullptr;  ///< null of other kinds
   bool is_plugin = false;
   /// The same problem made once more, for a thread of its own: some systems have one workspace.

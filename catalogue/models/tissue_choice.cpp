@@ -594,6 +594,14 @@ std::vector<std::string> idle_parameters(const TissueId& id, const TissueParamet
   return idle;
 }
 
+bool has_default_material(const ProblemSettings& settings) {
+  return settings.material.empty() && std::ranges::none_of(settings.parameters, [](const auto& parameter) {
+           const std::string_view what =
+               std::string_view(parameter.first).substr(0, parameter.first.find(':'));
+           return what == "E" || what == "k";
+         });
+}
+
 bool has_default_support(const ProblemSettings& settings) {
   constexpr std::array<std::string_view, 8> chosen{
       "axis", "support_stiffness", "xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};

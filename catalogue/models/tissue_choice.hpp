@@ -36,6 +36,9 @@ std::string_view unit_of_tissue_parameter(std::string_view name);
 /// The names of those of them that change nothing of the body.
 std::vector<std::string> idle_parameters(const TissueId& id, const TissueParameters& parameters);
 
+/// Whether the user gave neither a material nor a stiffness, of the whole body or of regions.
+bool has_default_material(const ProblemSettings& settings);
+
 /// Whether the user chose neither points nor an end of the body to be held, nor that nothing is.
 bool has_default_support(const ProblemSettings& settings);
 

@@ -162,7 +162,8 @@ Problem make_tissue_problem(const std::string& name, const ProblemSettings& sett
                   .t_end = 1,
                   .system = AnySystem(SharedBody{body}),
                   .body = body,
-                  .support_by_default = has_default_support(settings)};
+                  .support_by_default = has_default_support(settings),
+                  .material_by_default = has_default_material(settings)};
   const bool is_linear = has_linear_forces(*body);
   if (is_linear && body->is_autonomous() && body->dofs() <= most_modal_dofs) {
     problem.has_exact_solution = true;

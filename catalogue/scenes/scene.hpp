@@ -43,10 +43,6 @@ struct Scene {
 /// @throws InputError  one sentence with file, line and remedy
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored);
 
-/// Where the first material stands in a file that is taken for its mesh alone: "bar.inp, line 7"; nothing
-/// where there is none, or the file is of no format that has materials. @throws InputError  unreadable
-std::optional<std::string> material_in(const std::string& file);
-
 /// The solver of SOFA that steps as a method does, "newmark:gamma=0.6", for sofa_text().
 /// @throws InputError  where it has none
 SofaStep sofa_step(const std::string& method, double h);

@@ -51,18 +51,11 @@ SceneUnits scene_units(std::string_view text) {
 struct SceneFormat {
   std::string_view extension;
   void (*read)(const std::string& file, std::string_view bytes, SceneBuilder& builder);
-  std::string_view material;  ///< in lower case: how one begins; empty: such a file is no mesh
 };
-constexpr std::array<SceneFormat, 4> formats{{{".inp", read_inp_scene, "\n*material"},
-                                              {".scn", read_sofa_scene, "youngmodulus="},
-                                              {".feb", read_febio_scene, "<material "},
-                                              {".xml", read_mujoco_scene, ""}}};
-
-const SceneFormat* format_of(const std::string& file) {
-  const std::string extension = lower(std::filesystem::path(file).extension().string());
-  const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
-  return format == formats.end() ? nullptr : format;
-}
+constexpr std::array<SceneFormat, 4> formats{{{".inp", read_inp_scene},
+                                              {".scn", read_sofa_scene},
+                                              {".feb", read_febio_scene},
+                                              {".xml", read_mujoco_scene}}};
 
 }  // namespace
 
@@ -211,10 +204,11 @@ void require_in_range(const Scene& scene, const Parameters& parameters) {
 }
 
 Scene read_scene(const std::string& file, std::string_view units, std::string_view ignored) {
-  const SceneFormat* const format = format_of(file);
-  if (is_listed(lower(std::filesystem::path(file).extension().string()), ".fmu|.urdf"))
+  const std::string extension = lower(std::filesystem::path(file).extension().string());
+  const auto* const format = std::ranges::find(formats, extension, &SceneFormat::extension);
+  if (is_listed(extension, ".fmu|.urdf"))
     throw input_error("'{}' is no scene by its extension that --scene takes; `hmax probe FILE` does", file);
-  if (format == nullptr)
+  if (format == formats.end())
     throw input_error(
         "'{}' is no scene by its extension; name a file .inp of CalculiX or Abaqus, "
         ".scn of SOFA, .feb of FEBio, or .xml of MuJoCo",
@@ -227,16 +221,6 @@ Scene read_scene(const std::string& file, std::string_view units, std::string_vi
       return builder.finish(file);
     });
   });
-}
-
-std::optional<std::string> material_in(const std::string& file) {
-  const SceneFormat* const format = format_of(file);
-  if (format == nullptr || format->material.empty()) return std::nullopt;
-  const std::string bytes = lower("\n" + read_whole(file, "a mesh"));
-  const std::size_t found = bytes.find(format->material);
-  if (found == std::string::npos) return std::nullopt;
-  const auto lines = std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(found) + 1, '\n');
-  return fmt::format("{}, line {}", file, lines);
 }
 
 }  // namespace hmax

@@ -22,8 +22,12 @@ std::string body_in_words(const Problem& problem) {
 void remark_unusual(Console& console, const Problem& problem) {
   for (const std::string& sentence : matrix_remarks(problem)) console.remark(sentence);
   if (!problem.body) return;
-  if (const MeshOrigin* origin = problem.body->origin().get())
+  if (const MeshOrigin* origin = problem.body->origin().get()) {
     for (const std::string& sentence : remarks_on_mesh(origin->file)) console.remark(sentence);
+    if (const std::string left_out = origin->file.material_left_out();
+        problem.material_by_default && !left_out.empty())
+      console.remark(left_out);
+  }
   for (const std::string& sentence : unusual_values(summary_of(*problem.body))) console.remark(sentence);
   // Who holds nothing at all knows that.
   if (!settings_of(problem).supports.empty())

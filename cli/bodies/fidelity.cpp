@@ -185,6 +185,7 @@ void show_fidelity(const FidelityOptions& options, Console& console) {
   if (!options.rate || !(*options.rate > 0) || !std::isfinite(*options.rate))
     throw InputError("--rate must be a positive number of frames a second; give for instance --rate 100");
   const Problem problem = options.problem.make();
+  remark_unusual(console, problem);
   options.problem.remark_idle(console, problem);
   FidelityQuestion question{.h = 1 / *options.rate, .verify = options.verify, .ceiling = options.ceiling};
   question.wanted = modulus_of(options.enter);

@@ -231,6 +231,7 @@ std::string in_words(const MeshReport& report, const MeshCommand& options, const
   if (opened.mending) line("smoothed", in_words(*opened.mending));
   if (opened.file.second_order > 0) text += second_order_in_words(opened.file) + "\n";
   for (const std::string& remark : opened.file.remarks) text += remark + "\n";
+  if (!opened.file.material.empty()) text += opened.file.material_left_out() + "\n";
   text += regions_in_words(opened.file, regions, console);
   if (!defects.none())
     text += console.alarming("\nModels cannot use it: `hmax mesh check` names what is wrong.") + "\n";

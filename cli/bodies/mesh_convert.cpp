@@ -122,6 +122,7 @@ void deliver(const MeshCommand& options, const MeshFile& file, bool metres, Json
   if (!remark.empty()) console.remark(remark);
   if (file.second_order > 0) console.remark(second_order_in_words(file));
   for (const std::string& sentence : file.remarks) console.remark(sentence);
+  if (!file.material.empty()) console.remark(file.material_left_out());
   if (console.json) {
     Json document{HMAX_KEYS(options, mesh, output),
                   {"points", mesh.point_count()},

@@ -95,18 +95,7 @@ const Scene& MeshOptions::read() const {
   return *read_;
 }
 
-void MeshOptions::remark_file(Console& console, const std::vector<std::string>& set,
-                              std::string_view material, bool takes_linear) const {
-  const auto is_modulus = [](const std::string& assignment) {
-    const std::string name = parse_assignment("--set", assignment).first;
-    return name == "E" || name.starts_with("E:");
-  };
-  if (!mesh.empty() && material.empty() && std::ranges::none_of(set, is_modulus))
-    if (const std::optional<std::string> found = material_in(mesh))
-      console.remark(
-          fmt::format("the material of {} is not taken with --mesh, which has the default one; "
-                      "--scene {} takes the file whole, --set E= gives another",
-                      *found, mesh));
+void MeshOptions::remark_scene(Console& console, bool takes_linear) const {
   if (scene.empty()) return;
   for (const std::string& note : read().notes) console.remark(note);
   if (const std::string& most = read().gradients; !most.empty())
@@ -293,7 +282,7 @@ void ProblemChoice::refuse_varied(std::string_view name, std::string_view option
 }
 
 void ProblemChoice::remark_idle(Console& console, const Problem& made, bool takes_linear) const {
-  body.remark_file(console, set, material, takes_linear);
+  body.remark_scene(console, takes_linear);
   for (const std::string& assignment : set) {
     const auto [name, value] = parse_assignment("--set", assignment);
     // A term that is switched off is what was asked for.

@@ -29,11 +29,9 @@ struct MeshOptions {
   [[nodiscard]] bool is_given() const { return !mesh.empty() || !scene.empty(); }
   /// The scene, of which there is one. @throws InputError as read_scene()
   [[nodiscard]] const Scene& read() const;
-  /// Says on standard error what the scene leaves out, and how it solves; of a mesh, that the material of its
-  /// file is not taken, where `set` and `material` give none.
+  /// Says on standard error what the scene leaves out, and how it solves.
   /// @param takes_linear  whether the command has --linear cg:TOLERANCE,ITERATIONS, and its methods take it
-  void remark_file(Console& console, const std::vector<std::string>& set, std::string_view material,
-                   bool takes_linear = false) const;
+  void remark_scene(Console& console, bool takes_linear = false) const;
   /// Metres in one of --unit; nothing where it is not given. @throws InputError when it is none
   [[nodiscard]] std::optional<double> metres() const;
   /// What the options say as parameters of catalogue/models/tissue_parameters.hpp. Of a scene without those
@@ -96,7 +94,7 @@ struct ProblemChoice {
   /// @throws InputError  where it gives a parameter that `option` varies
   void refuse_varied(std::string_view name, std::string_view option) const;
   /// Says on standard error which parameters of --set change nothing of the problem that came of them, and
-  /// what of the file of its body is not taken, as remark_file() has it.
+  /// what a scene leaves out, as remark_scene() has it.
   void remark_idle(Console& console, const Problem& made, bool takes_linear = false) const;
 
  private:

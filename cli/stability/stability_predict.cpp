@@ -232,7 +232,7 @@ void print_distributed_limits(DistributedEngine& engine, const PredictOptions& o
   const bool verified = options.verify;
   DistributedProblem asked;
   engine.together([&] { asked = distributed_problem(choice.id(), choice.settings()); });
-  choice.body.remark_file(console, choice.set, choice.material);
+  choice.body.remark_scene(console);
   for (const std::string& sentence : asked.remarks) console.remark(sentence);
   if (asked.body)
     for (const std::string& sentence : unusual_values(*asked.body)) console.remark(sentence);

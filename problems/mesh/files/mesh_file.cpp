@@ -76,6 +76,12 @@ std::string MeshFile::where(Eigen::Index tetrahedron) const {
   return place_in_words(name, places[t], places_are_bytes) + "tetrahedron " + std::to_string(numbers[t]);
 }
 
+std::string MeshFile::material_left_out() const {
+  if (material.empty()) return "";
+  return material + "this material is not in a mesh; give one by --set E= or --material" +
+         (format == "Vega" ? "" : ", or take the whole file by --scene");
+}
+
 std::string MeshFile::region_in_words(TetMesh::Index region) const {
   const auto named = names.find(region);
   return std::to_string(region) + (named == names.end() ? "" : " '" + named->second + "'");

@@ -49,10 +49,13 @@ struct MeshFile {
   std::vector<std::pair<std::int64_t, TetMesh::Index>> merged{};
   /// Points that no file has, each halfway between two others (ten_nodes.hpp): point, one, other.
   std::vector<std::array<TetMesh::Index, 3>> inserted{};
-  std::vector<std::string> remarks{};  ///< sentences: what of the file is not in the mesh
+  std::string material{};  ///< where the first material stands, "bar.inp, line 7: "; empty without one
+  std::vector<std::string> remarks{};  ///< sentences: what of the file is not in the mesh, but for materials
 
   /// "NAME, line 12: tetrahedron 7"
   [[nodiscard]] std::string where(Eigen::Index tetrahedron) const;
+  /// "bar.inp, line 7: this material is not in a mesh; ..."; empty without one.
+  [[nodiscard]] std::string material_left_out() const;
   /// "10", or "10 'parenchyma'"
   [[nodiscard]] std::string region_in_words(TetMesh::Index region) const;
 };

@@ -33,8 +33,7 @@ class VegaReader {
     text().require_end(false);
     set_regions();
     MeshFile file = builder_.finish(text(), "Vega");
-    if (has_materials_)
-      file.remarks.push_back(file.name + " has materials, which are not read; give them by --set");
+    file.material = material_;
     return file;
   }
 
@@ -134,7 +133,7 @@ class VegaReader {
       regions_.push_back({parts[0], where});
     } else if (same_keyword(section, "*MATERIAL")) {
       // Materials of a body are for --set and --material to say.
-      has_materials_ = true;
+      if (material_.empty()) material_ = place_in_words(text().name(), text().place(), false);
       if (list().size() < 2)
         text().fail("a material has no values; the file is cut off, so copy or export it again");
     } else {
@@ -247,7 +246,7 @@ class VegaReader {
 
   std::deque<Source> sources_;  ///< the file, and those that it includes here
   std::size_t included_ = 0;
-  bool has_materials_ = false;
+  std::string material_;
   MeshBuilder builder_;
   std::map<std::int64_t, std::size_t> elements_;  ///< by their numbers
   std::map<std::string, std::vector<std::size_t>> sets_;

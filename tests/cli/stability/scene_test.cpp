@@ -189,11 +189,11 @@ TEST(StabilityOfScenes, WarnWhereTheirMeshIsTakenWithoutTheMaterial) {
     EXPECT_EQ(done.exit_code, 0) << done.err;
     return done.err;
   };
-  const std::string warned = "the material of bar.inp, line 13 is not taken with --mesh";
+  const std::string warned = "bar.inp, line 13: this material is not in a mesh";
   EXPECT_TRUE(says(errors("stability predict --mesh bar.inp"), warned));
   EXPECT_TRUE(says(errors("stability predict --mesh bar.inp --set rho=1000"), warned));
   EXPECT_FALSE(says(errors("stability predict --mesh bar.inp --set E=1e4"), "material"));
-  EXPECT_FALSE(says(errors("stability predict --mesh bar.inp --material tissue:liver"), "of bar.inp"));
+  EXPECT_FALSE(says(errors("stability predict --mesh bar.inp --material tissue:liver"), "this material"));
   EXPECT_FALSE(says(errors("stability predict --mesh bare.inp"), "material"));
 }
 

@@ -49,7 +49,9 @@ class FebioMeshReader {
       builder_.name_group(0, ++group, name, file_.at(root_));
       for (const Index point : points) builder_.add_to_group(group, std::array{point});
     }
-    return builder_.finish(file_.at(root_), "FEBio");
+    MeshFile mesh = builder_.finish(file_.at(root_), "FEBio");
+    mesh.material = file_.place_of_first([](const XmlPart& part) { return part.type == "material"; });
+    return mesh;
   }
 
  private:

@@ -49,6 +49,10 @@ class InpMeshReader {
     set_groups();
     result_.mesh = builder_.finish(whole_, "CalculiX/Abaqus");
     for (std::int64_t& place : result_.mesh.places) place = file_.own_line(place);
+    each("MATERIAL", [&](const InpCard& card) {
+      if (std::string& first = result_.mesh.material; first.empty())
+        first = place_in_words(file_.at(card.place).name(), file_.line(card.place), false);
+    });
     result_.element_sets = std::move(elements_);
     return std::move(result_);
   }

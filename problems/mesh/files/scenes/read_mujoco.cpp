@@ -33,6 +33,7 @@ class FlexcompReader {
                                        : from_gmsh();
     place(mesh.mesh, type != "grid");
     pin(mesh);
+    mesh.material = file_.place_of_first([](const XmlPart& part) { return part.type == "elasticity"; });
     return mesh;
   }
 

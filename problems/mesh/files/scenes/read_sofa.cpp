@@ -41,6 +41,7 @@ class SofaMeshReader {
       if (part.has("youngModulus") && (part.node == state_.node || !topology_in(part.node)))
         set_regions(part);
     }
+    mesh_.material = file_.place_of_first([](const XmlPart& part) { return part.has("youngModulus"); });
     set_regions_of_nodes();
     add_points_group(mesh_, fixed_points_of_sofa, fixed_);
     return std::move(mesh_);

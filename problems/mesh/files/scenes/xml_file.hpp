@@ -1,6 +1,7 @@
 /// Scenes in XML: parts in parts, with attributes and values.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -52,6 +53,12 @@ class XmlFile {
   /// Those of its text, with blanks or commas between them.
   [[nodiscard]] std::vector<double> numbers(const XmlPart& part) const;
   /// Throws "NAME, line N: `text`".
+  /// "NAME, line N: " of the first part of a kind; empty without one.
+  template <class Is>
+  [[nodiscard]] std::string place_of_first(const Is& is) const {
+    const auto found = std::ranges::find_if(parts_, is);
+    return found == parts_.end() ? "" : place_in_words(name(), found->place, false);
+  }
   [[noreturn]] void fail(const XmlPart& part, const std::string& text) const { at(part).fail(text); }
   /// The file, for errors at a part.
   [[nodiscard]] MeshText at(const XmlPart& part) const { return values(part, {}); }
