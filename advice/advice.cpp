@@ -33,8 +33,9 @@ std::string_view name_of(AdviceStage stage) {
 
 double steps_to_meet(const AdviceRow& row, double tolerance) {
   if (std::isnan(row.error)) return 1;
+  if (row.error > 1) return 2;
   const double order = std::max(1, row.candidate.method.order);
-  return std::max(1.0, std::pow(std::min(row.error, 1.0) / tolerance, 1 / order));
+  return std::max(1.0, std::pow(row.error / tolerance, 1 / order));
 }
 
 double time_to_meet(const AdviceRow& row, double tolerance) {

@@ -92,8 +92,8 @@ struct AdviceRow : StepFindings {
   [[nodiscard]] double realtime_factor(double rate) const { return 1 / (rate * frame.p50); }
 };
 
-/// How many times as many steps meet a tolerance, from the order of the method; at least so many where the
-/// error is larger than the motion, since no order tells how it falls there.
+/// How many times as many steps a frame are to be tried for a tolerance, by the order of the method; twice as
+/// many where the error is larger than the motion: no order tells how it falls there.
 double steps_to_meet(const AdviceRow& row, double tolerance);
 
 /// About what a frame takes with so many [s].

@@ -256,8 +256,8 @@ class Search {
         analyse();
         search_steps();
         if (question_.least_error) spend_budgets();
-        if (is_suitable(advice_.rows.front())) verify_best();
-        if (is_suitable(advice_.rows.front())) {
+        if (suits()) verify_best();
+        if (suits()) {
           look_at_other_model();
           enter(AdviceStage::observing, 0.9, "timing other methods");
           time_rows(Timed::others, advice_.rows, question_, *model_, watch_);
@@ -361,30 +361,33 @@ class Search {
     };
   }
 
-  /// In the order of the first answer, which is that of AnalysedModel::limits. A row that takes more than a
-  /// third of the time that is left waits until the others are searched.
+  /// In the order of the first answer, which is that of AnalysedModel::limits. A row that takes more than
+  /// half of the time that is left waits until the others are searched. Where none suits that is half of the
+  /// time for trying, so that most is left to a method that needs it.
   void search_steps() {
     std::vector<AdviceRow> rows = advice_.rows;
     std::erase_if(rows, [](const AdviceRow& row) { return row.verdict != AdviceVerdict::predicted; });
     std::vector<std::size_t> waiting;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const bool is_only = i + 1 == rows.size() && waiting.empty();
-      if (!search_row(rows[i], i, rows.size(), is_only ? 1 : 1.0 / 3)) waiting.push_back(i);
+      const double end = suits() ? time_of_search : is_only ? 1 : time_of_trying;
+      if (!search_row(rows[i], i, rows.size(), end, is_only ? 1 : 0.5)) waiting.push_back(i);
     }
     for (const std::size_t i : waiting) {
-      if (search_row(rows[i], i, rows.size(), 1)) continue;
+      if (search_row(rows[i], i, rows.size(), suits() ? time_of_search : 1, 1)) continue;
       // What was found so far is verified in the time that is left.
-      if (!is_suitable(advice_.rows.front())) throw OutOfTime{};
+      if (!suits()) throw OutOfTime{};
       advice_.out_of_time = true;
       return;
     }
   }
 
-  /// One of so many rows, for a part of the time that is left for all.
+  [[nodiscard]] bool suits() const { return is_suitable(advice_.rows.front()); }
+
+  /// One of so many rows, for a part of the time that is left before a share of all is over.
   /// @returns whether that sufficed
-  bool search_row(AdviceRow row, std::size_t i, std::size_t rows, double part) {
+  bool search_row(AdviceRow row, std::size_t i, std::size_t rows, double end, double part) {
     const std::string words = row.candidate.words();
-    const double end = is_suitable(advice_.rows.front()) ? time_of_search : 1;
     if (time_.spent() > end) return false;
     try {
       enter(AdviceStage::searching, 0.3 + 0.4 * static_cast<double>(i) / static_cast<double>(rows),
@@ -496,6 +499,8 @@ class Search {
 
   /// Of all, from the first row that suits on.
   static constexpr double time_of_search = 0.6;
+  /// Of all, as long as none suits, for rows that may wait.
+  static constexpr double time_of_trying = 1.0 / 3;
 
   const Problem& problem_;
   const AdviceQuestion& question_;

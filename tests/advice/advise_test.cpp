@@ -45,7 +45,7 @@ TEST(TimeToMeet, TakesAsManyMoreStepsAsTheOrderSays) {
   // A step that leaves the motion by many times its size may follow it when halved: vertex block descent
   // does.
   row.error = 49;
-  EXPECT_NEAR(time_to_meet(row, 0.5), 2 * 2e-3, 1e-15);
+  EXPECT_EQ(time_to_meet(row, 0.01), 2 * 2e-3);
 }
 
 /// The same question to the processor and to a device, here programs of devices on the processor.
@@ -397,7 +397,9 @@ TEST(Advise, PredictsLimitsThatNoModeTells) {
   // of rows beyond the four best, which are the machine's, stay pending.
   const Problem problem = cube("press");
   for (const char* method : {"imex_euler", "linearly_implicit_euler"}) {
-    const Advice advice = advise(problem, question(100, {method}, problem));
+    AdviceQuestion asked = question(100, {method}, problem);
+    asked.budget = 10;  // no row is too slow on any machine
+    const Advice advice = advise(problem, asked);
     ASSERT_FALSE(advice.rows.empty()) << method;
     EXPECT_FALSE(advice.rows.front().limit_pending) << method;
     for (const AdviceRow& row : advice.rows) {
