@@ -12,13 +12,13 @@ namespace hmax {
 
 namespace {
 
-/// What lies outside is a slip in units rather than tissue: E from fat to bone, densities from inflated lung
-/// to bone, skins up to soft ligaments, bodies from an insect to a man.
+/// What lies outside is a slip in units rather than a body: E and densities from fat and inflated lung to
+/// instruments of steel, fibres up to bone, skins up to soft ligaments, sizes from an insect to a man.
 struct Usual {
   const char *name, *unit, *hint;
   double least, most;
 };
-constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e10};
+constexpr Usual usual_young{"E", "Pa", "5.5 kPa are 5500 Pa", 50, 5e11};
 constexpr Usual usual_fibres{"fibre_E", "Pa", "20 kPa are 20000 Pa", 50, 5e10};
 constexpr Usual usual_density{"rho", "kg/m^3", "1.06 g/cm^3 are 1060 kg/m^3", 50, 1e4};
 constexpr Usual usual_density_from_mass{"the density that mass and mesh make", "kg/m^3",
@@ -36,7 +36,7 @@ std::string rounded(const BodySummary::Span& span) {
 
 void judge(const Usual& usual, double value, std::vector<std::string>& sentences) {
   if (value >= usual.least && value <= usual.most) return;
-  sentences.push_back(fmt::format("{} is {} {}, and tissue has {} to {} {}; {}", usual.name, rounded(value),
+  sentences.push_back(fmt::format("{} is {} {}, usual are {} to {} {}; {}", usual.name, rounded(value),
                                   usual.unit, rounded(usual.least), rounded(usual.most), usual.unit,
                                   usual.hint));
 }

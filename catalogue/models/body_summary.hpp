@@ -58,9 +58,9 @@ double slowed_by(double added_share);
 /// "E 5500 Pa, nu 0.45, 1060 kg/m^3; 1.52 kg in a box of 220 x 148 x 160 mm; 12 of 181 nodes fixed".
 std::string in_words(const BodySummary& summary);
 
-/// A sentence for each value that no tissue has, as slips in units make them, with the unit that is expected;
-/// and where mass scaling changes the body, linear tetrahedra lock, or the weight is more than the model
-/// carries.
+/// A sentence for each value that no tissue and no tool has, as slips in units make them, with the unit that
+/// is expected; and where mass scaling changes the body, linear tetrahedra lock, or the weight is more than
+/// the model carries.
 std::vector<std::string> unusual_values(const BodySummary& summary);
 
 }  // namespace hmax
