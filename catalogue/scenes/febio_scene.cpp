@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -21,7 +22,9 @@ namespace {
 class FebioSceneReader {
  public:
   FebioSceneReader(const XmlFile& file, SceneBuilder& builder)
-      : file_(file), builder_(builder), mesh_(febio_mesh(file)) {}
+      : file_(file), builder_(builder), mesh_(febio_mesh(file)) {
+    for (const MeshGroup& group : mesh_.groups) sets_.emplace(group.name, &group);
+  }
 
   void read() {
     const XmlPart& root = file_.parts().front();
@@ -171,6 +174,25 @@ class FebioSceneReader {
   double amplitude_of(const XmlPart& part) {
     const std::string_view called = part.tag.attribute("lc");
     if (called.empty() || called == "0") return 1;
+    const auto& [controller, steady] = controller_of(part, called);
+    if (steady) return *steady;
+    refuse(
+        "lc", part,
+        fmt::format("{} follows the load controller {} of line {}, which changes with time, and loads here "
+                    "are steady; write the load at the time that you ask for, without it",
+                    part.type, called, controller->place));
+    return 1;
+  }
+
+  /// A load controller, and its value where it has one at all times.
+  struct Controller {
+    const XmlPart* part;
+    std::optional<double> steady;
+  };
+
+  /// Of an id that a part names. Each is read once, as all loads of a file may follow one.
+  const Controller& controller_of(const XmlPart& part, std::string_view called) {
+    if (const auto known = controllers_.find(called); known != controllers_.end()) return known->second;
     const auto controller = std::ranges::find_if(file_.parts(), [&](const XmlPart& each) {
       return each.type == "load_controller" && each.tag.attribute("id") == called;
     });
@@ -184,13 +206,10 @@ class FebioSceneReader {
           file_.fail(each, "a point of a load curve is not a time and a value; correct it");
         values.insert(pair[1]);
       }
-    if (controller->tag.attribute("type") == "loadcurve" && values.size() == 1) return *values.begin();
-    refuse(
-        "lc", part,
-        fmt::format("{} follows the load controller {} of line {}, which changes with time, and loads here "
-                    "are steady; write the load at the time that you ask for, without it",
-                    part.type, called, controller->place));
-    return 1;
+    const bool is_steady = controller->tag.attribute("type") == "loadcurve" && values.size() == 1;
+    return controllers_
+        .emplace(called, Controller{&*controller, is_steady ? std::optional(*values.begin()) : std::nullopt})
+        .first->second;
   }
 
   [[nodiscard]] bool is_in(const XmlPart& part, const XmlPart& outer) const {
@@ -248,11 +267,11 @@ class FebioSceneReader {
     if (number(load, "relative").value_or(0) != 0)
       refuse("relative", load, "a relative nodal_load adds to that of an earlier step, and one step is read");
     const std::string_view called = load.tag.attribute("node_set");
-    const auto set = std::ranges::find(mesh_.groups, called, &MeshGroup::name);
-    if (set == mesh_.groups.end())
+    const auto set = sets_.find(called);
+    if (set == sets_.end())
       file_.fail(load,
                  fmt::format("there is no NodeSet {}; define it, or correct the name", in_quotes(called)));
-    for (const TetMesh::Index corner : set->corners)
+    for (const TetMesh::Index corner : set->second->corners)
       builder_.add_force(mesh_.point_numbers[static_cast<std::size_t>(corner)], force);
   }
 
@@ -260,9 +279,7 @@ class FebioSceneReader {
     const XmlPart* const part = file_.first(parent, type);
     if (!part) return std::nullopt;
     const std::vector<double> values = file_.numbers(*part);
-    const bool has_parts =
-        std::ranges::any_of(file_.parts(), [&](const XmlPart& inner) { return file_.parent(inner) == part; });
-    if (values.size() != 1 || has_parts)
+    if (values.size() != 1 || !file_.within(*part).empty())
       file_.fail(*part, fmt::format("{} is not one number; correct it", type));
     return values.front();
   }
@@ -335,18 +352,17 @@ class FebioSceneReader {
   }
 
   void set_supports() {
-    const auto has = [&](std::string_view called) {
-      return std::ranges::find(mesh_.groups, called, &MeshGroup::name) != mesh_.groups.end();
-    };
-    if (has(febio_otherwise_held))
+    if (sets_.contains(febio_otherwise_held))
       builder_.refuse("Boundary", file_.name() + ": ",
                       "a node is not fixed in x, y and z alone, the only way that is read");
-    builder_.set_support(has(febio_held) ? febio_held : "");
+    builder_.set_support(sets_.contains(febio_held) ? febio_held : "");
   }
 
   const XmlFile& file_;
   SceneBuilder& builder_;
   MeshFile mesh_;
+  std::map<std::string_view, const MeshGroup*> sets_;  ///< of mesh_, by name
+  std::map<std::string_view, Controller> controllers_;
   const XmlPart *control_ = nullptr, *solver_ = nullptr;
   std::size_t regions_ = 0;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tests/catalogue/scenes/scene_files.hpp"
+#include "tests/growth_of_time.hpp"
 
 namespace hmax {
 namespace {
@@ -137,6 +138,26 @@ TEST_F(FebioScenes, JudgeTheStepThatATimeStepperBeginsWith) {
                                    "<dtmax lc=\"1\">0.4</dtmax></time_stepper><solver"));
   EXPECT_EQ(scene.step, 0.1);
   EXPECT_TRUE(says(scene.notes.front(), "the step that is judged is step_size, and dtmax is 0.4"));
+}
+
+/// Each of a set of its own, by one load curve.
+TEST_F(FebioScenes, OfManyLoadsAreReadInProportionToThem) {
+  const auto load = [&](int n) {
+    std::string sets, loads;
+    for (int i = 0; i < n; ++i) {
+      sets += fmt::format("<NodeSet name=\"n{}\">14</NodeSet>\n", i);
+      loads += fmt::format(
+          "<nodal_load type=\"nodal_load\" node_set=\"n{}\"><dof>z</dof><scale "
+          "lc=\"1\">1</scale><relative>0</relative></nodal_load>\n",
+          i);
+    }
+    const std::string text =
+        changed("<Boundary>", "<Loads>" + loads +
+                                  "</Loads><LoadData><load_controller id=\"1\" type=\"loadcurve\"><points>"
+                                  "<pt>0,2</pt></points></load_controller></LoadData><Boundary>");
+    EXPECT_EQ(value(read(replaced(text, "</Mesh>", sets + "</Mesh>")), "force_z:points:14"), 2 * n);
+  };
+  EXPECT_LT(growth_of_time(load, 1000), 8);
 }
 
 /// FEBio subtracts body loads; nodal loads push each point of the set.
