@@ -32,7 +32,7 @@ class MpirunSweep : public testing::Test {
     if (!is_built_with("OpenMPI")) GTEST_SKIP() << "this build has no MPI: libopenmpi-dev was missing";
     if (!starts_two_processes()) GTEST_SKIP() << "mpirun starts no two processes here";
   }
-  [[nodiscard]] Told line(const std::string& command) const { return shell.line(as_root + command); }
+  [[nodiscard]] Told line(const std::string& command) const { return shell.line(with_mpi + command); }
   [[nodiscard]] Told two(const std::string& arguments) const {
     return line("timeout 180 " + on_two + arguments);
   }

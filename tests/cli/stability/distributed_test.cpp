@@ -104,8 +104,8 @@ class Distributed : public testing::Test {
   /// `--engine petsc` on so many processes.
   [[nodiscard]] Told petsc(int ranks, const std::string& rest) const {
     const std::string command = "stability predict --engine petsc " + rest;
-    return ranks == 1 ? shell.hmax(command)
-                      : shell.line(as_root + "timeout 180 " + mpirun_two + HMAX_PROGRAM " " + command);
+    return shell.line(with_mpi + (ranks == 1 ? "hmax " : "timeout 180 " + mpirun_two + HMAX_PROGRAM " ") +
+                      command);
   }
 
   void expect_as_built_in(int ranks, const std::string& rest) const {
