@@ -150,18 +150,26 @@ bool alike(const std::string& told, const std::string& shown) {
   });
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 /// Whether what a command prints depends on the machine: which method is fastest does. Only the first line is
-/// compared.
+/// compared, which stands behind a first answer where the machine is slow.
 bool measures(const std::string& command) {
   return command.starts_with("hmax sweep") || command.starts_with("hmax precision") ||
          command.starts_with("hmax advise");
 }
 
 bool is_as_shown(const std::string& told, const Shown& shown) {
-  return measures(shown.command) && !shown.is_list ? alike(first_line(told), first_line(shown.output))
-                                                   : alike(told, shown.output);
+  if (!measures(shown.command) || shown.is_list || told.empty()) return alike(told, shown.output);
+  const std::string head = first_line(shown.output);
+  return std::ranges::any_of(lines_of(told), [&](const std::string& line) { return alike(line, head); });
 }
 
 /// Writes a page with `outputs` in the places of what it shows.
@@ -222,13 +230,6 @@ TEST(Readme, EveryCommandAndOptionListOfTheReferencePrintsWhatIsShown) {
 }
 
 std::filesystem::path reference() { return std::filesystem::path(HMAX_SOURCE_DIR) / "docs/reference"; }
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
 
 /// A page that describes a group of options once for all commands.
 struct SharedGroup {
