@@ -346,14 +346,18 @@ std::string words_of_missing(const Advice& advice, bool interrupted) {
   return ended + others;
 }
 
-/// What is likely to be the answer where nothing was run to its end.
-std::string words_of_prediction(const AdviceRow& row, const AdviceQuestion& question) {
-  if (row.verdict != AdviceVerdict::predicted) return {};
+/// What is likely to be the answer where nothing was run to its end: no row whose single steps take more than
+/// a frame may.
+std::string words_of_prediction(const Advice& advice, const AdviceQuestion& question) {
+  const auto row = std::ranges::find_if(advice.rows, [&](const AdviceRow& each) {
+    return each.verdict == AdviceVerdict::predicted && !(each.expected_frame > question.frame_budget());
+  });
+  if (row == advice.rows.end()) return {};
   return fmt::format("Predicted, not run: {} with h = {} ms, {} per frame{}. Take a longer --within",
-                     row.candidate.words(), milliseconds(row.h, 4), counted(row.steps_per_frame, "step"),
-                     std::isnan(row.expected_frame)
+                     row->candidate.words(), milliseconds(row->h, 4), counted(row->steps_per_frame, "step"),
+                     std::isnan(row->expected_frame)
                          ? ""
-                         : fmt::format(", at least {} of {} ms per frame", milliseconds(row.expected_frame),
+                         : fmt::format(", at least {} of {} ms per frame", milliseconds(row->expected_frame),
                                        milliseconds(question.frame_budget())));
 }
 
@@ -444,7 +448,7 @@ AdviceText words_of(const Problem& problem, const AdviceQuestion& question, cons
     add_margins(text.facts, problem, *best, advice);
   } else if (!missing.empty() && advice.stage < AdviceStage::remedies) {
     text.answer = missing;
-    if (!advice.rows.empty()) text.help = words_of_prediction(advice.rows.front(), question);
+    text.help = words_of_prediction(advice, question);
   } else {
     text.answer = "no method that was tried meets this";
     text.help = words_of_nearest(advice, question) + words_of_help(advice, interrupted);

@@ -106,6 +106,12 @@ TEST(AdviceWords, TellOfNoMoreThanAPredictionWhereNothingWasRun) {
             "longer --within");
   EXPECT_EQ(text.motion, "no motion was run");
   EXPECT_EQ(text.table.at(1).at(6), ">= 2");
+  // Steps that take longer than a frame may are not what a longer run would find.
+  advice.rows.insert(advice.rows.begin(), advice.rows.front());
+  advice.rows.front().expected_frame = 11e-3;
+  EXPECT_EQ(words_of(problem, question, advice, false).help, text.help);
+  advice.rows.pop_back();
+  EXPECT_EQ(words_of(problem, question, advice, false).help, "");
 }
 
 TEST(AdviceWords, SetWhatIsShownOfTheMaterialBesideTheFastestThatShowsAnother) {
