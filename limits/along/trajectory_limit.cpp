@@ -35,12 +35,16 @@ namespace {
 
 std::string four_digits(double value) { return fmt::format("{:.4g}", value); }
 
-/// The modes of a tangent, of large bodies by the ends of its spectrum.
-ModeSet modes_along(const Problem& problem, const OperatingPoint& point) {
-  const LinearModel& model = point.model;
+/// The modes of a tangent, of large bodies by the ends of its spectrum. Close to rest it commutes with its
+/// damping to rounding and is no multiple of it: such damping is taken for general.
+ModeSet modes_along(const Problem& problem, OperatingPoint& point) {
+  LinearModel& model = point.model;
   if (!problem.body || problem.body->dofs() <= small_enough_for_dense) return mode_set(model, point.is_body);
   ModeSet modes;
-  if (!set_curve(model, modes, small_enough_for_dense) && !set_range(model, modes, small_enough_for_dense))
+  if (set_curve(model, modes, small_enough_for_dense)) return modes;
+  if (model.mechanical && model.mechanical->damping == Damping::proportional)
+    model.mechanical->damping = Damping::general;
+  if (!set_range(model, modes, small_enough_for_dense))
     throw input_error(
         "the stiffness of this body is not symmetric along its path, and all modes of {} degrees of freedom "
         "together are too many; take a smaller mesh, or a load that does not move",

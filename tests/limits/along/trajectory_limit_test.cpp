@@ -182,6 +182,25 @@ TEST(LimitUnderALoad, SeesThatABodyBuckles) {
   EXPECT_EQ(limits[0]->least, std::min(limits[0]->h_max[0], limits[0]->h_max[1]));
 }
 
+/// Between tangents that are a multiple of the damping and those that do not commute with it.
+TEST(LimitUnderALoad, IsKnownHoweverCloseToRest) {
+  const Problem problem = cube("fem_green", {{"beta", 0.01}});
+  ASSERT_GT(problem.body->dofs(), small_enough_for_dense);
+  const Eigen::Index n = problem.body->dofs();
+  Path path;
+  for (double share = 1e-3; share > 1e-15; share /= 4) {
+    path.at.push_back(static_cast<double>(path.at.size()));
+    path.y.push_back(problem.y0);
+    path.y.back().head(n) = 1e-3 * share * Eigen::VectorXd::LinSpaced(n, -1, 1).array().sin().matrix();
+  }
+  const std::vector<Method> methods{find_method("rk4"), find_method("symplectic_euler")};
+  const auto limits = limits_along(methods, problem, path);
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    const double at_rest = predict(methods[i], linearised(problem)).h_max.value();
+    for (const double h : limits[i]->h_max) EXPECT_NEAR(h, at_rest, 1e-3 * at_rest) << methods[i].id;
+  }
+}
+
 TEST(LimitUnderALoad, IsBelowThatOfAllEigenvaluesWhereDampingCouplesManyModes) {
   const Problem problem = cube("mass_spring/press", {{"damper", 0.01}});
   const std::vector<Method> methods{find_method("rk4")};
