@@ -162,7 +162,7 @@ void time_rows(Timed which, std::vector<AdviceRow>& rows, const AdviceQuestion& 
         row.candidate, model.motion, model.reference, question.frame(), row.steps_per_frame,
         {.frames = question.frames, .budget = question.frame_budget(), .with_repeats = infinity}, watcher);
     record(row, run, row.steps_per_frame, question, model);
-    describe_step(row, model, watcher);
+    describe_step(row, model);
     if (is_timed(row) || (is_late(row.missed, row.frames) && lengthen_step(row))) return;
     row.verdict = AdviceVerdict::too_slow;
     row.bound = AdviceBound::budget;
@@ -422,9 +422,6 @@ class Search {
       }
     } catch (const OutOfTime&) {  // what suffices stays
     }
-    until_ = 1;
-    for (AdviceRow& row : advice_.rows)
-      if (is_suitable(row) && row.damping_added.empty()) describe_step(row, *model_, watch_);
   }
 
   void verify_best() {
@@ -442,6 +439,7 @@ class Search {
     enter(AdviceStage::observing, 0.88, "how sure the limit is");
     if (make_ && std::isfinite(rows.front().h_max))
       advice_.bands = limit_bands(rows.front().candidate.method, problem_, changed_state(), make_);
+    tell_margin(rows.front(), 0.885);
   }
 
   /// Where elements are inverted, or loads are too large for this model: what one does that resists.
@@ -476,7 +474,15 @@ class Search {
   void observe_others() {
     std::vector<AdviceRow>& rows = advice_.rows;
     for (std::size_t i = 1; i < rows.size(); ++i)
-      observe(rows[i], 0.92 + 0.08 * static_cast<double>(i) / static_cast<double>(rows.size()));
+      observe(rows[i], 0.92 + 0.07 * static_cast<double>(i) / static_cast<double>(rows.size()));
+    for (std::size_t i = 1; i < rows.size(); ++i) tell_margin(rows[i], 0.99);
+  }
+
+  /// Of rows that suit, once they are all run: of frozen Jacobians it takes longer than the run.
+  void tell_margin(AdviceRow& row, double share) {
+    if (!is_suitable(row)) return;
+    enter(AdviceStage::observing, share, "how much stiffer the model may be with " + row.candidate.words());
+    row.stiffening = stiffening_margin(row.candidate, row.h_max, *model_, row.h, watch_);
   }
 
   /// Of rows that suit: nobody takes the others, and some take a million steps.

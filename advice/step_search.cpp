@@ -68,9 +68,7 @@ class StepSearch {
     // What is known of the limit stays true.
     if (shorter.status.empty()) shorter.status = row.status;
     row = shorter;
-    row.damping_added.clear();
-    row.frequency_shift.clear();
-    row.stiffening = AdviceRow::none;
+    describe_step(row, model_);
     return true;
   }
 
@@ -223,7 +221,7 @@ bool is_suitable(const AdviceRow& row) {
          row.verdict == AdviceVerdict::tie;
 }
 
-void describe_step(AdviceRow& row, const AnalysedModel& model, const Watcher& watcher) {
+void describe_step(AdviceRow& row, const AnalysedModel& model) {
   const auto& amplification = row.candidate.method.amplification;
   row.damping_added.clear();
   row.frequency_shift.clear();
@@ -233,7 +231,6 @@ void describe_step(AdviceRow& row, const AnalysedModel& model, const Watcher& wa
     row.damping_added.push_back(shown.zeta - zeta);
     row.frequency_shift.push_back(shown.omega / omega - 1);
   }
-  if (is_suitable(row)) row.stiffening = stiffening_margin(row.candidate, row.h_max, model, row.h, watcher);
 }
 
 void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuestion& question,
@@ -250,7 +247,7 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
   StepSearch(question, model, watcher)(row);
   row.memory = peak_memory();
   if (row.status.empty()) row.status = limit.status;
-  describe_step(row, model, watcher);
+  describe_step(row, model);
 }
 
 bool halve_step(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
@@ -270,7 +267,7 @@ bool settle_limit(AdviceRow& row, const AdviceQuestion& question, const Analysed
   row.h_max = limit.h_max;
   row.h_max_of_start = limit.of_start;
   if (row.status.empty()) row.status = limit.status;
-  describe_step(row, model, watcher);
+  describe_step(row, model);
   return false;
 }
 

@@ -27,8 +27,8 @@ void record(AdviceRow& row, const MotionRun& run, std::int64_t steps, const Advi
 
 bool is_suitable(const AdviceRow& row);
 
-/// What follows from the step: what it adds to the slowest modes, and how much stiffer the model may become.
-void describe_step(AdviceRow& row, const AnalysedModel& model, const Watcher& watcher);
+/// What the step adds to the slowest modes.
+void describe_step(AdviceRow& row, const AnalysedModel& model);
 
 /// Searches the step of a row, from the longest one below the limit on; where the limit is pending, below
 /// that of the first answer, or from a whole frame on. Few late frames may be the machine's: the timing of
@@ -37,7 +37,7 @@ void search_step(AdviceRow& row, const CandidateLimit& limit, const AdviceQuesti
                  const AnalysedModel& model, const Watcher& watcher);
 
 /// Halves the step of a row that suits, where that fits into four fifths of the budget and lowers the error
-/// by a tenth at least. What describe_step() tells is then to be told again.
+/// by a tenth at least.
 /// @returns whether it did; else AdviceRow::bound says why not
 bool halve_step(AdviceRow& row, const AdviceQuestion& question, const AnalysedModel& model,
                 const Watcher& watcher);

@@ -392,6 +392,24 @@ TEST(Advise, TellsHowFarAFrozenJacobianReaches) {
   EXPECT_GT(frozen->stiffening * advice.stiffened, 2);
 }
 
+// The margins of frozen Jacobians of a damped body took the time of the rows that were not run yet.
+TEST(Advise, RunsEachMethodBeforeItTellsMargins) {
+  const Problem problem = cube("press");
+  struct Ended {};
+  Advice advice;
+  const AdviceWatcher watcher = [](double, const std::string& what) {
+    if (what.starts_with("how much stiffer")) throw Ended{};
+  };
+  EXPECT_THROW(
+      advise(problem, question(100, {"linearly_implicit_euler", "newmark"}, problem), advice, watcher, {}),
+      Ended);
+  ASSERT_NE(advice.recommended(), nullptr);
+  for (const AdviceRow& row : advice.rows) {
+    EXPECT_NE(row.verdict, AdviceVerdict::predicted) << row.candidate.words();
+    EXPECT_TRUE(std::isnan(row.stiffening)) << row.candidate.words();
+  }
+}
+
 TEST(Advise, PredictsLimitsThatNoModeTells) {
   // Under load the stiff part and the rest of a body have no common modes. Of each method alone, since limits
   // of rows beyond the four best, which are the machine's, stay pending.
